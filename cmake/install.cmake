@@ -1,0 +1,42 @@
+# Installing: the libraries, their headers, a CMake package and pkg-config files, the program. Each library is an export
+# of its own, so that a user of svocl::svocl needs OpenCL and nothing that svocl::gl or svocl::io stand on.
+include(CMakePackageConfigHelpers)
+set(svocl_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/svocl)
+set(svocl_pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+# The way from the pkg-config files up to the prefix: the installed tree can be moved.
+string(REGEX REPLACE "[^/]+" ".." svocl_pkgconfig_to_prefix ${svocl_pkgconfig_dir})
+
+# svocl_install_library(target component name): installs target as svocl::component with svocl-component.cmake and
+# name.pc.
+function(svocl_install_library target component name)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${component} VERSION ${PROJECT_VERSION}
+                                             SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  install(
+    TARGETS ${target}
+    EXPORT ${name}
+    INCLUDES
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT ${name} NAMESPACE svocl:: FILE svocl-${component}.cmake DESTINATION ${svocl_package_dir})
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${svocl_pkgconfig_dir})
+endfunction()
+
+svocl_install_library(svocl svocl svocl)
+if(SVOCL_GL)
+  svocl_install_library(svocl_gl gl svocl-gl)
+endif()
+if(SVOCL_IO)
+  svocl_install_library(svocl_io io svocl-io)
+endif()
+
+install(
+  DIRECTORY include/svocl
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING
+  PATTERN "*.h")
+configure_package_config_file(cmake/svocl-config.cmake.in ${PROJECT_BINARY_DIR}/svocl-config.cmake
+                              INSTALL_DESTINATION ${svocl_package_dir})
+# Before 1.0 a minor version may change the API.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/svocl-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/svocl-config.cmake ${PROJECT_BINARY_DIR}/svocl-config-version.cmake
+        DESTINATION ${svocl_package_dir})

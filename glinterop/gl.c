@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svo_gl: one OpenCL device and one OpenGL context as a front end. Decides which way of rasterizing and which share path
+ * are used, and hands the fragment list over.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "frontend.h"
+#include "raster.h"
+#include "selftest.h"
+#include "share.h"
+
+#define REASON_BYTES 512
+#define RASTERS      3
+#define SHARES       4
+
+struct svo_gl {
+    svo_device *device;
+    svo_gl_context *context;
+    svo_gl_raster raster_choice;
+    svo_gl_share share_choice;
+    char raster_reasons[RASTERS][REASON_BYTES];
+    char share_reasons[SHARES][REASON_BYTES];
+    svo_i_raster *raster;
+    svo_frontend frontend;
+};
+
+const char *svo_gl_raster_name(svo_gl_raster raster)
+{
+    static const char *const names[RASTERS] = {"auto", "gl-expand", "gl-hw"};
+    return raster < RASTERS ? names[raster] : "unknown";
+}
+
+const char *svo_gl_share_name(svo_gl_share share)
+{
+    static const char *const names[SHARES] = {"auto", "sharing", "host", "copy"};
+    return share < SHARES ? names[share] : "unknown";
+}
+
+const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
+{
+    return raster < RASTERS ? gl->raster_reasons[raster] : "unknown";
+}
+
+const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share)
+{
+    return share < SHARES ? gl->share_reasons[share] : "unknown";
+}
+
+svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl)
+{
+    return gl->raster_choice;
+}
+
+svo_gl_share svo_gl_chosen_share(const svo_gl *gl)
+{
+    return gl->share_choice;
+}
+
+svo_frontend *svo_gl_frontend(svo_gl *gl)
+{
+    return &gl->frontend;
+}
+
+/* Hardware-conservative rasterization, where the extension exists and the self-test passes; NULL and a reason if not. */
+static svo_i_raster *try_hardware(svo_gl *gl, bool no_int64)
+{
+    char *reason = gl->raster_reasons[SVO_GL_RASTER_HW];
+    const char *missing = "";
+    const svo_i_conservative way = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
+    if (way == SVO_I_CONSERVATIVE_EXPAND) {
+        memcpy(reason, missing, strlen(missing) + 1);
+        return NULL;
+    }
+    svo_i_raster *raster = NULL;
+    if (svo_i_raster_create(gl->device, gl->context, way, no_int64, &raster) != SVO_OK) {
+        memcpy(reason, gl->device->message.text, REASON_BYTES - 1);
+        return NULL;
+    }
+    svo_i_raster_selftest(gl->device, gl->context, raster, reason, REASON_BYTES);
+    if (reason[0] != '\0') {
+        svo_i_raster_destroy(&raster);
+    }
+    return raster;
+}
+
+static svo_status choose_raster(svo_gl *gl, const svo_gl_options *options)
+{
+    const bool no_int64 = options->no_int64 != 0;
+    svo_i_raster *hardware = try_hardware(gl, no_int64);
+    if (options->raster == SVO_GL_RASTER_HW && hardware == NULL) {
+        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: gl-hw does not work: %s",
+                                 gl->raster_reasons[SVO_GL_RASTER_HW]);
+    }
+    if (hardware != NULL && options->raster != SVO_GL_RASTER_EXPAND) {
+        gl->raster = hardware;
+        gl->raster_choice = SVO_GL_RASTER_HW;
+        return SVO_OK;
+    }
+    svo_i_raster_destroy(&hardware);
+    gl->raster_choice = SVO_GL_RASTER_EXPAND;
+    return svo_i_raster_create(gl->device, gl->context, SVO_I_CONSERVATIVE_EXPAND, no_int64, &gl->raster);
+}
+
+static svo_status choose_share(svo_gl *gl, svo_gl_share asked)
+{
+    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
+        svo_i_share_probe(gl->device, gl->context, share, gl->share_reasons[share], REASON_BYTES);
+    }
+    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
+        const bool works = gl->share_reasons[share][0] == '\0';
+        if (asked == share && !works) {
+            return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: share %s does not work: %s",
+                                     svo_gl_share_name(share), gl->share_reasons[share]);
+        }
+        if (works && (asked == share || asked == SVO_GL_SHARE_AUTO)) {
+            gl->share_choice = share;
+            return SVO_OK;
+        }
+    }
+    return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: no share path works: %s",
+                             gl->share_reasons[SVO_GL_SHARE_COPY]);
+}
+
+static svo_status prepare(void *self, const svo_plan *plan)
+{
+    svo_gl *gl = self;
+    svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
+    if (status == SVO_OK) {
+        status = svo_i_raster_prepare(gl->raster, plan);
+        svo_i_gl_context_release_current(gl->context);
+    }
+    return status;
+}
+
+/* A shared buffer for each chunk, given to GL. */
+static svo_status make_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                              svo_i_fragment_list *list)
+{
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        svo_i_fragments *chunk = &list->chunks[i];
+        svo_i_share_buffer *shared = calloc(1, sizeof *shared);
+        if (shared == NULL) {
+            return svo_i_device_fail(gl->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                     layout->chunk_count);
+        }
+        chunk->owner = shared;
+        chunk->capacity = layout->chunks[i].capacity;
+        const size_t bytes = (size_t)chunk->capacity * svo_i_plan_fragment_bytes(plan);
+        svo_status status =
+            svo_i_share_buffer_create(gl->device, gl->context, gl->share_choice, bytes > 0 ? bytes : 4, shared);
+        if (status == SVO_OK) {
+            chunk->buffer = shared->memory;
+            status = svo_i_share_buffer_to_gl(shared, queue);
+        }
+        if (status != SVO_OK) {
+            return status;
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, svo_i_fragment_list *list)
+{
+    uint32_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
+    if (needed == NULL) {
+        return svo_i_device_fail(gl->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
+                                 layout->chunk_count);
+    }
+    svo_status status = SVO_OK;
+    for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
+        svo_i_share_buffer_bind(list->chunks[i].owner, SVO_I_RASTER_FRAGMENTS);
+        status = svo_i_raster_draw(gl->raster, plan, layout, i);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_raster_finish(gl->raster, layout->chunk_count, needed);
+    }
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        list->chunks[i].needed = needed[i];
+    }
+    free(needed);
+    return status;
+}
+
+/* Gives the written part of each chunk to OpenCL. */
+static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_fragment_list *list)
+{
+    svo_status status = SVO_OK;
+    for (uint32_t i = 0; i < list->chunk_count && status == SVO_OK; ++i) {
+        const svo_i_fragments *chunk = &list->chunks[i];
+        const uint64_t held = chunk->needed < chunk->capacity ? chunk->needed : chunk->capacity;
+        status = svo_i_share_buffer_to_cl(chunk->owner, (size_t)held * svo_i_plan_fragment_bytes(plan), queue);
+    }
+    return status;
+}
+
+static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms)
+{
+    svo_gl *gl = self;
+    svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    double start_ms = svo_i_now_ms();
+    status = make_chunks(gl, plan, layout, queue, list);
+    if (status == SVO_OK) {
+        status = svo_i_raster_upload(gl->raster, plan, layout->chunk_count);
+    }
+    *transfer_ms = svo_i_now_ms() - start_ms;
+    start_ms = svo_i_now_ms();
+    if (status == SVO_OK) {
+        status = draw_chunks(gl, plan, layout, list);
+    }
+    *voxelize_ms = svo_i_now_ms() - start_ms;
+    start_ms = svo_i_now_ms();
+    if (status == SVO_OK) {
+        status = hand_over(plan, queue, list);
+    }
+    *transfer_ms += svo_i_now_ms() - start_ms;
+    svo_i_raster_drop(gl->raster);
+    svo_i_gl_context_release_current(gl->context);
+    return status;
+}
+
+static void release(void *self, svo_i_fragment_list *list)
+{
+    (void)self;
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        if (list->chunks[i].owner != NULL) {
+            svo_i_share_buffer_destroy(list->chunks[i].owner);
+            free(list->chunks[i].owner);
+        }
+    }
+    list->chunk_count = 0;
+}
+
+static svo_status check_options(svo_device *device, const svo_gl_options *options)
+{
+    if (options->struct_size != sizeof *options) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: options.struct_size is %zu, not %zu",
+                                 options->struct_size, sizeof *options);
+    }
+    if ((unsigned)options->raster >= RASTERS || (unsigned)options->share >= SHARES) {
+        return svo_i_device_fail(
+            device, SVO_INVALID_ARGUMENT,
+            "svo_gl_create: options.raster %d is not in 0 .. %d or options.share %d not in 0 .. %d",
+            (int)options->raster, RASTERS - 1, (int)options->share, SHARES - 1);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_gl_options *options, svo_gl **out)
+{
+    if (device == NULL || context == NULL || out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: device, context or out is NULL");
+    }
+    const svo_gl_options asked = options != NULL ? *options : (svo_gl_options){.struct_size = sizeof asked};
+    svo_status status = check_options(device, &asked);
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_gl *gl = calloc(1, sizeof *gl);
+    if (gl == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for the handle");
+    }
+    gl->device = device;
+    gl->context = context;
+    status = choose_share(gl, asked.share);
+    if (status == SVO_OK) {
+        status = choose_raster(gl, &asked);
+    }
+    if (status != SVO_OK) {
+        svo_gl_destroy(&gl);
+        return status;
+    }
+    gl->frontend = (svo_frontend){.name = svo_gl_raster_name(gl->raster_choice),
+                                  .share = svo_gl_share_name(gl->share_choice),
+                                  .self = gl,
+                                  .device = device,
+                                  .chunk_bytes_max = svo_i_share_limit_bytes(device, context),
+                                  .prepare = prepare,
+                                  .voxelize = voxelize,
+                                  .release = release};
+    *out = gl;
+    return SVO_OK;
+}
+
+void svo_gl_destroy(svo_gl **gl)
+{
+    if (gl == NULL || *gl == NULL) {
+        return;
+    }
+    svo_i_raster_destroy(&(*gl)->raster);
+    free(*gl);
+    *gl = NULL;
+}

@@ -1,0 +1,389 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Drawing: one program per class of triangles, one draw call per class and chunk. The framebuffer has no attachments; all
+ * output goes to storage blocks.
+ */
+#include "raster.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FUNCTION         "svo_build"
+#define BINDING_VERTICES 0
+#define BINDING_INDICES  1
+#define BINDING_ITEMS    2
+#define BINDING_COUNTERS 3
+
+/* GL_NV_conservative_raster, GL_NV_conservative_raster_pre_snap_triangles, GL_INTEL_conservative_rasterization. */
+#define CONSERVATIVE_RASTERIZATION_NV                  0x9346
+#define CONSERVATIVE_RASTER_MODE_NV                    0x954D
+#define CONSERVATIVE_RASTER_MODE_PRE_SNAP_TRIANGLES_NV 0x954F
+#define CONSERVATIVE_RASTERIZATION_INTEL               0x83FE
+
+/* Made by cmake/embed.cmake. */
+extern const char svo_i_source_raster_common[];
+extern const char svo_i_source_raster_vertex[];
+extern const char svo_i_source_raster_fragment[];
+
+typedef struct raster_program {
+    GLuint name; /* 0: not compiled */
+    GLint depth, voxel_log2, first_item, chunk, capacity;
+} raster_program;
+
+struct svo_i_raster {
+    svo_device *device;
+    svo_gl_context *context;
+    const svo_i_gl_functions *gl;
+    svo_i_conservative conservative;
+    bool int64;
+    raster_program programs[SVO_I_CLASS_COUNT][2]; /* by class; codes of 30 and 48 bits */
+    GLuint vertex_array, framebuffer;
+    GLuint buffers[4]; /* by binding */
+};
+
+svo_i_conservative svo_i_raster_hardware(const svo_i_gl_functions *gl, const char **reason)
+{
+    if (svo_i_gl_has_extension(gl, "GL_NV_conservative_raster")) {
+        if (svo_i_gl_has_extension(gl, "GL_NV_conservative_raster_pre_snap_triangles") &&
+            gl->ConservativeRasterParameteriNV != NULL) {
+            *reason = "";
+            return SVO_I_CONSERVATIVE_NV;
+        }
+        *reason = "GL_NV_conservative_raster without GL_NV_conservative_raster_pre_snap_triangles";
+        return SVO_I_CONSERVATIVE_EXPAND;
+    }
+    if (svo_i_gl_has_extension(gl, "GL_INTEL_conservative_rasterization")) {
+        *reason = "";
+        return SVO_I_CONSERVATIVE_INTEL;
+    }
+    *reason = "the context lists neither GL_NV_conservative_raster nor GL_INTEL_conservative_rasterization";
+    return SVO_I_CONSERVATIVE_EXPAND;
+}
+
+/* The first step that failed, in the device's message. */
+static svo_status check(const svo_i_raster *raster, const char *step)
+{
+    return svo_i_gl_check(raster->gl, FUNCTION, step, &raster->device->message);
+}
+
+static svo_status check_limits(svo_device *device, const svo_i_gl_functions *gl)
+{
+    if (gl->limits.vertex_storage_blocks < 3 || gl->limits.fragment_storage_blocks < 2) {
+        return svo_i_device_fail(
+            device, SVO_UNSUPPORTED,
+            "svo_gl_create: %s has %d storage blocks for vertices and %d for fragments, below 3 and 2", gl->renderer,
+            gl->limits.vertex_storage_blocks, gl->limits.fragment_storage_blocks);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_raster_create(svo_device *device, svo_gl_context *context, svo_i_conservative conservative,
+                               bool no_int64, svo_i_raster **out)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
+    svo_status status = check_limits(device, gl);
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_i_raster *raster = calloc(1, sizeof *raster);
+    if (raster == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for the front end");
+    }
+    raster->device = device;
+    raster->context = context;
+    raster->gl = gl;
+    raster->conservative = conservative;
+    raster->int64 = !no_int64 && svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64");
+    status = svo_i_gl_context_make_current(context, &device->message);
+    if (status == SVO_OK) {
+        svo_i_gl_clear_errors(gl);
+        gl->GenVertexArrays(1, &raster->vertex_array);
+        gl->GenFramebuffers(1, &raster->framebuffer);
+        gl->GenBuffers(4, raster->buffers);
+        status = check(raster, "creating objects");
+        svo_i_gl_context_release_current(context);
+    }
+    if (status != SVO_OK) {
+        svo_i_raster_destroy(&raster);
+        return status;
+    }
+    *out = raster;
+    return SVO_OK;
+}
+
+void svo_i_raster_destroy(svo_i_raster **raster)
+{
+    svo_i_raster *r = *raster;
+    if (r == NULL) {
+        return;
+    }
+    if (svo_i_gl_context_make_current(r->context, NULL) == SVO_OK) {
+        for (unsigned i = 0; i < SVO_I_CLASS_COUNT * 2u; ++i) {
+            r->gl->DeleteProgram(r->programs[i / 2][i % 2].name);
+        }
+        r->gl->DeleteVertexArrays(1, &r->vertex_array);
+        r->gl->DeleteFramebuffers(1, &r->framebuffer);
+        r->gl->DeleteBuffers(4, r->buffers);
+        svo_i_gl_context_release_current(r->context);
+    }
+    free(r);
+    *raster = NULL;
+}
+
+/* The first line of a log into the message, all of it to the callback. */
+static svo_status fail_log(svo_i_raster *raster, const char *what, const char *log)
+{
+    svo_i_device_log(raster->device, SVO_LOG_ERROR, log);
+    return svo_i_device_fail(raster->device, SVO_COMPILE_FAILED, "%s: %s on %s: %.*s", FUNCTION, what,
+                             raster->gl->renderer, (int)strcspn(log, "\n"), log);
+}
+
+static const char *reach_of(svo_i_conservative conservative)
+{
+    switch (conservative) {
+    case SVO_I_CONSERVATIVE_NV:
+        return "#define SVO_REACH 0.0\n";
+    case SVO_I_CONSERVATIVE_INTEL:
+        return "#define SVO_REACH 0.0625\n";
+    default:
+        return "#define SVO_REACH 0.5625\n";
+    }
+}
+
+static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class class_id, bool code48, GLuint *out)
+{
+    static const char *const class_keys[SVO_I_CLASS_COUNT] = {"#define SVO_POINT\n", "#define SVO_NARROW\n", "",
+                                                              "#define SVO_WIDE\n"};
+    const svo_i_gl_functions *gl = raster->gl;
+    const char *sources[] = {
+        "#version 430 core\n",
+        raster->int64 ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
+        class_keys[class_id],
+        code48 ? "#define SVO_CODE48\n" : "",
+        reach_of(raster->conservative),
+        svo_i_source_raster_common,
+        stage == GL_VERTEX_SHADER ? svo_i_source_raster_vertex : svo_i_source_raster_fragment,
+    };
+    const GLuint shader = gl->CreateShader(stage);
+    gl->ShaderSource(shader, sizeof sources / sizeof sources[0], sources, NULL);
+    gl->CompileShader(shader);
+    GLint compiled = GL_FALSE;
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled != GL_TRUE) {
+        char log[4096] = "";
+        gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
+        gl->DeleteShader(shader);
+        return fail_log(raster, stage == GL_VERTEX_SHADER ? "vertex shader" : "fragment shader", log);
+    }
+    *out = shader;
+    return SVO_OK;
+}
+
+static svo_status link_program(svo_i_raster *raster, GLuint vertex, GLuint fragment, raster_program *program)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    const GLuint name = gl->CreateProgram();
+    gl->AttachShader(name, vertex);
+    gl->AttachShader(name, fragment);
+    gl->LinkProgram(name);
+    GLint linked = GL_FALSE;
+    gl->GetProgramiv(name, GL_LINK_STATUS, &linked);
+    if (linked != GL_TRUE) {
+        char log[4096] = "";
+        gl->GetProgramInfoLog(name, sizeof log, NULL, log);
+        gl->DeleteProgram(name);
+        return fail_log(raster, "linking shaders", log);
+    }
+    program->name = name;
+    program->depth = gl->GetUniformLocation(name, "depth");
+    program->voxel_log2 = gl->GetUniformLocation(name, "voxel_log2");
+    program->first_item = gl->GetUniformLocation(name, "first_item");
+    program->chunk = gl->GetUniformLocation(name, "chunk");
+    program->capacity = gl->GetUniformLocation(name, "capacity");
+    return SVO_OK;
+}
+
+static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, bool code48, raster_program *program)
+{
+    const double start_ms = svo_i_now_ms();
+    GLuint vertex = 0;
+    GLuint fragment = 0;
+    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, code48, &vertex);
+    if (status == SVO_OK) {
+        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, code48, &fragment);
+    }
+    if (status == SVO_OK) {
+        status = link_program(raster, vertex, fragment, program);
+    }
+    raster->gl->DeleteShader(vertex);
+    raster->gl->DeleteShader(fragment);
+    raster->device->compile_ms += svo_i_now_ms() - start_ms;
+    return status;
+}
+
+static bool uses_code48(const svo_plan *plan)
+{
+    return plan->info.depth > SVO_CODE30_DEPTH_MAX;
+}
+
+svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
+{
+    const bool code48 = uses_code48(plan);
+    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        raster_program *program = &raster->programs[class_id][code48];
+        if (plan->class_begin[class_id] == plan->class_begin[class_id + 1] || program->name != 0) {
+            continue;
+        }
+        const svo_status status = compile_program(raster, class_id, code48, program);
+        if (status != SVO_OK) {
+            return status;
+        }
+    }
+    return SVO_OK;
+}
+
+/* Fills one storage block. */
+static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char *name, const void *data, uint64_t bytes)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    if (bytes > (uint64_t)gl->limits.storage_block_bytes) {
+        return svo_i_device_fail(raster->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "%s: %s need %llu bytes, above the storage block limit of %lld of %s", FUNCTION, name,
+                                 (unsigned long long)bytes, (long long)gl->limits.storage_block_bytes, gl->renderer);
+    }
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[binding]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, bytes > 0 ? (GLsizeiptr)bytes : 4, bytes > 0 ? data : NULL,
+                   GL_STATIC_DRAW);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, raster->buffers[binding]);
+    return check(raster, name);
+}
+
+/* Everything that is not storage blocks: one viewport over the grid, nothing written to a framebuffer. */
+static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    const GLint pixels = 1 << plan->info.depth;
+    if (pixels > gl->limits.framebuffer_width || pixels > gl->limits.framebuffer_height ||
+        pixels > gl->limits.viewport_width || pixels > gl->limits.viewport_height) {
+        return svo_i_device_fail(raster->device, SVO_UNSUPPORTED,
+                                 "%s: depth %u needs %d x %d pixels, above the %d x %d of %s", FUNCTION,
+                                 plan->info.depth, pixels, pixels, gl->limits.framebuffer_width,
+                                 gl->limits.framebuffer_height, gl->renderer);
+    }
+    static const GLenum off[] = {GL_CULL_FACE,   GL_DEPTH_TEST,     GL_STENCIL_TEST,       GL_BLEND,
+                                 GL_MULTISAMPLE, GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD, GL_PROGRAM_POINT_SIZE};
+    for (unsigned i = 0; i < sizeof off / sizeof off[0]; ++i) {
+        gl->Disable(off[i]);
+    }
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, raster->framebuffer);
+    gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_WIDTH, pixels);
+    gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_HEIGHT, pixels);
+    gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_SAMPLES, 0);
+    gl->Viewport(0, 0, pixels, pixels);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->BindVertexArray(raster->vertex_array);
+    if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        return svo_i_device_fail(raster->device, SVO_GL_ERROR,
+                                 "%s: a framebuffer of %d x %d pixels without attachments is not complete", FUNCTION,
+                                 pixels, pixels);
+    }
+    return check(raster, "setting up the framebuffer");
+}
+
+svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count)
+{
+    const uint64_t triangles = plan->triangle_count;
+    svo_i_gl_clear_errors(raster->gl);
+    svo_status status =
+        upload_block(raster, BINDING_VERTICES, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12);
+    if (status == SVO_OK) {
+        status = upload_block(raster, BINDING_INDICES, "indices", plan->indices, triangles * 12);
+    }
+    if (status == SVO_OK) {
+        status = upload_block(raster, BINDING_ITEMS, "items", plan->items, triangles * sizeof(svo_draw_item));
+    }
+    if (status == SVO_OK) {
+        uint32_t *zeros = calloc(chunk_count + 1u, sizeof *zeros);
+        if (zeros == NULL) {
+            return svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u counters", FUNCTION,
+                                     chunk_count);
+        }
+        status = upload_block(raster, BINDING_COUNTERS, "counters", zeros, (chunk_count + 1u) * sizeof *zeros);
+        free(zeros);
+    }
+    return status == SVO_OK ? set_state(raster, plan) : status;
+}
+
+static void set_conservative(const svo_i_raster *raster, bool on)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    if (raster->conservative == SVO_I_CONSERVATIVE_EXPAND) {
+        return;
+    }
+    const GLenum capability = raster->conservative == SVO_I_CONSERVATIVE_NV ? CONSERVATIVE_RASTERIZATION_NV
+                                                                            : CONSERVATIVE_RASTERIZATION_INTEL;
+    if (!on) {
+        gl->Disable(capability);
+        return;
+    }
+    gl->Enable(capability);
+    if (raster->conservative == SVO_I_CONSERVATIVE_NV) {
+        gl->ConservativeRasterParameteriNV(CONSERVATIVE_RASTER_MODE_NV, CONSERVATIVE_RASTER_MODE_PRE_SNAP_TRIANGLES_NV);
+    }
+}
+
+/* Items of one draw call: vertex numbers must stay below 2^31. */
+#define ITEMS_PER_CALL (1u << 28)
+
+static void draw_items(const svo_i_raster *raster, const svo_plan *plan, const svo_i_draw *draw)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    const raster_program *program = &raster->programs[draw->class_id][uses_code48(plan)];
+    const bool points = draw->class_id == SVO_I_CLASS_POINT;
+    for (uint32_t done = 0; done < draw->item_count; done += ITEMS_PER_CALL) {
+        const uint32_t left = draw->item_count - done;
+        const GLsizei items = (GLsizei)(left < ITEMS_PER_CALL ? left : ITEMS_PER_CALL);
+        gl->Uniform1ui(program->first_item, draw->first_item + done);
+        gl->DrawArrays(points ? GL_POINTS : GL_TRIANGLES, 0, points ? items : items * 3);
+    }
+}
+
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    const svo_i_chunk *target = &layout->chunks[chunk];
+    set_conservative(raster, true);
+    for (uint32_t i = 0; i < target->draw_count; ++i) {
+        const svo_i_draw *draw = &layout->draws[target->first_draw + i];
+        const raster_program *program = &raster->programs[draw->class_id][uses_code48(plan)];
+        gl->UseProgram(program->name);
+        gl->Uniform1i(program->depth, (GLint)plan->info.depth);
+        gl->Uniform1i(program->voxel_log2, (GLint)plan->voxel_log2);
+        gl->Uniform1ui(program->chunk, chunk);
+        gl->Uniform1ui(program->capacity, (GLuint)target->capacity);
+        gl->Scissor((GLint)draw->tile_x, (GLint)draw->tile_y, (GLsizei)draw->tile_width, (GLsizei)draw->tile_height);
+        draw_items(raster, plan, draw);
+    }
+    set_conservative(raster, false);
+    return check(raster, "drawing");
+}
+
+svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, uint32_t *needed)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    gl->Finish();
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[BINDING_COUNTERS]);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(chunk_count * sizeof *needed), needed);
+    return check(raster, "reading the counters");
+}
+
+void svo_i_raster_drop(svo_i_raster *raster)
+{
+    for (unsigned i = 0; i < 4; ++i) {
+        raster->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[i]);
+        raster->gl->BufferData(GL_SHADER_STORAGE_BUFFER, 4, NULL, GL_STATIC_DRAW);
+    }
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Fetches a triangle and places what is to be rasterized for it, so that every pixel whose column of voxels the triangle
+ * can touch is covered:
+ *
+ *   SVO_POINT  the one pixel (GL_POINTS)
+ *   rectangle  needles, triangles without area, those that reach outside: a right triangle around the bounding rectangle
+ *   otherwise  the triangle with its edges moved outwards by SVO_REACH pixels along each axis, after Hasselgren,
+ *              Akenine-Moller and Ohlsson, "Conservative Rasterization", GPU Gems 2, 2005
+ *
+ * Three vertices per item (one for points), pulled from storage blocks; everything the fragment shader needs travels flat.
+ * SVO_REACH is half a pixel (none where the hardware rasterizes conservatively) and a margin of 1/16 pixel (none where the
+ * hardware does so before it snaps). The margin covers the rounding of positions to the rasterizer's sub-pixel grid (1/256
+ * pixel or coarser) and of the float arithmetic here: positions are below 2^14 pixels and exact to 2^-9.
+ */
+layout(std430, binding = 0) readonly buffer Vertices
+{
+    int vertices[];
+};
+layout(std430, binding = 1) readonly buffer Indices
+{
+    uint indices[];
+};
+layout(std430, binding = 2) readonly buffer Items
+{
+    svo_draw_item items[];
+};
+
+uniform uint first_item;
+
+flat out ivec4 corner_a;    /* u, v, t in grid units from the first voxel's corner; w: the axis of projection */
+flat out ivec4 corner_b;    /* w: the triangle */
+flat out ivec4 corner_c;
+flat out ivec4 first_voxel; /* u, v, t in voxels */
+flat out ivec4 last_voxel;  /* u, v, t in voxels from the first */
+
+ivec3 fetch(uint triangle, uint corner)
+{
+    uint vertex = indices[triangle * 3u + corner] * 3u;
+    return ivec3(vertices[vertex], vertices[vertex + 1u], vertices[vertex + 2u]);
+}
+
+/* Where corner b goes when the edges a-b and b-c move outwards. All in pixels. */
+vec2 expand(vec2 a, vec2 b, vec2 c)
+{
+    vec2 n = vec2(b.y - a.y, a.x - b.x);
+    vec2 m = vec2(c.y - b.y, b.x - c.x);
+    float turn = n.x * m.y - n.y * m.x;
+    float side = turn < 0.0 ? -1.0 : 1.0;
+    float reach = side * SVO_REACH;
+    float n_reach = reach * (abs(n.x) + abs(n.y));
+    float m_reach = reach * (abs(m.x) + abs(m.y));
+    return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / turn;
+}
+
+vec2 pixels(svo_point p)
+{
+    return vec2(p.u, p.v) / float(1 << voxel_log2);
+}
+
+void main()
+{
+#ifdef SVO_POINT
+    uint corner = 0u;
+    svo_draw_item item = items[first_item + uint(gl_VertexID)];
+#else
+    uint corner = uint(gl_VertexID) % 3u;
+    svo_draw_item item = items[first_item + uint(gl_VertexID) / 3u];
+#endif
+    uint axis = item.flags & SVO_DRAW_AXIS_MASK;
+    ivec3 a = fetch(item.triangle, 0u);
+    ivec3 b = fetch(item.triangle, 1u);
+    ivec3 c = fetch(item.triangle, 2u);
+    ivec3 limit = ivec3((1 << depth) - 1);
+    ivec3 first = clamp(min(a, min(b, c)) >> voxel_log2, ivec3(0), limit);
+    ivec3 last = clamp(max(a, max(b, c)) >> voxel_log2, ivec3(0), limit) - first;
+    ivec3 base = first << voxel_log2;
+    svo_point local[3] = svo_point[3](turn(a - base, axis), turn(b - base, axis), turn(c - base, axis));
+    svo_point start = turn(first, axis);
+    svo_point extent = turn(last, axis);
+
+    corner_a = ivec4(local[0].u, local[0].v, local[0].t, int(axis));
+    corner_b = ivec4(local[1].u, local[1].v, local[1].t, int(item.triangle));
+    corner_c = ivec4(local[2].u, local[2].v, local[2].t, 0);
+    first_voxel = ivec4(start.u, start.v, start.t, 0);
+    last_voxel = ivec4(extent.u, extent.v, extent.t, 0);
+
+    vec2 position;
+#ifdef SVO_POINT
+    position = vec2(0.5);
+    gl_PointSize = 1.0;
+#else
+    vec2 rectangle = vec2(corner == 1u ? 2.0 : 0.0, corner == 2u ? 2.0 : 0.0) * vec2(extent.u + 1, extent.v + 1);
+    vec2 p = pixels(local[0]);
+    vec2 q = pixels(local[1]);
+    vec2 r = pixels(local[2]);
+    vec2 drawn = corner == 0u ? expand(r, p, q) : corner == 1u ? expand(p, q, r) : expand(q, r, p);
+    position = (item.flags & SVO_DRAW_RECTANGLE) != 0u ? rectangle : drawn;
+#endif
+    vec2 ndc = (position + vec2(start.u, start.v)) * (2.0 / float(1 << depth)) - 1.0;
+    gl_Position = vec4(ndc, 0.0, 1.0);
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the vertex and fragment shaders of the raster front end share: the snapped mesh as storage blocks, and the turn of
+ * the axes that puts a triangle's axis of projection last.
+ *
+ *   axis 2: (u, v, t) = (x, y, z)     axis 0: (y, z, x)     axis 1: (z, x, y)
+ *
+ * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel).
+ */
+uniform int depth;
+uniform int voxel_log2;
+
+/* Component k of p after the turn: 0 u, 1 v, 2 t. */
+int turned(ivec3 p, uint axis, int k)
+{
+    return p[(int(axis) + 1 + k) % 3];
+}
+
+svo_point turn(ivec3 p, uint axis)
+{
+    return svo_make_point(turned(p, axis, 0), turned(p, axis, 1), turned(p, axis, 2));
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Building: plan + front end + queue -> tree.
+ *
+ * A front end proposes fragments, one (voxel, triangle) pair each; svocl::gl makes them (gl.h). The build links, packs
+ * and filters them with OpenCL. The tree is the same, bit for bit, for every front end, share path, device and run.
+ */
+#ifndef SVOCL_BUILD_H
+#define SVOCL_BUILD_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/plan.h"
+#include "svocl/tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct svo_frontend svo_frontend;
+
+typedef enum svo_stage {
+    SVO_STAGE_GRID = 0, /* validate, snap, classify (svo_plan_create) */
+    SVO_STAGE_COMPILE, /* kernels and shaders, whatever of it fell into this build */
+    SVO_STAGE_VOXELIZE, /* triangles -> fragment list */
+    SVO_STAGE_TRANSFER, /* list from GL to CL, host data to the device, counts back */
+    SVO_STAGE_SUBDIVIDE, /* masks, scans, descents, all levels */
+    SVO_STAGE_PACK, /* sorted leaf lists */
+    SVO_STAGE_LINK, /* leaf lists linked by atomic exchange */
+    SVO_STAGE_FILTER, /* payload: leaves, then level by level up */
+    SVO_STAGE_COUNT
+} svo_stage;
+SVO_API const char *svo_stage_name(svo_stage stage); /* "grid", "compile", ...; static string */
+
+typedef struct svo_stage_time {
+    double ms;
+    const char *clock; /* "wall" or "cl-event"; NULL: the stage did not run */
+} svo_stage_time;
+
+typedef struct svo_build_report {
+    size_t struct_size; /* sizeof(svo_build_report), set by the caller */
+    svo_stage_time stages[SVO_STAGE_COUNT];
+    uint64_t fragments;
+    uint32_t list_chunks;
+    uint32_t reruns; /* how often a capacity was too small and a second plan ran */
+    const char *frontend; /* "gl-expand", "gl-hw"; static strings */
+    const char *share; /* "host", "copy" */
+} svo_build_report;
+
+/*
+ * Builds the tree of a plan and waits for it. Grows capacities and reruns when they were too small, and reports that.
+ *
+ * plan: of the same device as frontend and queue; its capacities and its list of buffers are updated.
+ * queue: the caller's, on the device's context, in-order or out-of-order; stage times come from events if it has
+ *        CL_QUEUE_PROFILING_ENABLE, else from the wall clock.
+ * report: NULL allowed.
+ * Returns SVO_OUT_OF_DEVICE_MEMORY with the needed bytes in the message, SVO_COMPILE_FAILED, SVO_CL_ERROR,
+ * SVO_GL_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                             svo_build_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

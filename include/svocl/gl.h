@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The OpenGL front end (svocl::gl): the rasterizer proposes voxels, an exact integer test in the fragment shader decides.
+ *
+ * Needs desktop OpenGL 4.3 (compute-era: shader storage buffers, framebuffers without attachments), and 4.4 or
+ * ARB_buffer_storage for the host share. Entry points are a table per context, filled through the context's own loader.
+ *
+ * Thread-safety: a handle belongs to the thread on which its context is current; contexts that svocl made are made
+ * current by the calls that need them and left unbound afterwards.
+ */
+#ifndef SVOCL_GL_H
+#define SVOCL_GL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/build.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum svo_gl_context_kind {
+    SVO_GL_SURFACELESS = 0, /* EGL_MESA_platform_surfaceless */
+    SVO_GL_EGL_DEVICE, /* EGL_EXT_platform_device */
+    SVO_GL_OSMESA, /* off-screen Mesa, loaded at run time */
+    SVO_GL_CONTEXT_KINDS
+} svo_gl_context_kind;
+SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa" */
+
+typedef struct svo_gl_context svo_gl_context;
+
+typedef struct svo_gl_context_info {
+    svo_gl_context_kind kind;
+    uint32_t device_index; /* EGL device number; 0 otherwise */
+    const char *vendor, *renderer, *version; /* live as long as the context */
+} svo_gl_context_info;
+
+/* EGL devices there are; 0 without EGL or EGL_EXT_device_enumeration. */
+SVO_API uint32_t svo_gl_egl_device_count(void);
+
+/*
+ * Makes an off-screen context. device_index: which EGL device, for SVO_GL_EGL_DEVICE only.
+ * Returns SVO_NO_GL with the step that failed in the message.
+ */
+SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
+                                         svo_message *message);
+SVO_API void svo_gl_context_destroy(svo_gl_context **context);
+SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
+
+typedef enum svo_gl_raster {
+    SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */
+    SVO_GL_RASTER_EXPAND, /* "gl-expand": each triangle's edges are moved outwards in the vertex shader */
+    SVO_GL_RASTER_HW /* "gl-hw": GL_NV_conservative_raster with pre-snap, or GL_INTEL_conservative_rasterization */
+} svo_gl_raster;
+
+typedef enum svo_gl_share {
+    SVO_GL_SHARE_AUTO = 0, /* the first of the list below that works */
+    SVO_GL_SHARE_SHARING, /* "sharing": cl_khr_gl_sharing */
+    SVO_GL_SHARE_HOST, /* "host": OpenCL reads the persistently mapped GL buffer in place; CPU devices */
+    SVO_GL_SHARE_COPY /* "copy": through the host */
+} svo_gl_share;
+
+typedef struct svo_gl_options {
+    size_t struct_size; /* sizeof(svo_gl_options) */
+    svo_gl_raster raster; /* a forced choice that does not work is an error, never a fallback */
+    svo_gl_share share;
+    uint32_t no_int64; /* not 0: two-word integers in the shaders even where ARB_gpu_shader_int64 exists. For tests. */
+} svo_gl_options;
+
+typedef struct svo_gl svo_gl;
+
+/*
+ * The GL side of a pair of device and context: probes front ends and share paths, compiles nothing yet.
+ *
+ * device and context must outlive it. options: NULL means all defaults.
+ * Returns SVO_UNSUPPORTED with the reason (in svo_device_message) when the forced choice does not work.
+ */
+SVO_API svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_gl_options *options,
+                                 svo_gl **out);
+SVO_API void svo_gl_destroy(svo_gl **gl);
+
+/* The front end to give to svo_build; owned by gl. */
+SVO_API svo_frontend *svo_gl_frontend(svo_gl *gl);
+
+/* Why a way works or not on this pair: "" if it does. Static or owned by gl. raster, share: not AUTO. */
+SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster);
+SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
+/* What was chosen; never AUTO. */
+SVO_API svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl);
+SVO_API svo_gl_share svo_gl_chosen_share(const svo_gl *gl);
+SVO_API const char *svo_gl_raster_name(svo_gl_raster raster); /* "auto", "gl-expand", "gl-hw"; static */
+SVO_API const char *svo_gl_share_name(svo_gl_share share); /* "auto", "sharing", "host", "copy"; static */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants and the records that travel in buffers
+ * and kernel arguments. One text for C, C++, OpenCL C and GLSL; only 32-bit integers and floats, every field at a
+ * multiple of four bytes, no padding. Offsets are given in bytes.
+ */
+#ifndef SVOCL_LAYOUT_H
+#define SVOCL_LAYOUT_H
+
+#if defined(__OPENCL_C_VERSION__)
+#define SVO_U32 uint
+#define SVO_I32 int
+#define SVO_F32 float
+#define SVO_RECORD(name)      \
+    typedef struct name name; \
+    struct name
+#elif defined(GL_core_profile)
+#define SVO_U32          uint
+#define SVO_I32          int
+#define SVO_F32          float
+#define SVO_RECORD(name) struct name
+#else
+#include <stdint.h>
+#define SVO_U32 uint32_t
+#define SVO_I32 int32_t
+#define SVO_F32 float
+#define SVO_RECORD(name)      \
+    typedef struct name name; \
+    struct name
+#endif
+
+/* A work-group of every kernel; kernels are compiled for exactly this size. */
+#define SVO_GROUP_ITEMS 64
+/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums). */
+#define SVO_SCAN_GROUPS 256
+/* Grid depth from which a fragment's Morton code needs more than 30 bits. */
+#define SVO_CODE30_DEPTH_MAX 10
+/* Words of a fragment: code, triangle; or code low, code high, triangle. */
+#define SVO_FRAGMENT_WORDS_30 2
+#define SVO_FRAGMENT_WORDS_48 3
+/* Leaf lists up to this length are sorted by one work-item, longer ones by a work-group. */
+#define SVO_SHORT_LIST_MAX 32
+
+/* What svo_draw_item.flags holds. */
+#define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
+#define SVO_DRAW_RECTANGLE 4u /* draw the bounding rectangle: needles, degenerate triangles, parts outside the grid */
+
+/* One triangle to draw; the front end reads an array of them. 8 bytes. */
+SVO_RECORD(svo_draw_item)
+{
+    SVO_U32 triangle; /* 0: into the index buffer, and the fragment's triangle */
+    SVO_U32 flags; /* 4: SVO_DRAW_* */
+};
+
+/* Counts that stay on the device between the stages of one build. 96 bytes. */
+SVO_RECORD(svo_build_state)
+{
+    SVO_U32 level_begin[18]; /* 0: first node of each level; entries after the last finished level are not set */
+    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built */
+    SVO_U32 reserved0; /* 76 */
+    SVO_U32 list_total; /* 80: entries of all leaf lists */
+    SVO_U32 long_lists; /* 84: leaf lists longer than SVO_SHORT_LIST_MAX */
+    SVO_U32 reserved1[2]; /* 88 */
+};
+
+/* What a triangle brings to the payload besides its vertices. 16 bytes. */
+SVO_RECORD(svo_triangle_record)
+{
+    SVO_U32 material; /* 0: into the material records */
+    SVO_U32 flags; /* 4: SVO_TRIANGLE_* */
+    SVO_U32 normal_xy; /* 8: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
+    SVO_U32 normal_z; /* 12: int16 z in the low half */
+};
+/* The attributes are the same all over the triangle. */
+#define SVO_TRIANGLE_FLAT 1u
+
+/* Arguments of the subdivision kernels. 16 bytes. */
+SVO_RECORD(svo_subdivide_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 level; /* 4: the level whose nodes get their children */
+    SVO_U32 inner_capacity; /* 8: nodes child_mask and first_child have room for */
+    SVO_U32 fragment_count; /* 12: in this chunk */
+};
+
+/* Arguments of the link, pack and filter kernels. 64 bytes. */
+SVO_RECORD(svo_filter_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 level; /* 4: the level whose nodes sum up their children */
+    SVO_U32 level_begin; /* 8: its first node */
+    SVO_U32 level_count; /* 12: its nodes */
+    SVO_U32 child_begin; /* 16: first node of the next level */
+    SVO_U32 fragment_count; /* 20: in this chunk */
+    SVO_U32 leaf_begin; /* 24: first leaf */
+    SVO_U32 leaf_count; /* 28 */
+    SVO_U32 voxel_log2; /* 32: edge of a voxel in grid units */
+    SVO_U32 first_chunk; /* 36: not 0: sums are written, not added to */
+    SVO_U32 digit_passes; /* 40: radix passes of four bits over a triangle index, an even number */
+    SVO_U32 reserved[5]; /* 44 */
+};
+
+/* One material. 32 bytes. */
+SVO_RECORD(svo_material_record)
+{
+    SVO_U32 rgba; /* 0: base colour, red in the low byte */
+    SVO_U32 texel_offset; /* 4: of its texture in the texel buffer, in texels */
+    SVO_U32 width; /* 8: texels; 0: no texture */
+    SVO_U32 height; /* 12: texels */
+    SVO_U32 wrap_u; /* 16: svo_wrap */
+    SVO_U32 wrap_v; /* 20 */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
+#if !defined(GL_core_profile)
+#if defined(__OPENCL_C_VERSION__)
+#define SVO_ASSERT_BYTES(name, bytes) typedef char name##_bytes[sizeof(name) == (bytes) ? 1 : -1]
+#elif defined(__cplusplus)
+#define SVO_ASSERT_BYTES(name, bytes) static_assert(sizeof(name) == (bytes), #name)
+#else
+#define SVO_ASSERT_BYTES(name, bytes) _Static_assert(sizeof(name) == (bytes), #name)
+#endif
+SVO_ASSERT_BYTES(svo_draw_item, 8);
+SVO_ASSERT_BYTES(svo_build_state, 96);
+SVO_ASSERT_BYTES(svo_triangle_record, 16);
+SVO_ASSERT_BYTES(svo_subdivide_params, 16);
+SVO_ASSERT_BYTES(svo_filter_params, 64);
+SVO_ASSERT_BYTES(svo_material_record, 32);
+#endif
+
+#endif

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A plan: what one build of one mesh will do, decided before anything is allocated on the device.
+ *
+ * Making a plan reads the mesh once: it validates the triangles, sets up the grid, snaps the vertices to integers,
+ * sorts triangles into classes by the arithmetic their overlap test needs, and predicts the sizes of all buffers by the
+ * count law (for a triangle with bounding widths w, area A and unit normal n on voxels of edge h, over random offsets,
+ * E[voxels] = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2).
+ */
+#ifndef SVOCL_PLAN_H
+#define SVOCL_PLAN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/device.h"
+#include "svocl/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SVO_DEPTH_MIN 1
+#define SVO_DEPTH_MAX 12
+
+typedef struct svo_plan svo_plan;
+
+/* What will be read from the tree besides its occupancy. */
+typedef enum svo_need {
+    SVO_NEED_DEFAULT = 0, /* the colours and normals that the mesh has */
+    SVO_NEED_COLOR = 1, /* RGBA8 per node; white if the mesh has neither colours nor materials */
+    SVO_NEED_NORMAL = 2, /* 3 x int16 per node; the triangles' own normals if the mesh has none */
+    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices */
+    SVO_NEED_NONE = 0x40000000 /* occupancy alone */
+} svo_need;
+
+typedef struct svo_plan_options {
+    size_t struct_size; /* sizeof(svo_plan_options) */
+    uint32_t need; /* svo_need bits */
+    /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge is
+       finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie up to 512 edges away. */
+    double origin[3];
+    double edge;
+    /* Fragments the list has room for at first; 0: by the count law. The blocking build grows it when it was too small. */
+    uint64_t fragment_capacity;
+    /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
+    uint64_t chunk_bytes;
+} svo_plan_options;
+
+typedef struct svo_plan_info {
+    uint32_t depth;
+    uint32_t snap_bits; /* G: the grid is 2^G units wide */
+    uint32_t need; /* resolved: never SVO_NEED_DEFAULT; 0 means occupancy alone */
+    uint64_t triangles; /* given */
+    uint64_t refused_triangles; /* of those: an index out of range, not finite, or 2^29 units and more from the grid */
+    uint64_t outside_triangles; /* of those: accepted, but their bounds miss the caller's grid */
+    double origin[3]; /* world */
+    double edge; /* world */
+    double scale; /* grid units per world unit */
+    double snap_error; /* world: the largest |q / scale + origin - v| over accepted vertices' coordinates */
+    double expected_fragments; /* count law, before any slack */
+    double grid_ms; /* wall clock spent in validating, snapping and classifying */
+} svo_plan_info;
+
+typedef struct svo_buffer_info {
+    const char *name; /* static string */
+    uint64_t bytes;
+    uint64_t count; /* cl_mems it is split into */
+} svo_buffer_info;
+
+/*
+ * Makes a plan. The mesh's arrays are not needed afterwards.
+ *
+ * depth: SVO_DEPTH_MIN .. SVO_DEPTH_MAX; the grid has 2^depth voxels per axis.
+ * options: NULL means all defaults.
+ * Returns SVO_INVALID_ARGUMENT (depth, options, arrays missing), SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
+                                   const svo_plan_options *options, svo_plan **out);
+SVO_API void svo_plan_destroy(svo_plan **plan);
+
+SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
+
+/* The buffers a build of this plan allocates on the device, in order of allocation; exact after a build, predicted before.
+   Returns their number; *info receives entry index, which must be below it; info may be NULL. */
+SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
+/* The largest sum of bytes that is allocated at one time. */
+SVO_API uint64_t svo_plan_peak_bytes(const svo_plan *plan);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svocl: exact sparse voxel octrees of triangle meshes with OpenCL. This header brings in everything that svocl::svocl
+ * (OpenCL alone) has; gl.h (svocl::gl) and io.h (svocl::io) are separate.
+ *
+ *   svo_device  a context and a device           device.h
+ *   svo_mesh    borrowed arrays of triangles      mesh.h
+ *   svo_plan    what a build will do              plan.h
+ *   svo_build   plan + front end + queue -> tree  build.h
+ *   svo_tree    the result: buffers, hash         tree.h
+ *   rays        pictures                          trace.h
+ */
+#ifndef SVOCL_SVOCL_H
+#define SVOCL_SVOCL_H
+
+#include "svocl/build.h"
+#include "svocl/device.h"
+#include "svocl/export.h"
+#include "svocl/mesh.h"
+#include "svocl/plan.h"
+#include "svocl/status.h"
+#include "svocl/trace.h"
+#include "svocl/tree.h"
+#include "svocl/version.h"
+
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Exclusive sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their Applications",
+ * 1990). No look-back and no spinning, since work-groups may run one after the other.
+ *
+ *   reduce   SVO_SCAN_GROUPS groups, each sums a contiguous range of whole tiles into its partial
+ *   partials one group: exclusive sum of the partials, and what follows from the total
+ *   add      the groups of reduce again: exclusive sums inside the range, on top of the group's partial
+ *
+ * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a level's
+ * child masks (subdivision), and the lengths of the leaf lists (packing).
+ */
+#include "svocl/layout.h"
+
+#define SVO_ITEM_ELEMENTS 16u
+#define SVO_TILE_ELEMENTS (SVO_GROUP_ITEMS * SVO_ITEM_ELEMENTS)
+#define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
+
+/* Exclusive sum over the group's items; *total receives the sum of all. scratch: SVO_GROUP_ITEMS elements. */
+static uint svo_group_exclusive(uint value, __local uint *scratch, uint *total)
+{
+    const uint item = (uint)get_local_id(0);
+    uint sum = value;
+    scratch[item] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint reach = 1; reach < SVO_GROUP_ITEMS; reach *= 2) {
+        const uint before = item >= reach ? scratch[item - reach] : 0u;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sum += before;
+        scratch[item] = sum;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    *total = scratch[SVO_GROUP_ITEMS - 1];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return sum - value;
+}
+
+/* The tiles of this group: first and one past last element, of count elements in all. */
+static uint2 svo_group_range(uint count)
+{
+    const uint tiles = count / SVO_TILE_ELEMENTS + (count % SVO_TILE_ELEMENTS != 0u ? 1u : 0u);
+    const uint tiles_per_group = (tiles + SVO_SCAN_GROUPS - 1u) / SVO_SCAN_GROUPS;
+    const uint group = (uint)get_group_id(0);
+    /* A group's first tile may lie past the end, but never past 2^32: tiles is at most 2^22. */
+    const uint first = min(group * tiles_per_group, tiles);
+    const uint last = min(first + tiles_per_group, tiles);
+    return (uint2)(first * SVO_TILE_ELEMENTS, last == tiles ? count : last * SVO_TILE_ELEMENTS);
+}
+
+/* Sixteen elements from index on; those from end on count as 0. */
+static uint16 svo_mask_counts(__global const uchar *masks, uint index, uint end)
+{
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        return convert_uint16(popcount(vload16(0, masks + index)));
+    }
+    uint elements[SVO_ITEM_ELEMENTS];
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        elements[k] = index + k < end ? popcount((uint)masks[index + k]) : 0u;
+    }
+    return vload16(0, elements);
+}
+
+static uint16 svo_list_counts(__global const uint *counts, uint index, uint end)
+{
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        return vload16(0, counts + index);
+    }
+    uint elements[SVO_ITEM_ELEMENTS];
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        elements[k] = index + k < end ? counts[index + k] : 0u;
+    }
+    return vload16(0, elements);
+}
+
+static uint svo_sum16(uint16 v)
+{
+    const uint8 a = v.lo + v.hi;
+    const uint4 b = a.lo + a.hi;
+    const uint2 c = b.lo + b.hi;
+    return c.x + c.y;
+}
+
+/* Writes sum + (exclusive sums of v) to out[index ..], up to end. */
+static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint index, uint end)
+{
+    uint elements[SVO_ITEM_ELEMENTS];
+    vstore16(v, 0, elements);
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        const uint element = elements[k];
+        elements[k] = sum;
+        sum += element;
+    }
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        vstore16(vload16(0, elements), 0, out + index);
+        return;
+    }
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS && index + k < end; ++k) {
+        out[index + k] = elements[k];
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
+                        svo_subdivide_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint begin = state->level_begin[params.level];
+    const uint count = state->overflow != 0u ? 0u : state->level_begin[params.level + 1u] - begin;
+    const uint2 range = svo_group_range(count);
+    uint sum = 0;
+    for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
+        sum += svo_sum16(svo_mask_counts(masks + begin, i, range.y));
+    }
+    uint total;
+    svo_group_exclusive(sum, scratch, &total);
+    if (get_local_id(0) == 0) {
+        partials[get_group_id(0)] = total;
+    }
+}
+
+/* The total is the number of nodes of the next level but one boundary: where the level below the children begins. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint item = (uint)get_local_id(0);
+    uint sums[SVO_ITEM_PARTIALS];
+    uint sum = 0;
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        sums[k] = sum;
+        sum += partials[item * SVO_ITEM_PARTIALS + k];
+    }
+    uint total;
+    const uint before = svo_group_exclusive(sum, scratch, &total);
+    const uint child_begin = state->level_begin[params.level + 1u];
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        partials[item * SVO_ITEM_PARTIALS + k] = child_begin + before + sums[k];
+    }
+    if (item == 0u && state->overflow == 0u) {
+        const uint child_end = child_begin + total;
+        state->level_begin[params.level + 2u] = child_end;
+        const bool inner = params.level + 1u < params.depth;
+        if (child_end < child_begin || (inner && child_end > params.inner_capacity)) {
+            state->overflow = params.level + 1u;
+        }
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials, __global uint *first_child,
+                     __global const svo_build_state *state, svo_subdivide_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint begin = state->level_begin[params.level];
+    /* When this level's children did not fit, its own first_child still has room. */
+    const uint count =
+        state->overflow != 0u && state->overflow <= params.level ? 0u : state->level_begin[params.level + 1u] - begin;
+    const uint2 range = svo_group_range(count);
+    uint sum = partials[get_group_id(0)];
+    for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
+        const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
+        const uint16 counts = svo_mask_counts(masks + begin, i, range.y);
+        uint total;
+        const uint before = svo_group_exclusive(svo_sum16(counts), scratch, &total);
+        svo_store_prefixes(counts, sum + before, first_child + begin, i, range.y);
+        sum += total;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, svo_filter_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint2 range = svo_group_range(params.leaf_count);
+    uint sum = 0;
+    for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
+        sum += svo_sum16(svo_list_counts(counts, i, range.y));
+    }
+    uint total;
+    svo_group_exclusive(sum, scratch, &total);
+    if (get_local_id(0) == 0) {
+        partials[get_group_id(0)] = total;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, svo_filter_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint item = (uint)get_local_id(0);
+    uint sums[SVO_ITEM_PARTIALS];
+    uint sum = 0;
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        sums[k] = sum;
+        sum += partials[item * SVO_ITEM_PARTIALS + k];
+    }
+    uint total;
+    const uint before = svo_group_exclusive(sum, scratch, &total);
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        partials[item * SVO_ITEM_PARTIALS + k] = before + sums[k];
+    }
+    if (item == 0u) {
+        list_begin[params.leaf_count] = total;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials, __global uint *list_begin,
+                     svo_filter_params params)
+{
+    __local uint scratch[SVO_GROUP_ITEMS];
+    const uint2 range = svo_group_range(params.leaf_count);
+    uint sum = partials[get_group_id(0)];
+    for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
+        const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
+        const uint16 lengths = svo_list_counts(counts, i, range.y);
+        uint total;
+        const uint before = svo_group_exclusive(svo_sum16(lengths), scratch, &total);
+        svo_store_prefixes(lengths, sum + before, list_begin, i, range.y);
+        sum += total;
+    }
+}

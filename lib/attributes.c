@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the payload is made of: the mesh's colours, normals, texture coordinates and materials as integers, so that the
+ * filter kernels need no floats. Only what the request reads and the mesh has is kept.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan.h"
+
+#define UV_ONE     65536.0
+#define UV_LIMIT   32767.0
+#define NORMAL_ONE 32767.0
+
+static svo_status no_memory(svo_plan *plan)
+{
+    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                             "svo_plan_create: no memory for the attributes of %u vertices", plan->vertex_count);
+}
+
+/* Whether textures take part: some triangle's material has one, and the vertices have coordinates. */
+static bool has_textures(const svo_mesh *mesh)
+{
+    if (mesh->uvs == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        if (mesh->materials[i].texture_index < mesh->texture_count) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint32_t resolve_need(uint32_t need, const svo_mesh *mesh)
+{
+    if (need == SVO_NEED_DEFAULT) {
+        return (mesh->colors != NULL || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) |
+               (mesh->normals != NULL ? (uint32_t)SVO_NEED_NORMAL : 0u);
+    }
+    return need & ~(uint32_t)SVO_NEED_NONE;
+}
+
+static void unit_normal(double x, double y, double z, int16_t out[3])
+{
+    const double length = sqrt(x * x + y * y + z * z);
+    const bool usable = isfinite(length) && length > 0.0;
+    out[0] = usable ? (int16_t)rint(x / length * NORMAL_ONE) : 0;
+    out[1] = usable ? (int16_t)rint(y / length * NORMAL_ONE) : 0;
+    out[2] = usable ? (int16_t)rint(z / length * NORMAL_ONE) : 0;
+}
+
+static svo_status copy_normals(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->normals = calloc((size_t)plan->vertex_count * 4 + 1, sizeof(int16_t));
+    if (plan->normals == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t v = 0; v < plan->vertex_count; ++v) {
+        const float *n = mesh->normals + v * 3;
+        unit_normal((double)n[0], (double)n[1], (double)n[2], plan->normals + v * 4);
+    }
+    return SVO_OK;
+}
+
+static svo_status copy_colors(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->colors = malloc(((size_t)plan->vertex_count + 1) * sizeof(uint32_t));
+    if (plan->colors == NULL) {
+        return no_memory(plan);
+    }
+    memcpy(plan->colors, mesh->colors, (size_t)plan->vertex_count * sizeof(uint32_t));
+    return SVO_OK;
+}
+
+static int32_t fixed_uv(float x)
+{
+    if (!isfinite(x)) {
+        return 0;
+    }
+    const double limited = fmin(fmax((double)x, -UV_LIMIT), UV_LIMIT);
+    return (int32_t)rint(limited * UV_ONE);
+}
+
+static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->uvs = malloc(((size_t)plan->vertex_count * 2 + 1) * sizeof(int32_t));
+    if (plan->uvs == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t i = 0; i < (size_t)plan->vertex_count * 2; ++i) {
+        plan->uvs[i] = fixed_uv(mesh->uvs[i]);
+    }
+    return SVO_OK;
+}
+
+/* All textures one after the other; *offsets (owned by the caller) receives where each begins, in texels. */
+static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, uint32_t **offsets)
+{
+    uint64_t total = 0;
+    *offsets = malloc((mesh->texture_count + 1) * sizeof(uint32_t));
+    if (*offsets == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        (*offsets)[i] = (uint32_t)total;
+        total += (uint64_t)mesh->textures[i].width * mesh->textures[i].height;
+    }
+    if (total > UINT32_MAX) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_plan_create: textures have %llu texels, above 2^32 - 1",
+                                 (unsigned long long)total);
+    }
+    plan->texels = malloc((size_t)(total + 1) * sizeof(uint32_t));
+    if (plan->texels == NULL) {
+        return no_memory(plan);
+    }
+    plan->texel_count = total;
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const svo_texture *texture = &mesh->textures[i];
+        memcpy(plan->texels + (*offsets)[i], texture->rgba, (size_t)texture->width * texture->height * 4);
+    }
+    return SVO_OK;
+}
+
+static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, bool textured)
+{
+    uint32_t *offsets = NULL;
+    if (textured) {
+        const svo_status status = copy_texels(plan, mesh, &offsets);
+        if (status != SVO_OK) {
+            free(offsets);
+            return status;
+        }
+    }
+    const size_t count = mesh->material_count > 0 ? mesh->material_count : 1;
+    plan->materials = calloc(count, sizeof(svo_material_record));
+    if (plan->materials == NULL) {
+        free(offsets);
+        return no_memory(plan);
+    }
+    plan->material_count = (uint32_t)count;
+    plan->materials[0].rgba = UINT32_MAX; /* white, for a mesh without materials */
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        const svo_material *from = &mesh->materials[i];
+        svo_material_record *to = &plan->materials[i];
+        memcpy(&to->rgba, from->rgba, sizeof to->rgba);
+        if (textured && from->texture_index < mesh->texture_count) {
+            const svo_texture *texture = &mesh->textures[from->texture_index];
+            to->texel_offset = offsets[from->texture_index];
+            to->width = texture->width;
+            to->height = texture->height;
+            to->wrap_u = texture->wrap_u;
+            to->wrap_v = texture->wrap_v;
+        }
+    }
+    free(offsets);
+    return SVO_OK;
+}
+
+/* Whether an attribute of count numbers a vertex is the same at the three corners. */
+static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
+{
+    const uint8_t *a = attribute;
+    return memcmp(a + corners[0] * bytes, a + corners[1] * bytes, bytes) == 0 &&
+           memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
+}
+
+/* The snapped triangle's own normal; its components are below 2^62, so doubles hold them to 53 bits everywhere. */
+static void own_normal(const svo_plan *plan, const uint32_t corners[3], int16_t out[3])
+{
+    const int32_t *a = plan->vertices + (size_t)corners[0] * 3;
+    const int32_t *b = plan->vertices + (size_t)corners[1] * 3;
+    const int32_t *c = plan->vertices + (size_t)corners[2] * 3;
+    int64_t n[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned p = (axis + 1) % 3;
+        const unsigned q = (axis + 2) % 3;
+        n[axis] = ((int64_t)b[p] - a[p]) * ((int64_t)c[q] - a[q]) - ((int64_t)b[q] - a[q]) * ((int64_t)c[p] - a[p]);
+    }
+    unit_normal((double)n[0], (double)n[1], (double)n[2], out);
+}
+
+static svo_status make_records(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->records = calloc((size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
+    if (plan->records == NULL) {
+        return no_memory(plan);
+    }
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        const uint32_t *corners = plan->indices + (size_t)t * 3;
+        svo_triangle_record *record = &plan->records[t];
+        const uint32_t material =
+            mesh->triangle_materials != NULL ? mesh->triangle_materials[plan->triangle_ids[t]] : 0;
+        record->material = material < plan->material_count ? material : 0;
+        const bool textured = plan->uvs != NULL && plan->materials[record->material].width != 0;
+        const bool flat = !textured && (plan->colors == NULL || same(plan->colors, sizeof(uint32_t), corners)) &&
+                          (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
+        record->flags = flat ? SVO_TRIANGLE_FLAT : 0;
+        int16_t normal[3];
+        own_normal(plan, corners, normal);
+        record->normal_xy = (uint32_t)(uint16_t)normal[0] | (uint32_t)(uint16_t)normal[1] << 16;
+        record->normal_z = (uint32_t)(uint16_t)normal[2];
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->info.need = resolve_need(plan->options.need, mesh);
+    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
+    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
+    if (!color && !normal) {
+        return SVO_OK;
+    }
+    const bool textured = color && has_textures(mesh);
+    svo_status status = copy_materials(plan, mesh, textured);
+    if (status == SVO_OK && textured) {
+        status = copy_uvs(plan, mesh);
+    }
+    if (status == SVO_OK && color && mesh->colors != NULL) {
+        status = copy_colors(plan, mesh);
+    }
+    if (status == SVO_OK && normal && mesh->normals != NULL) {
+        status = copy_normals(plan, mesh);
+    }
+    return status == SVO_OK ? make_records(plan, mesh) : status;
+}

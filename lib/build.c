@@ -1,0 +1,482 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The builder: asks the front end for the fragment list, runs the OpenCL stages, hands out the tree. Grows and reruns when
+ * a capacity was too small.
+ */
+#include "build.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Cutting chunks in halves until they fit ends long before this. */
+#define RERUNS_MAX 32u
+
+const char *svo_stage_name(svo_stage stage)
+{
+    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
+                                                       "subdivide", "pack",    "link",     "filter"};
+    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
+}
+
+svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out)
+{
+    const svo_status status =
+        svo_i_device_buffer(build->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out);
+    if (status == SVO_OK) {
+        svo_i_plan_buffer_add(build->plan, name, bytes > 0 ? bytes : 1);
+    }
+    return status;
+}
+
+/* Makes event the newest; on failure turns the error into a status. */
+static svo_status follow(svo_i_build *build, const char *call, cl_int error, cl_event event)
+{
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(build->device, SVO_I_BUILD, call, error);
+    }
+    if (build->stage_first == NULL) {
+        clRetainEvent(event);
+        build->stage_first = event;
+    }
+    if (build->last != NULL) {
+        clReleaseEvent(build->last);
+    }
+    build->last = event;
+    return SVO_OK;
+}
+
+static cl_uint wait_count(const svo_i_build *build)
+{
+    return build->last != NULL ? 1 : 0;
+}
+
+static const cl_event *wait_list(const svo_i_build *build)
+{
+    return build->last != NULL ? &build->last : NULL;
+}
+
+svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
+{
+    const svo_status status = svo_i_build_alloc(build, name, bytes, out);
+    if (status != SVO_OK || bytes == 0) {
+        return status;
+    }
+    cl_event event = NULL;
+    const cl_int error = clEnqueueWriteBuffer(build->queue, *out, CL_TRUE, 0, (size_t)bytes, data, wait_count(build),
+                                              wait_list(build), &event);
+    return follow(build, "clEnqueueWriteBuffer", error, event);
+}
+
+void svo_i_build_free(svo_i_build *build, cl_mem *buffer)
+{
+    if (*buffer == NULL) {
+        return;
+    }
+    size_t bytes = 0;
+    clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    svo_i_plan_buffer_remove(build->plan, bytes);
+    clReleaseMemObject(*buffer);
+    *buffer = NULL;
+}
+
+svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes)
+{
+    const cl_uint zero = 0;
+    const size_t whole_words = ((size_t)bytes + 3) / 4 * 4;
+    cl_event event = NULL;
+    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, &zero, sizeof zero, 0, whole_words,
+                                             wait_count(build), wait_list(build), &event);
+    return follow(build, "clEnqueueFillBuffer", error, event);
+}
+
+svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes)
+{
+    cl_event event = NULL;
+    const cl_int error =
+        clEnqueueReadBuffer(build->queue, buffer, CL_TRUE, 0, bytes, to, wait_count(build), wait_list(build), &event);
+    return follow(build, "clEnqueueReadBuffer", error, event);
+}
+
+svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out)
+{
+    return svo_i_kernel_create(build->device, SVO_I_BUILD, build->program, name, out);
+}
+
+svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
+                              cl_uint argument_count, uint64_t items)
+{
+    if (items == 0) {
+        return SVO_OK;
+    }
+    const svo_status status = svo_i_kernel_set(build->device, SVO_I_BUILD, kernel, arguments, argument_count);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = (size_t)((items + local - 1) / local) * local;
+    cl_event event = NULL;
+    const cl_int error = clEnqueueNDRangeKernel(build->queue, kernel, 1, NULL, &global, &local, wait_count(build),
+                                                wait_list(build), &event);
+    return follow(build, "clEnqueueNDRangeKernel", error, event);
+}
+
+void svo_i_build_stage_begin(svo_i_build *build)
+{
+    if (build->stage_first != NULL) {
+        clReleaseEvent(build->stage_first);
+        build->stage_first = NULL;
+    }
+    build->stage_start_ms = svo_i_now_ms();
+}
+
+/* From the start of the first to the end of the last launch; negative where the queue does not say. */
+static double event_span_ms(cl_event first, cl_event last)
+{
+    cl_ulong start = 0;
+    cl_ulong end = 0;
+    if (clGetEventProfilingInfo(first, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
+        clGetEventProfilingInfo(last, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS || end < start) {
+        return -1.0;
+    }
+    return (double)(end - start) * 1e-6;
+}
+
+static void add_time(svo_build_report *report, svo_stage stage, double ms, const char *clock)
+{
+    report->stages[stage].ms += ms;
+    report->stages[stage].clock = clock;
+}
+
+svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
+{
+    if (build->stage_first == NULL) {
+        return SVO_OK;
+    }
+    const cl_int error = clWaitForEvents(1, &build->last);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(build->device, SVO_I_BUILD, svo_stage_name(stage), error);
+    }
+    const double span = build->profiling ? event_span_ms(build->stage_first, build->last) : -1.0;
+    if (span >= 0.0) {
+        add_time(build->report, stage, span, "cl-event");
+    } else {
+        add_time(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
+    }
+    clReleaseEvent(build->stage_first);
+    build->stage_first = NULL;
+    return SVO_OK;
+}
+
+/* The -D keys of the kernels this plan needs. */
+static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
+{
+    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
+    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
+    (void)snprintf(keys, bytes, "%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? "-DSVO_CODE48 " : "",
+                   color ? "-DSVO_COLOR " : "", color && plan->colors != NULL ? "-DSVO_VERTEX_COLOR " : "",
+                   color && plan->uvs != NULL ? "-DSVO_TEXTURE " : "", normal ? "-DSVO_NORMAL " : "",
+                   normal && plan->normals != NULL ? "-DSVO_VERTEX_NORMAL " : "");
+}
+
+static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
+{
+    uint64_t bytes = frontend->chunk_bytes_max;
+    bytes = build->device->max_allocation_bytes < bytes ? build->device->max_allocation_bytes : bytes;
+    const uint64_t asked = build->plan->options.chunk_bytes;
+    return asked != 0 && asked < bytes ? asked : bytes;
+}
+
+/* The list's counts; whether every chunk held its fragments. */
+static bool list_is_whole(svo_i_build *build, uint64_t *needed)
+{
+    bool whole = true;
+    build->fragment_count = 0;
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        needed[i] = build->list.chunks[i].needed;
+        build->fragment_count += needed[i];
+        whole = whole && needed[i] <= build->list.chunks[i].capacity;
+    }
+    return whole;
+}
+
+/* One attempt at the list, with the layout as it is. */
+static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
+                            bool *whole)
+{
+    build->list.chunk_count = layout->chunk_count;
+    build->list.chunks = calloc(layout->chunk_count + 1u, sizeof *build->list.chunks);
+    uint64_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
+    svo_status status = SVO_OK;
+    if (build->list.chunks == NULL || needed == NULL) {
+        status = svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                   layout->chunk_count);
+        build->list.chunk_count = 0;
+    } else {
+        double voxelize_ms = 0.0;
+        double transfer_ms = 0.0;
+        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, &voxelize_ms,
+                                    &transfer_ms);
+        add_time(build->report, SVO_STAGE_VOXELIZE, voxelize_ms, "wall");
+        add_time(build->report, SVO_STAGE_TRANSFER, transfer_ms, "wall");
+        *whole = status == SVO_OK && list_is_whole(build, needed);
+    }
+    if (status != SVO_OK || !*whole) {
+        frontend->release(frontend->self, &build->list);
+        free(build->list.chunks);
+        build->list = (svo_i_fragment_list){0};
+    }
+    if (status == SVO_OK && !*whole) {
+        ++build->report->reruns;
+        status = svo_i_layout_grow(build->plan, limit, needed, layout);
+    }
+    free(needed);
+    return status;
+}
+
+static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
+{
+    const uint64_t limit = chunk_bytes(build, frontend);
+    svo_i_layout layout;
+    svo_status status = svo_i_layout_create(build->plan, limit, &layout);
+    bool whole = false;
+    while (status == SVO_OK && !whole) {
+        if (build->report->reruns > RERUNS_MAX) {
+            status = svo_i_device_fail(build->device, SVO_INTERNAL, "svo_build: the list does not fit after %u reruns",
+                                       build->report->reruns);
+            break;
+        }
+        status = draw_list(build, frontend, &layout, limit, &whole);
+    }
+    svo_i_layout_destroy(&layout);
+    if (status == SVO_OK && build->fragment_count >= UINT32_MAX) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: the scene has %llu fragments, above 2^32 - 1; lower the depth",
+                                 (unsigned long long)build->fragment_count);
+    }
+    for (uint32_t i = 0; status == SVO_OK && i < build->list.chunk_count; ++i) {
+        svo_i_plan_buffer_add(build->plan, "fragments",
+                              build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
+    }
+    return status;
+}
+
+static svo_status alloc_cursors(svo_i_build *build)
+{
+    build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
+    if (build->cursors == NULL) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                 build->list.chunk_count);
+    }
+    svo_status status = SVO_OK;
+    for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
+        status = svo_i_build_alloc(build, "cursors", build->list.chunks[i].needed * 4, &build->cursors[i]);
+    }
+    return status;
+}
+
+/* Copies the used front of a buffer to one of that size, and releases the large one. */
+static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes)
+{
+    cl_mem *buffer = &build->tree->buffers[which];
+    size_t held = 0;
+    clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
+    if (held == bytes || bytes == 0) {
+        return SVO_OK;
+    }
+    cl_mem exact = NULL;
+    svo_status status = svo_i_device_buffer(build->device, SVO_I_BUILD, svo_tree_buffer_name(which), CL_MEM_READ_WRITE,
+                                            (size_t)bytes, &exact);
+    if (status != SVO_OK) {
+        return status;
+    }
+    cl_event event = NULL;
+    const cl_int error = clEnqueueCopyBuffer(build->queue, *buffer, exact, 0, 0, (size_t)bytes, wait_count(build),
+                                             wait_list(build), &event);
+    status = follow(build, "clEnqueueCopyBuffer", error, event);
+    if (status == SVO_OK) {
+        svo_i_build_free(build, buffer);
+        build->plan->live_bytes += bytes;
+        *buffer = exact;
+    } else {
+        clReleaseMemObject(exact);
+    }
+    return status;
+}
+
+/* Masks and first children, rerun once with room for certain when the count law misjudged the scene. */
+static svo_status make_nodes(svo_i_build *build)
+{
+    bool fits = false;
+    for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
+        build->inner_capacity = svo_i_plan_inner_nodes(build->plan, build->fragment_count, attempt > 0);
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_CHILD_MASK]);
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_FIRST_CHILD]);
+        const uint64_t mask_bytes = (build->inner_capacity + 3) / 4 * 4;
+        svo_status status =
+            svo_i_build_alloc(build, "child_mask", mask_bytes, &build->tree->buffers[SVO_TREE_CHILD_MASK]);
+        if (status == SVO_OK) {
+            status = svo_i_build_alloc(build, "first_child", build->inner_capacity * 4,
+                                       &build->tree->buffers[SVO_TREE_FIRST_CHILD]);
+        }
+        if (status == SVO_OK) {
+            status = svo_i_subdivide(build, &fits);
+        }
+        if (status != SVO_OK) {
+            return status;
+        }
+        build->report->reruns += fits ? 0 : 1;
+    }
+    if (!fits) {
+        return svo_i_device_fail(build->device, SVO_INTERNAL, "svo_build: %llu fragments made more than %llu nodes",
+                                 (unsigned long long)build->fragment_count, (unsigned long long)build->inner_capacity);
+    }
+    const svo_status status = trim(build, SVO_TREE_CHILD_MASK, build->tree->info.inner_count);
+    return status == SVO_OK ? trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4) : status;
+}
+
+/* What rays need of the mesh. */
+static svo_status keep_geometry(svo_i_build *build)
+{
+    const svo_plan *plan = build->plan;
+    svo_status status = SVO_OK;
+    if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
+        status = svo_i_build_upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12,
+                                    &build->tree->buffers[SVO_TREE_VERTICES]);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12,
+                                    &build->tree->buffers[SVO_TREE_INDICES]);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_upload(build, "triangle_ids", plan->triangle_ids, (uint64_t)plan->triangle_count * 4,
+                                    &build->tree->buffers[SVO_TREE_TRIANGLE_IDS]);
+    }
+    build->tree->info.vertex_count = plan->vertex_count;
+    build->tree->info.list_triangle_count = plan->triangle_count;
+    return status;
+}
+
+static void fill_info(svo_i_build *build)
+{
+    const svo_plan_info *from = &build->plan->info;
+    svo_tree_info *to = &build->tree->info;
+    to->depth = from->depth;
+    to->snap_bits = from->snap_bits;
+    to->coverage = 0;
+    to->need = from->need;
+    memcpy(to->origin, from->origin, sizeof to->origin);
+    to->edge = from->edge;
+    to->scale = from->scale;
+    to->snap_error = from->snap_error;
+    to->triangles = from->triangles;
+    to->refused_triangles = from->refused_triangles;
+    to->fragments = build->fragment_count;
+}
+
+static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
+{
+    const uint32_t need = build->plan->info.need;
+    svo_status status = make_list(build, frontend);
+    if (status == SVO_OK) {
+        fill_info(build);
+        status = alloc_cursors(build);
+    }
+    if (status == SVO_OK) {
+        status = make_nodes(build);
+    }
+    if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
+        svo_i_build_stage_begin(build);
+        status = keep_geometry(build);
+        if (status == SVO_OK) {
+            status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
+        }
+        if (status == SVO_OK) {
+            status = svo_i_pack(build);
+        }
+    }
+    if (status == SVO_OK && (need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
+        status = svo_i_filter(build);
+    }
+    return status;
+}
+
+/* Waits for what was launched, also after a failure, and releases everything but the tree. */
+static void finish(svo_i_build *build, svo_frontend *frontend)
+{
+    if (build->last != NULL) {
+        clWaitForEvents(1, &build->last);
+        clReleaseEvent(build->last);
+    }
+    if (build->stage_first != NULL) {
+        clReleaseEvent(build->stage_first);
+    }
+    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
+        svo_i_build_free(build, &build->cursors[i]);
+    }
+    free(build->cursors);
+    svo_i_build_free(build, &build->state);
+    svo_i_build_free(build, &build->partials);
+    if (build->list.chunks != NULL) {
+        frontend->release(frontend->self, &build->list);
+        free(build->list.chunks);
+    }
+}
+
+static bool queue_profiles(cl_command_queue queue)
+{
+    cl_command_queue_properties properties = 0;
+    clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
+    return (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
+}
+
+svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                     svo_build_report *report)
+{
+    if (plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (frontend == NULL || queue == NULL || out == NULL || frontend->device != plan->device) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
+                                 "svo_build: frontend, queue or out is NULL, or frontend is of another device");
+    }
+    if (report != NULL && report->struct_size != sizeof *report) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: report.struct_size is %zu, not %zu",
+                                 report->struct_size, sizeof *report);
+    }
+    svo_build_report unread = {0};
+    svo_i_build build = {.device = plan->device,
+                         .plan = plan,
+                         .queue = queue,
+                         .profiling = queue_profiles(queue),
+                         .report = report != NULL ? report : &unread};
+    *build.report =
+        (svo_build_report){.struct_size = sizeof *report, .frontend = frontend->name, .share = frontend->share};
+    add_time(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
+    svo_i_plan_buffers_reset(plan);
+    build.tree = svo_i_tree_new();
+    if (build.tree == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for the tree");
+    }
+    build.tree->device = plan->device;
+    char keys[256];
+    program_keys(plan, keys, sizeof keys);
+    const double start_ms = svo_i_now_ms();
+    svo_status status = svo_i_program_get(plan->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build.program);
+    if (status == SVO_OK) {
+        status = frontend->prepare(frontend->self, plan);
+    }
+    add_time(build.report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    if (status == SVO_OK) {
+        status = run_stages(&build, frontend);
+    }
+    build.report->fragments = build.fragment_count;
+    build.report->list_chunks = build.list.chunk_count;
+    finish(&build, frontend);
+    if (status != SVO_OK) {
+        svo_tree_destroy(&build.tree);
+        return status;
+    }
+    *out = build.tree;
+    return SVO_OK;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One build in progress: what the OpenCL stages (subdivide.c, pack.c, filter.c) share. build.c runs them in order.
+ *
+ * Every launch waits for the one before it by an event, so the caller's queue may be out-of-order.
+ */
+#ifndef SVO_LIB_BUILD_H
+#define SVO_LIB_BUILD_H
+
+#include "frontend.h"
+#include "program.h"
+#include "tree.h"
+
+typedef struct svo_i_build {
+    svo_device *device;
+    svo_plan *plan;
+    cl_command_queue queue;
+    bool profiling; /* the queue has CL_QUEUE_PROFILING_ENABLE */
+    cl_program program;
+    svo_build_report *report;
+
+    svo_i_fragment_list list;
+    uint64_t fragment_count; /* in all chunks */
+
+    cl_event last; /* the newest launch; NULL at first */
+    cl_event stage_first; /* the first launch of the open stage */
+    double stage_start_ms; /* wall clock when it was opened */
+
+    /* Scratch. */
+    cl_mem *cursors; /* one per chunk */
+    cl_mem state, partials;
+    uint64_t inner_capacity;
+
+    /* The tree in the making. */
+    svo_tree *tree;
+} svo_i_build;
+
+/* svo_build's name, for messages. */
+#define SVO_I_BUILD "svo_build"
+
+/* Allocation that keeps the plan's list of buffers; release knows the bytes from the buffer itself. */
+svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out);
+/* The same, filled from the host. */
+svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out);
+void svo_i_build_free(svo_i_build *build, cl_mem *buffer);
+
+svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes);
+/* Waits, and reads bytes from the start of the buffer. */
+svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes);
+
+/* Sets all arguments and launches enough groups for items work-items; nothing for none. */
+svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
+                              cl_uint argument_count, uint64_t items);
+svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out);
+
+/* Launches between begin and end are counted to the stage. Stages may be entered several times. */
+void svo_i_build_stage_begin(svo_i_build *build);
+svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
+
+/* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
+   did not fit. Fills tree->info.level_begin and the counts. */
+svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
+/* pack.c: list_begin and list. */
+svo_status svo_i_pack(svo_i_build *build);
+/* filter.c: links the leaves and makes the payload. */
+svo_status svo_i_filter(svo_i_build *build);
+
+#endif

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Runs kernels/link.cl and kernels/filter.cl: per chunk the leaves' fragments are linked and gathered into sums, then
+ * sums travel up level by level and every node's payload is written.
+ */
+#include "build.h"
+
+/* The sums of one level. */
+typedef struct level_sums {
+    cl_mem weights, colors, normals;
+} level_sums;
+
+typedef struct filterer {
+    svo_i_build *build;
+    bool color, normal;
+    cl_mem heads;
+    level_sums sums[2]; /* leaves and every second level above; the others */
+    /* The mesh's attributes; NULL where the variant does not read them. */
+    cl_mem indices, records, vertex_colors, vertex_normals, uvs, materials, texels;
+    bool owns_indices;
+    cl_kernel link, gather, filter;
+    svo_filter_params params;
+} filterer;
+
+static svo_status allocate_sums(filterer *f, level_sums *sums, uint64_t nodes)
+{
+    svo_status status = svo_i_build_alloc(f->build, "weights", nodes * 4, &sums->weights);
+    if (status == SVO_OK && f->color) {
+        status = svo_i_build_alloc(f->build, "color_sums", nodes * 32, &sums->colors);
+    }
+    if (status == SVO_OK && f->normal) {
+        status = svo_i_build_alloc(f->build, "normal_sums", nodes * 24, &sums->normals);
+    }
+    return status;
+}
+
+static svo_status allocate(filterer *f)
+{
+    svo_i_build *build = f->build;
+    const svo_tree_info *info = &build->tree->info;
+    const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
+    svo_status status = svo_i_build_alloc(build, "heads", info->leaf_count * 4, &f->heads);
+    if (status == SVO_OK) {
+        status = allocate_sums(f, &f->sums[0], info->leaf_count);
+    }
+    if (status == SVO_OK) {
+        status = allocate_sums(f, &f->sums[1], parents);
+    }
+    if (status == SVO_OK && f->color) {
+        status = svo_i_build_alloc(build, "colors", info->node_count * 4, &build->tree->buffers[SVO_TREE_COLORS]);
+    }
+    if (status == SVO_OK && f->normal) {
+        status = svo_i_build_alloc(build, "normals", info->node_count * 6, &build->tree->buffers[SVO_TREE_NORMALS]);
+    }
+    return status;
+}
+
+/* Uploads an attribute if the plan has it. */
+static svo_status upload(filterer *f, const char *name, const void *data, uint64_t bytes, cl_mem *out)
+{
+    return data != NULL ? svo_i_build_upload(f->build, name, data, bytes, out) : SVO_OK;
+}
+
+static svo_status upload_attributes(filterer *f)
+{
+    svo_i_build *build = f->build;
+    const svo_plan *plan = build->plan;
+    const uint64_t vertices = plan->vertex_count;
+    svo_status status = SVO_OK;
+    if (build->tree->buffers[SVO_TREE_INDICES] != NULL) {
+        f->indices = build->tree->buffers[SVO_TREE_INDICES];
+    } else {
+        f->owns_indices = true;
+        status = upload(f, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &f->indices);
+    }
+    if (status == SVO_OK) {
+        status = upload(f, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
+                        &f->records);
+    }
+    if (status == SVO_OK) {
+        status = upload(f, "vertex_colors", plan->colors, vertices * 4, &f->vertex_colors);
+    }
+    if (status == SVO_OK) {
+        status = upload(f, "vertex_normals", plan->normals, vertices * 8, &f->vertex_normals);
+    }
+    if (status == SVO_OK) {
+        status = upload(f, "uvs", plan->uvs, vertices * 8, &f->uvs);
+    }
+    if (status == SVO_OK) {
+        status =
+            upload(f, "materials", plan->materials, plan->material_count * sizeof(svo_material_record), &f->materials);
+    }
+    return status == SVO_OK ? upload(f, "texels", plan->texels, plan->texel_count * 4, &f->texels) : status;
+}
+
+static svo_status create_kernels(filterer *f)
+{
+    svo_status status = svo_i_build_kernel(f->build, "svo_k_link", &f->link);
+    if (status == SVO_OK) {
+        status = svo_i_build_kernel(f->build, "svo_k_gather", &f->gather);
+    }
+    return status == SVO_OK ? svo_i_build_kernel(f->build, "svo_k_filter", &f->filter) : status;
+}
+
+static void release(filterer *f)
+{
+    cl_kernel kernels[3] = {f->link, f->gather, f->filter};
+    for (unsigned i = 0; i < 3; ++i) {
+        if (kernels[i] != NULL) {
+            clReleaseKernel(kernels[i]);
+        }
+    }
+    if (f->owns_indices) {
+        svo_i_build_free(f->build, &f->indices);
+    }
+    cl_mem *buffers[] = {
+        &f->heads,           &f->records,        &f->vertex_colors,   &f->vertex_normals, &f->uvs,
+        &f->materials,       &f->texels,         &f->sums[0].weights, &f->sums[0].colors, &f->sums[0].normals,
+        &f->sums[1].weights, &f->sums[1].colors, &f->sums[1].normals};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_build_free(f->build, buffers[i]);
+    }
+}
+
+static svo_status link_chunk(filterer *f, uint32_t chunk)
+{
+    svo_i_build_stage_begin(f->build);
+    svo_status status = svo_i_build_fill_zero(f->build, f->heads, f->params.leaf_count * UINT64_C(4));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->build->cursors[chunk]), SVO_I_ARGUMENT(f->heads),
+                                        SVO_I_ARGUMENT(f->params)};
+    if (status == SVO_OK) {
+        status = svo_i_build_launch(f->build, f->link, arguments, 3, f->params.fragment_count);
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_LINK) : status;
+}
+
+static svo_status gather_chunk(filterer *f, uint32_t chunk)
+{
+    svo_i_build *build = f->build;
+    const cl_mem vertices = build->tree->buffers[SVO_TREE_VERTICES];
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
+                                        SVO_I_ARGUMENT(build->cursors[chunk]),
+                                        SVO_I_ARGUMENT(f->heads),
+                                        SVO_I_ARGUMENT(f->sums[0].weights),
+                                        SVO_I_ARGUMENT(f->sums[0].colors),
+                                        SVO_I_ARGUMENT(f->sums[0].normals),
+                                        SVO_I_ARGUMENT(vertices),
+                                        SVO_I_ARGUMENT(f->indices),
+                                        SVO_I_ARGUMENT(f->records),
+                                        SVO_I_ARGUMENT(f->vertex_colors),
+                                        SVO_I_ARGUMENT(f->vertex_normals),
+                                        SVO_I_ARGUMENT(f->uvs),
+                                        SVO_I_ARGUMENT(f->materials),
+                                        SVO_I_ARGUMENT(f->texels),
+                                        SVO_I_ARGUMENT(f->params)};
+    svo_i_build_stage_begin(build);
+    const svo_status status = svo_i_build_launch(build, f->gather, arguments, 15, f->params.leaf_count);
+    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_FILTER) : status;
+}
+
+static svo_status gather_leaves(filterer *f)
+{
+    svo_status status = SVO_OK;
+    f->params.first_chunk = 1;
+    for (uint32_t i = 0; i < f->build->list.chunk_count && status == SVO_OK; ++i) {
+        f->params.fragment_count = (cl_uint)f->build->list.chunks[i].needed;
+        status = link_chunk(f, i);
+        if (status == SVO_OK) {
+            status = gather_chunk(f, i);
+        }
+        f->params.first_chunk = 0;
+    }
+    return status;
+}
+
+/* The nodes of one level take up their children's sums. */
+static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes)
+{
+    svo_tree *tree = f->build->tree;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(children->weights),
+                                        SVO_I_ARGUMENT(children->colors),
+                                        SVO_I_ARGUMENT(children->normals),
+                                        SVO_I_ARGUMENT(nodes->weights),
+                                        SVO_I_ARGUMENT(nodes->colors),
+                                        SVO_I_ARGUMENT(nodes->normals),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
+                                        SVO_I_ARGUMENT(f->params)};
+    return svo_i_build_launch(f->build, f->filter, arguments, 11, f->params.level_count);
+}
+
+static svo_status filter_levels(filterer *f)
+{
+    const svo_tree_info *info = &f->build->tree->info;
+    svo_i_build_stage_begin(f->build);
+    svo_status status = SVO_OK;
+    unsigned children = 0;
+    for (uint32_t level = info->depth; level-- > 0 && status == SVO_OK;) {
+        f->params.level = level;
+        f->params.level_begin = info->level_begin[level];
+        f->params.level_count = info->level_begin[level + 1] - info->level_begin[level];
+        f->params.child_begin = info->level_begin[level + 1];
+        status = filter_level(f, &f->sums[children], &f->sums[1 - children]);
+        children = 1 - children;
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_FILTER) : status;
+}
+
+/* A tree without leaves: a root whose payload is zero. */
+static svo_status clear_payload(filterer *f)
+{
+    svo_i_build *build = f->build;
+    svo_status status = SVO_OK;
+    if (f->color) {
+        status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_COLORS], 4);
+    }
+    if (status == SVO_OK && f->normal) {
+        const int16_t zero[3] = {0, 0, 0};
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_NORMALS]);
+        status = svo_i_build_upload(build, "normals", zero, sizeof zero, &build->tree->buffers[SVO_TREE_NORMALS]);
+    }
+    return status;
+}
+
+static svo_status run(filterer *f)
+{
+    svo_i_build *build = f->build;
+    svo_status status = allocate(f);
+    if (status != SVO_OK || build->tree->info.leaf_count == 0) {
+        return status == SVO_OK ? clear_payload(f) : status;
+    }
+    svo_i_build_stage_begin(build);
+    if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
+        status = svo_i_build_upload(build, "vertices", build->plan->vertices, (uint64_t)build->plan->vertex_count * 12,
+                                    &build->tree->buffers[SVO_TREE_VERTICES]);
+    }
+    if (status == SVO_OK) {
+        status = upload_attributes(f);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
+    }
+    if (status == SVO_OK) {
+        status = create_kernels(f);
+    }
+    if (status == SVO_OK) {
+        status = gather_leaves(f);
+    }
+    return status == SVO_OK ? filter_levels(f) : status;
+}
+
+svo_status svo_i_filter(svo_i_build *build)
+{
+    const svo_tree_info *info = &build->tree->info;
+    filterer f = {.build = build,
+                  .color = (info->need & SVO_NEED_COLOR) != 0,
+                  .normal = (info->need & SVO_NEED_NORMAL) != 0,
+                  .params = {.depth = info->depth,
+                             .leaf_begin = (cl_uint)info->inner_count,
+                             .leaf_count = (cl_uint)info->leaf_count,
+                             .voxel_log2 = build->plan->voxel_log2}};
+    const svo_status status = run(&f);
+    release(&f);
+    if ((info->need & SVO_NEED_RAYS) == 0) {
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_VERTICES]);
+    }
+    return status;
+}

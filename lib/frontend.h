@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The narrow interface between the builder and whatever makes the fragment list. A front end proposes any superset of the
+ * touched voxels and lets the integer test decide, so no two front ends can differ.
+ */
+#ifndef SVO_LIB_FRONTEND_H
+#define SVO_LIB_FRONTEND_H
+
+#include "plan.h"
+#include "svocl/build.h"
+
+/* One chunk of the list, readable by OpenCL. */
+typedef struct svo_i_fragments {
+    cl_mem buffer;
+    uint64_t needed; /* fragments the chunk's draws make */
+    uint64_t capacity; /* fragments the buffer holds; the list is whole when needed <= capacity */
+    void *owner; /* the front end's */
+} svo_i_fragments;
+
+typedef struct svo_i_fragment_list {
+    svo_i_fragments *chunks;
+    uint32_t chunk_count;
+} svo_i_fragment_list;
+
+struct svo_frontend {
+    const char *name; /* "gl-expand", ... */
+    const char *share; /* "host", ... */
+    void *self;
+    svo_device *device;
+    uint64_t chunk_bytes_max; /* largest chunk the front end can write */
+
+    /* Compiles what the plan's draws need. */
+    svo_status (*prepare)(void *self, const svo_plan *plan);
+    /* Draws the layout into list->chunks (chunk_count entries, zeroed): one buffer per chunk, counted to the end whether
+       or not it fits. Times: milliseconds of wall clock spent in drawing and in handing over. */
+    svo_status (*voxelize)(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms);
+    /* Releases the buffers of a list, also of one that voxelize left half done. */
+    void (*release)(void *self, svo_i_fragment_list *list);
+};
+
+#endif

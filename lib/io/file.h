@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The .svo format as structs, shared by file_save.c and file_load.c. io.h has it byte by byte; the offsets are asserted
+ * here. Both hosts and files are little-endian, so a struct is its bytes.
+ */
+#ifndef SVO_LIB_IO_FILE_H
+#define SVO_LIB_IO_FILE_H
+
+#include <assert.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/io.h"
+
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "svocl reads and writes .svo files in memory order and needs a little-endian host"
+#endif
+
+#define FILE_MAGIC       "\x89SVO\r\n\x1a\n"
+#define FILE_MAGIC_BYTES 8
+#define FILE_VERSION     1
+#define FILE_HASH_BEGIN  32 /* the header's checksum covers everything from here to the end of the chunk table */
+
+typedef struct file_header {
+    uint8_t magic[FILE_MAGIC_BYTES];
+    uint32_t version;
+    uint32_t header_bytes;
+    uint64_t file_bytes;
+    uint64_t header_hash;
+    uint32_t chunk_count;
+    uint32_t depth;
+    uint32_t snap_bits;
+    uint32_t coverage;
+    uint32_t need;
+    uint32_t zero;
+    double origin[3];
+    double edge;
+    double scale;
+    double snap_error;
+    uint64_t triangles;
+    uint64_t refused_triangles;
+    uint64_t fragments;
+    uint32_t level_begin[SVO_LEVELS_MAX];
+} file_header;
+
+typedef enum file_codec { FILE_CODEC_STORED = 0, FILE_CODEC_ZSTD = 1 } file_codec;
+
+typedef struct file_chunk {
+    uint32_t kind;
+    uint32_t codec;
+    uint64_t offset;
+    uint64_t stored_bytes;
+    uint64_t plain_bytes;
+    uint64_t hash;
+} file_chunk;
+
+/* Header and table as they lie in the file, for as many chunks as a file can have. */
+typedef struct file_head {
+    file_header header;
+    file_chunk chunks[SVO_TREE_BUFFER_COUNT];
+} file_head;
+
+static_assert(offsetof(file_header, file_bytes) == 16, "io.h: file_bytes");
+static_assert(offsetof(file_header, chunk_count) == FILE_HASH_BEGIN, "io.h: chunk_count");
+static_assert(offsetof(file_header, origin) == 56, "io.h: origin");
+static_assert(offsetof(file_header, triangles) == 104, "io.h: triangles");
+static_assert(offsetof(file_header, level_begin) == 128, "io.h: level_begin");
+static_assert(sizeof(file_header) == 200, "io.h: header");
+static_assert(sizeof(file_chunk) == 40, "io.h: chunk entry");
+static_assert(offsetof(file_head, chunks) == 200, "io.h: chunk table");
+
+/*
+ * Checks the arrays of a tree whose counts already agree with its header: node links, lists and geometry.
+ * name: the file's, for the message. Returns SVO_FILE_DAMAGED with what is wrong and where.
+ */
+svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message);
+
+#endif

@@ -1,0 +1,436 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * .svo files to trees. Nothing in a file is believed: the header's lengths are checked against the file before anything
+ * is allocated, every byte is under a checksum, and file_check.c walks the finished arrays.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+#include <zstd.h>
+
+#include "../message.h"
+#include "../tree.h"
+#include "file.h"
+#include "svocl/plan.h"
+
+/* A zstd block is at least 4 bytes long and gives at most 128 KiB: no honest chunk promises more. */
+#define ZSTD_BLOCK_STORED_BYTES_MIN 4
+#define ZSTD_BLOCK_PLAIN_BYTES_MAX  (128 * 1024)
+
+typedef struct load_state {
+    const char *name;
+    svo_message *message;
+    const uint8_t *memory; /* the whole file, or NULL: read from file */
+    int file;
+    uint64_t file_bytes;
+    file_head head;
+    svo_tree *tree;
+} load_state;
+
+static svo_status damaged(const load_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static svo_status damaged(const load_state *state, const char *format, ...)
+{
+    svo_message detail;
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(&detail, SVO_FILE_DAMAGED, format, arguments);
+    va_end(arguments);
+    return svo_i_fail(state->message, SVO_FILE_DAMAGED, "%s: %s", state->name, detail.text);
+}
+
+/* Copies bytes that are known to lie inside the file. */
+static svo_status read_at(const load_state *state, uint64_t offset, void *out, size_t byte_count)
+{
+    if (state->memory != NULL) {
+        memcpy(out, state->memory + offset, byte_count);
+        return SVO_OK;
+    }
+    char *to = out;
+    while (byte_count > 0) {
+        const ssize_t got = pread(state->file, to, byte_count, (off_t)offset);
+        if (got < 0 && errno == EINTR) {
+            continue;
+        }
+        if (got < 0) {
+            return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
+        }
+        if (got == 0) {
+            return damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset);
+        }
+        to += got;
+        offset += (uint64_t)got;
+        byte_count -= (size_t)got;
+    }
+    return SVO_OK;
+}
+
+/* The part of the header that says whether this is a whole .svo file of a known version. */
+static svo_status read_identity(load_state *state)
+{
+    file_header *header = &state->head.header;
+    const size_t there_bytes = state->file_bytes < sizeof *header ? (size_t)state->file_bytes : sizeof *header;
+    const svo_status status = read_at(state, 0, header, there_bytes);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const size_t magic_bytes = there_bytes < FILE_MAGIC_BYTES ? there_bytes : FILE_MAGIC_BYTES;
+    if (magic_bytes == 0 || memcmp(header->magic, FILE_MAGIC, magic_bytes) != 0) {
+        return damaged(state, "not a .svo file");
+    }
+    if (there_bytes < sizeof *header) {
+        return damaged(state, "truncated: %zu bytes expected at least, %" PRIu64 " there", sizeof *header,
+                       state->file_bytes);
+    }
+    if (header->version != FILE_VERSION) {
+        return damaged(state, "version %" PRIu32 " is not known, only %d", header->version, FILE_VERSION);
+    }
+    if (header->file_bytes > state->file_bytes) {
+        return damaged(state, "truncated: %" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
+                       state->file_bytes);
+    }
+    if (header->file_bytes < state->file_bytes) {
+        return damaged(state, "%" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes, state->file_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status read_chunk_table(load_state *state)
+{
+    file_header *header = &state->head.header;
+    if (header->chunk_count > SVO_TREE_BUFFER_COUNT) {
+        return damaged(state, "header: %" PRIu32 " chunks, at most %d are known", header->chunk_count,
+                       SVO_TREE_BUFFER_COUNT);
+    }
+    const size_t table_bytes = header->chunk_count * sizeof(file_chunk);
+    const size_t head_bytes = sizeof *header + table_bytes;
+    if (header->header_bytes != head_bytes || head_bytes > state->file_bytes) {
+        return damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes, head_bytes);
+    }
+    const svo_status status = read_at(state, sizeof *header, state->head.chunks, table_bytes);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const uint64_t hash = XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, head_bytes - FILE_HASH_BEGIN);
+    if (hash != header->header_hash) {
+        return damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash, header->header_hash);
+    }
+    return SVO_OK;
+}
+
+static svo_status check_values(const load_state *state)
+{
+    const file_header *header = &state->head.header;
+    if (header->depth < SVO_DEPTH_MIN || header->depth > SVO_DEPTH_MAX) {
+        return damaged(state, "header: depth %" PRIu32 " is outside %d .. %d", header->depth, SVO_DEPTH_MIN,
+                       SVO_DEPTH_MAX);
+    }
+    if (header->snap_bits < header->depth || header->snap_bits > 24) {
+        return damaged(state, "header: snap_bits %" PRIu32 " is outside %" PRIu32 " .. 24", header->snap_bits,
+                       header->depth);
+    }
+    if (header->coverage != 0) {
+        return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
+    }
+    if ((header->need & ~(uint32_t)(SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)) != 0) {
+        return damaged(state, "header: need 0x%" PRIx32 " has unknown bits", header->need);
+    }
+    if (header->zero != 0) {
+        return damaged(state, "header: bytes 52 .. 56 are not 0");
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!isfinite(header->origin[axis])) {
+            return damaged(state, "header: origin is not finite");
+        }
+    }
+    if (!isfinite(header->edge) || !isfinite(header->scale) || header->edge <= 0 || header->scale <= 0) {
+        return damaged(state, "header: edge %g or scale %g is not above 0", header->edge, header->scale);
+    }
+    if (!(header->snap_error >= 0) || !isfinite(header->snap_error)) {
+        return damaged(state, "header: snap_error %g is not a distance", header->snap_error);
+    }
+    if (header->refused_triangles > header->triangles || header->triangles > UINT32_MAX) {
+        return damaged(state, "header: %" PRIu64 " of %" PRIu64 " triangles refused", header->refused_triangles,
+                       header->triangles);
+    }
+    return SVO_OK;
+}
+
+static svo_status check_levels(const load_state *state)
+{
+    const file_header *header = &state->head.header;
+    const uint32_t *level_begin = header->level_begin;
+    if (level_begin[0] != 0 || level_begin[1] != 1) {
+        return damaged(state, "header: level 0 is %" PRIu32 " .. %" PRIu32 ", not the root alone", level_begin[0],
+                       level_begin[1]);
+    }
+    for (uint32_t level = 1; level <= header->depth; ++level) {
+        const uint64_t parents = level_begin[level] - level_begin[level - 1];
+        if (level_begin[level + 1] < level_begin[level] || level_begin[level + 1] - level_begin[level] > 8 * parents) {
+            return damaged(state, "header: level %" PRIu32 " is %" PRIu32 " .. %" PRIu32 " below %" PRIu64 " nodes",
+                           level, level_begin[level], level_begin[level + 1], parents);
+        }
+    }
+    for (uint32_t i = header->depth + 2; i < SVO_LEVELS_MAX; ++i) {
+        if (level_begin[i] != 0) {
+            return damaged(state, "header: level_begin[%" PRIu32 "] is not 0", i);
+        }
+    }
+    return SVO_OK;
+}
+
+static void fill_info(svo_tree_info *info, const file_header *header)
+{
+    info->depth = header->depth;
+    info->snap_bits = header->snap_bits;
+    info->coverage = header->coverage;
+    info->need = header->need;
+    memcpy(info->origin, header->origin, sizeof info->origin);
+    info->edge = header->edge;
+    info->scale = header->scale;
+    info->snap_error = header->snap_error;
+    info->triangles = header->triangles;
+    info->refused_triangles = header->refused_triangles;
+    info->fragments = header->fragments;
+    memcpy(info->level_begin, header->level_begin, sizeof info->level_begin);
+    info->inner_count = header->level_begin[header->depth];
+    info->node_count = header->level_begin[header->depth + 1];
+    info->leaf_count = info->node_count - info->inner_count;
+}
+
+/* Where a chunk lies and how it is packed; its length against the counts comes later. */
+static svo_status check_chunk_place(const load_state *state, const file_chunk *chunk, uint64_t offset)
+{
+    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
+    if (chunk->codec != FILE_CODEC_STORED && chunk->codec != FILE_CODEC_ZSTD) {
+        return damaged(state, "chunk %s: codec %" PRIu32 " is not known", array, chunk->codec);
+    }
+    if (chunk->offset != offset || chunk->stored_bytes > state->file_bytes - offset) {
+        return damaged(state, "chunk %s: %" PRIu64 " bytes at %" PRIu64 ", %" PRIu64 " bytes at %" PRIu64 " are free",
+                       array, chunk->stored_bytes, chunk->offset, state->file_bytes - offset, offset);
+    }
+    const uint64_t plain_bytes_max =
+        chunk->codec == FILE_CODEC_STORED
+            ? chunk->stored_bytes
+            : (chunk->stored_bytes / ZSTD_BLOCK_STORED_BYTES_MIN + 1) * ZSTD_BLOCK_PLAIN_BYTES_MAX;
+    if (chunk->plain_bytes > plain_bytes_max ||
+        (chunk->codec == FILE_CODEC_STORED && chunk->plain_bytes != plain_bytes_max)) {
+        return damaged(state, "chunk %s: %" PRIu64 " bytes in the file cannot hold %" PRIu64, array,
+                       chunk->stored_bytes, chunk->plain_bytes);
+    }
+    return SVO_OK;
+}
+
+/* Three counts are not in the header but follow from their chunk's length. */
+static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
+{
+    switch (kind) {
+    case SVO_TREE_LIST:
+        return &info->list_count;
+    case SVO_TREE_VERTICES:
+        return &info->vertex_count;
+    case SVO_TREE_INDICES:
+        return &info->list_triangle_count;
+    default:
+        return NULL;
+    }
+}
+
+static svo_status check_chunk_length(load_state *state, const file_chunk *chunk)
+{
+    const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
+    svo_tree_info *info = &state->tree->info;
+    const uint64_t element_bytes = svo_i_tree_element_bytes(kind);
+    uint64_t *count = count_from_length(info, kind);
+    if (count != NULL) {
+        *count = chunk->plain_bytes / element_bytes;
+    }
+    const uint64_t element_count = svo_i_tree_element_count(info, kind);
+    if (chunk->plain_bytes != element_count * element_bytes || element_count > UINT32_MAX) {
+        return damaged(state, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
+                       svo_tree_buffer_name(kind), chunk->plain_bytes, element_count, element_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status check_chunk_table(load_state *state)
+{
+    const file_header *header = &state->head.header;
+    uint64_t offset = header->header_bytes;
+    uint32_t chunk_index = 0;
+    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if (!svo_i_tree_holds(&state->tree->info, (svo_tree_buffer)i)) {
+            continue;
+        }
+        const char *array = svo_tree_buffer_name((svo_tree_buffer)i);
+        if (chunk_index == header->chunk_count) {
+            return damaged(state, "chunk %s is missing", array);
+        }
+        const file_chunk *chunk = &state->head.chunks[chunk_index++];
+        if (chunk->kind != i) {
+            return damaged(state, "chunk %" PRIu32 ": kind is %" PRIu32 ", %" PRIu32 " (%s) expected", chunk_index - 1,
+                           chunk->kind, i, array);
+        }
+        svo_status status = check_chunk_place(state, chunk, offset);
+        if (status == SVO_OK) {
+            status = check_chunk_length(state, chunk);
+        }
+        if (status != SVO_OK) {
+            return status;
+        }
+        offset += chunk->stored_bytes;
+    }
+    if (chunk_index != header->chunk_count) {
+        return damaged(state, "chunk %" PRIu32 ": kind %" PRIu32 " is not expected", chunk_index,
+                       state->head.chunks[chunk_index].kind);
+    }
+    if (offset != state->file_bytes) {
+        return damaged(state, "the chunks end at byte %" PRIu64 ", the file at %" PRIu64, offset, state->file_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status out_of_memory(const load_state *state, const char *array, uint64_t byte_count)
+{
+    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %" PRIu64 " bytes of memory",
+                      state->name, array, byte_count);
+}
+
+static svo_status unpack_chunk(const load_state *state, const file_chunk *chunk, void *plain)
+{
+    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
+    const size_t stored_bytes = (size_t)chunk->stored_bytes;
+    void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
+    if (packed == NULL) {
+        return out_of_memory(state, array, chunk->stored_bytes);
+    }
+    svo_status status = read_at(state, chunk->offset, packed, stored_bytes);
+    if (status == SVO_OK) {
+        const size_t got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
+        if (ZSTD_isError(got)) {
+            status = damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
+        } else if (got != chunk->plain_bytes) {
+            status =
+                damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got, chunk->plain_bytes);
+        }
+    }
+    free(packed);
+    return status;
+}
+
+/* One chunk into tree->host, which owns it from the allocation on. */
+static svo_status load_chunk(load_state *state, const file_chunk *chunk)
+{
+    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
+    if (chunk->plain_bytes > SIZE_MAX || chunk->stored_bytes > SIZE_MAX) {
+        return out_of_memory(state, array, chunk->plain_bytes);
+    }
+    const size_t plain_bytes = (size_t)chunk->plain_bytes;
+    void *plain = NULL;
+    svo_status status = SVO_OK;
+    if (plain_bytes > 0) {
+        plain = malloc(plain_bytes);
+        if (plain == NULL) {
+            return out_of_memory(state, array, chunk->plain_bytes);
+        }
+        state->tree->host[chunk->kind] = plain;
+        status = chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, plain)
+                                                 : read_at(state, chunk->offset, plain, plain_bytes);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    const uint64_t hash = XXH3_64bits(plain != NULL ? plain : "", plain_bytes);
+    if (hash != chunk->hash) {
+        return damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash, chunk->hash);
+    }
+    return SVO_OK;
+}
+
+static svo_status load_chunks(load_state *state)
+{
+    svo_status status = check_chunk_table(state);
+    for (uint32_t i = 0; i < state->head.header.chunk_count && status == SVO_OK; ++i) {
+        status = load_chunk(state, &state->head.chunks[i]);
+    }
+    if (status == SVO_OK) {
+        state->tree->downloaded = true;
+        status = svo_i_file_check_structure(state->tree, state->name, state->message);
+    }
+    return status;
+}
+
+static svo_status load(load_state *state, svo_tree **out)
+{
+    svo_status status = read_identity(state);
+    if (status == SVO_OK) {
+        status = read_chunk_table(state);
+    }
+    if (status == SVO_OK) {
+        status = check_values(state);
+    }
+    if (status == SVO_OK) {
+        status = check_levels(state);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    state->tree = svo_i_tree_new();
+    if (state->tree == NULL) {
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
+    }
+    fill_info(&state->tree->info, &state->head.header);
+    status = load_chunks(state);
+    if (status != SVO_OK) {
+        svo_tree_destroy(&state->tree);
+        return status;
+    }
+    *out = state->tree;
+    return SVO_OK;
+}
+
+svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
+{
+    if (path == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
+    }
+    load_state state = {.name = path, .message = message};
+    /* Not blocking, so that a pipe's name is refused instead of waited for. */
+    state.file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (state.file < 0) {
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    }
+    svo_status status = SVO_OK;
+    struct stat entry;
+    if (fstat(state.file, &entry) != 0) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    } else if (!S_ISREG(entry.st_mode)) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
+                            S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
+    } else {
+        state.file_bytes = (uint64_t)entry.st_size;
+        status = load(&state, out);
+    }
+    close(state.file);
+    return status;
+}
+
+svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
+                                svo_message *message)
+{
+    if (bytes == NULL || name == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
+                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
+    }
+    load_state state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    return load(&state, out);
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Mesh files, the caller's side: checks the arguments and the file, lets a child process read it (import_process.c),
+ * checks the answer (import_stream.c) and keeps it. The child's side is import_child.c.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../message.h"
+#include "import_process.h"
+#include "import_stream.h"
+
+#define DEFAULT_MEMORY_BYTES  ((uint64_t)8 << 30)
+#define DEFAULT_TIME_SECONDS  120
+#define DEFAULT_CHILD_PROGRAM "/proc/self/exe"
+
+/* What the caller would blame a library for, but the system knows better: missing, a directory, not permitted. */
+static svo_status check_file(const char *path, svo_message *message)
+{
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0) {
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    }
+    struct stat entry;
+    svo_status status = SVO_OK;
+    if (fstat(file, &entry) != 0) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    } else if (!S_ISREG(entry.st_mode)) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
+                            S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
+    }
+    close(file);
+    return status;
+}
+
+static svo_status check_arguments(const char *path, const svo_import_options *options, svo_import *const *out,
+                                  svo_message *message)
+{
+    if (path == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: %s is NULL", path == NULL ? "path" : "out");
+    }
+    if (options != NULL && options->struct_size != sizeof *options) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: options.struct_size %zu is not %zu",
+                          options->struct_size, sizeof *options);
+    }
+    if (getenv(IMPORT_CHILD_ENVIRONMENT) != NULL) {
+        return svo_i_fail(
+            message, SVO_IMPORT_FAILED,
+            "svo_import_file: called in an import child; svo_import_child_main must come first in main()");
+    }
+    return SVO_OK;
+}
+
+svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log, void *log_user,
+                           svo_import **out, svo_message *message)
+{
+    svo_status status = check_arguments(path, options, out, message);
+    if (status == SVO_OK) {
+        status = check_file(path, message);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_import_options filled = {.struct_size = sizeof filled};
+    if (options != NULL) {
+        filled = *options;
+    }
+    filled.memory_limit_bytes = filled.memory_limit_bytes != 0 ? filled.memory_limit_bytes : DEFAULT_MEMORY_BYTES;
+    filled.time_limit_seconds = filled.time_limit_seconds != 0 ? filled.time_limit_seconds : DEFAULT_TIME_SECONDS;
+    filled.child_program = filled.child_program != NULL ? filled.child_program : DEFAULT_CHILD_PROGRAM;
+    svo_import *import = calloc(1, sizeof *import);
+    if (import == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
+    }
+    status = svo_i_import_run_child(path, &filled, import, message);
+    if (status == SVO_OK) {
+        status = svo_i_stream_parse(import, path, log, log_user, message);
+    }
+    if (status != SVO_OK) {
+        svo_import_destroy(&import);
+        return status;
+    }
+    *out = import;
+    return SVO_OK;
+}
+
+const svo_mesh *svo_import_mesh(const svo_import *import)
+{
+    return &import->mesh;
+}
+
+void svo_import_destroy(svo_import **import)
+{
+    if (import == NULL || *import == NULL) {
+        return;
+    }
+    free((*import)->textures);
+    free((*import)->bytes);
+    free(*import);
+    *import = NULL;
+}

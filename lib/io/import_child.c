@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The import child: limits itself, reads the file with assimp and writes what it found to its parent. Anything may go
+ * wrong from here on: assimp 5.2.5 crashes, hangs or asks for all memory on some broken files.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "../message.h"
+#include "import_gather.h"
+#include "import_process.h"
+#include "import_scene.h"
+#include "import_stream.h"
+
+/* The address sanitizer reserves terabytes of address space: no limit on that can be set beside it. */
+#if defined(__SANITIZE_ADDRESS__)
+#define LIMIT_ADDRESS_SPACE 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define LIMIT_ADDRESS_SPACE 0
+#endif
+#endif
+#ifndef LIMIT_ADDRESS_SPACE
+#define LIMIT_ADDRESS_SPACE 1
+#endif
+
+/* Failing to set a limit is no reason not to read: the parent still has its clock. */
+static void limit_oneself(uint64_t memory_bytes, uint64_t seconds)
+{
+    /* 1 and not 0: a core that goes to a pipe is written at 0, and 1 is below any file's minimum. */
+    const struct rlimit core = {.rlim_cur = 1, .rlim_max = 1};
+    (void)setrlimit(RLIMIT_CORE, &core);
+    const struct rlimit processor = {.rlim_cur = seconds, .rlim_max = seconds + 1};
+    (void)setrlimit(RLIMIT_CPU, &processor);
+    if (LIMIT_ADDRESS_SPACE) {
+        const struct rlimit space = {.rlim_cur = memory_bytes, .rlim_max = memory_bytes};
+        (void)setrlimit(RLIMIT_AS, &space);
+    }
+}
+
+/* No step that moves, joins or removes: what the file says is what gets voxelized. */
+static const struct aiScene *read_scene(const char *path)
+{
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    if (properties == NULL) {
+        return NULL;
+    }
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, NULL, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
+static int report_failure(const char *words, uint64_t memory_bytes)
+{
+    if (strcmp(words, "out of memory") == 0 || strstr(words, "bad_alloc") != NULL) {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %" PRIu64 " bytes",
+                                memory_bytes);
+    } else if (strncmp(words, "No suitable reader found", 24) == 0) {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "no mesh format that assimp knows");
+    } else {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "%s", words);
+    }
+    return 1;
+}
+
+static int read_and_send(const char *path, uint64_t memory_bytes)
+{
+    if (svo_i_stream_write(IMPORT_CHILD_STREAM, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
+        return 1;
+    }
+    const struct aiScene *scene = read_scene(path);
+    if (scene == NULL) {
+        const char *words = aiGetErrorString();
+        return report_failure(words != NULL && words[0] != '\0' ? words : "not understood", memory_bytes);
+    }
+    gather mesh = {0};
+    const char *failure = svo_i_import_gather_scene(scene, path, IMPORT_CHILD_STREAM, &mesh);
+    aiReleaseImport(scene);
+    int result = 0;
+    if (failure != NULL) {
+        result = report_failure(failure, memory_bytes);
+    } else if (svo_i_gather_send(&mesh, IMPORT_CHILD_STREAM) != 0 ||
+               svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_END, NULL, 0) != 0) {
+        result = 1;
+    }
+    svo_i_gather_free(&mesh);
+    return result;
+}
+
+int svo_import_child_main(int argc, char **argv, int *exit_code)
+{
+    if (argc != IMPORT_CHILD_ARGUMENT_COUNT || strcmp(argv[1], IMPORT_CHILD_WORD) != 0 ||
+        getenv(IMPORT_CHILD_ENVIRONMENT) == NULL) {
+        return 0;
+    }
+    const uint64_t memory_bytes = strtoull(argv[3], NULL, 10);
+    const uint64_t seconds = strtoull(argv[4], NULL, 10);
+    limit_oneself(memory_bytes, seconds);
+    *exit_code = read_and_send(argv[2], memory_bytes);
+    return 1;
+}

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/* Growing arrays of an import child and the hash table that keeps their vertices distinct. */
+#include "import_gather.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "../message.h"
+#include "import_stream.h"
+
+#define EMPTY            UINT32_MAX
+#define FIRST_CAPACITY   1024
+#define SEND_BLOCK_COUNT 4096 /* vertices whose fields are put side by side at a time */
+
+static_assert(sizeof(gather_vertex) == 36, "a vertex is compared as bytes and must have no padding");
+
+/* Makes room for one more element: doubles the capacity when it is used up. */
+static bool reserve(void **array, size_t count, size_t *capacity, size_t element_bytes)
+{
+    if (count < *capacity) {
+        return true;
+    }
+    const size_t larger = *capacity == 0 ? FIRST_CAPACITY : 2 * *capacity;
+    size_t bytes = 0;
+    if (!svo_i_mul_size(larger, element_bytes, &bytes)) {
+        return false;
+    }
+    void *grown = realloc(*array, bytes);
+    if (grown == NULL) {
+        return false;
+    }
+    *array = grown;
+    *capacity = larger;
+    return true;
+}
+
+/* The vertex's slot, or the free one where it belongs: linear probing. */
+static size_t find_slot(const gather *mesh, const gather_vertex *vertex)
+{
+    size_t slot = (size_t)XXH3_64bits(vertex, sizeof *vertex) & (mesh->slot_count - 1);
+    while (mesh->slots[slot] != EMPTY && memcmp(&mesh->vertices[mesh->slots[slot]], vertex, sizeof *vertex) != 0) {
+        slot = (slot + 1) & (mesh->slot_count - 1);
+    }
+    return slot;
+}
+
+static bool grow_slots(gather *mesh)
+{
+    const size_t slot_count = mesh->slot_count == 0 ? 2 * FIRST_CAPACITY : 2 * mesh->slot_count;
+    uint32_t *slots = malloc(slot_count * sizeof *slots);
+    if (slots == NULL) {
+        return false;
+    }
+    memset(slots, 0xff, slot_count * sizeof *slots);
+    free(mesh->slots);
+    mesh->slots = slots;
+    mesh->slot_count = slot_count;
+    for (size_t i = 0; i < mesh->vertex_count; ++i) {
+        mesh->slots[find_slot(mesh, &mesh->vertices[i])] = (uint32_t)i;
+    }
+    return true;
+}
+
+bool svo_i_gather_vertex(gather *mesh, const gather_vertex *vertex, uint32_t *index)
+{
+    if (2 * (mesh->vertex_count + 1) > mesh->slot_count && !grow_slots(mesh)) {
+        return false;
+    }
+    const size_t slot = find_slot(mesh, vertex);
+    if (mesh->slots[slot] == EMPTY) {
+        void *vertices = mesh->vertices;
+        if (mesh->vertex_count >= GATHER_NO_VERTEX ||
+            !reserve(&vertices, mesh->vertex_count, &mesh->vertex_capacity, sizeof *vertex)) {
+            return false;
+        }
+        mesh->vertices = vertices;
+        mesh->vertices[mesh->vertex_count] = *vertex;
+        mesh->slots[slot] = (uint32_t)mesh->vertex_count++;
+    }
+    *index = mesh->slots[slot];
+    return true;
+}
+
+bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t material)
+{
+    if (mesh->triangle_count >= UINT32_MAX) {
+        return false;
+    }
+    /* Both arrays grow in step: the capacity is written by the second. */
+    size_t capacity = mesh->triangle_capacity;
+    void *indices = mesh->indices;
+    bool grown = reserve(&indices, mesh->triangle_count, &capacity, 3 * sizeof *mesh->indices);
+    mesh->indices = indices;
+    if (!grown) {
+        return false;
+    }
+    void *materials = mesh->triangle_materials;
+    grown = reserve(&materials, mesh->triangle_count, &mesh->triangle_capacity, sizeof *mesh->triangle_materials);
+    mesh->triangle_materials = materials;
+    if (!grown) {
+        return false;
+    }
+    memcpy(mesh->indices + 3 * mesh->triangle_count, corners, 3 * sizeof *corners);
+    mesh->triangle_materials[mesh->triangle_count++] = material;
+    return true;
+}
+
+bool svo_i_gather_material(gather *mesh, const svo_material *material)
+{
+    void *materials = mesh->materials;
+    const bool grown = reserve(&materials, mesh->material_count, &mesh->material_capacity, sizeof *material);
+    mesh->materials = materials;
+    if (!grown) {
+        return false;
+    }
+    mesh->materials[mesh->material_count++] = *material;
+    return true;
+}
+
+void svo_i_gather_free(gather *mesh)
+{
+    free(mesh->vertices);
+    free(mesh->slots);
+    free(mesh->indices);
+    free(mesh->triangle_materials);
+    free(mesh->materials);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* One attribute of all vertices as an array of its own. */
+static int send_field(const gather *mesh, int stream, stream_kind kind, size_t field_offset, size_t field_bytes)
+{
+    uint8_t block[SEND_BLOCK_COUNT * sizeof mesh->vertices->position];
+    const uint64_t payload_bytes = (uint64_t)mesh->vertex_count * field_bytes;
+    if (svo_i_stream_begin(stream, kind, payload_bytes) != 0) {
+        return -1;
+    }
+    for (size_t begin = 0; begin < mesh->vertex_count; begin += SEND_BLOCK_COUNT) {
+        const size_t left_count = mesh->vertex_count - begin;
+        const size_t count = left_count < SEND_BLOCK_COUNT ? left_count : SEND_BLOCK_COUNT;
+        for (size_t i = 0; i < count; ++i) {
+            const uint8_t *vertex = (const uint8_t *)&mesh->vertices[begin + i];
+            memcpy(block + i * field_bytes, vertex + field_offset, field_bytes);
+        }
+        if (svo_i_stream_write(stream, block, count * field_bytes) != 0) {
+            return -1;
+        }
+    }
+    return svo_i_stream_pad(stream, payload_bytes);
+}
+
+int svo_i_gather_send(const gather *mesh, int stream)
+{
+    const gather_vertex *vertex = NULL;
+    if (send_field(mesh, stream, STREAM_POSITIONS, offsetof(gather_vertex, position), sizeof vertex->position) != 0) {
+        return -1;
+    }
+    if (mesh->has_normals &&
+        send_field(mesh, stream, STREAM_NORMALS, offsetof(gather_vertex, normal), sizeof vertex->normal) != 0) {
+        return -1;
+    }
+    if (mesh->has_colors &&
+        send_field(mesh, stream, STREAM_COLORS, offsetof(gather_vertex, color), sizeof vertex->color) != 0) {
+        return -1;
+    }
+    if (mesh->has_uvs && send_field(mesh, stream, STREAM_UVS, offsetof(gather_vertex, uv), sizeof vertex->uv) != 0) {
+        return -1;
+    }
+    if (mesh->material_count > 0 &&
+        (svo_i_stream_frame(stream, STREAM_MATERIALS, mesh->materials,
+                            mesh->material_count * sizeof *mesh->materials) != 0 ||
+         svo_i_stream_frame(stream, STREAM_TRIANGLE_MATERIALS, mesh->triangle_materials,
+                            mesh->triangle_count * sizeof *mesh->triangle_materials) != 0)) {
+        return -1;
+    }
+    return svo_i_stream_frame(stream, STREAM_INDICES, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices);
+}

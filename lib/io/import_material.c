@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Materials in the import child. Of all that assimp knows about a material only its diffuse (or base) colour and that
+ * colour's texture matter here.
+ */
+#include "import_material.h"
+
+#include <assimp/material.h>
+#include <string.h>
+
+#include "import_stream.h"
+
+#define DEFAULT_GREY 0.6f /* assimp's colour for materials that no file asked for */
+
+uint8_t svo_i_import_color_byte(float value)
+{
+    if (!(value > 0)) {
+        return 0;
+    }
+    return value < 1 ? (uint8_t)(value * 255.0f + 0.5f) : 255;
+}
+
+static svo_wrap wrap_of(enum aiTextureMapMode mode)
+{
+    switch (mode) {
+    case aiTextureMapMode_Clamp:
+    case aiTextureMapMode_Decal:
+        return SVO_WRAP_CLAMP;
+    case aiTextureMapMode_Mirror:
+        return SVO_WRAP_MIRROR;
+    default:
+        return SVO_WRAP_REPEAT;
+    }
+}
+
+/*
+ * Scale and offset as files give them (glTF's KHR_texture_transform, for one). assimp has a step that applies them, but
+ * 5.2.5's is at odds with what its glTF reader writes: it scales about the centre.
+ */
+static bool read_uv_transform(const texture_list *textures, const struct aiMaterial *source, enum aiTextureType type,
+                              texture_use *use)
+{
+    struct aiUVTransform transform;
+    if (aiGetMaterialUVTransform(source, AI_MATKEY_UVTRANSFORM(type, 0), &transform) != aiReturn_SUCCESS) {
+        return true;
+    }
+    use->scale[0] = transform.mScaling.x;
+    use->scale[1] = transform.mScaling.y;
+    use->offset[0] = transform.mTranslation.x;
+    use->offset[1] = transform.mTranslation.y;
+    return transform.mRotation == 0 ||
+           svo_i_stream_text(textures->stream, STREAM_WARNING, "a material turns its texture, which is left out") == 0;
+}
+
+static bool add_texture(texture_list *textures, const struct aiMaterial *source, svo_material *material,
+                        texture_use *use)
+{
+    struct aiString path;
+    enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+    static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+        if (aiGetMaterialTextureCount(source, types[i]) > 0 &&
+            aiGetMaterialTexture(source, types[i], 0, &path, NULL, &use->uv_channel, NULL, NULL, modes, NULL) ==
+                aiReturn_SUCCESS &&
+            path.length > 0) {
+            return read_uv_transform(textures, source, types[i], use) &&
+                   svo_i_import_texture(textures, path.data, wrap_of(modes[0]), wrap_of(modes[1]),
+                                        &material->texture_index);
+        }
+    }
+    return true;
+}
+
+/* assimp invents a grey material where the file has none: that is no colour of the mesh. */
+static bool is_invented(const struct aiMaterial *source, const struct aiColor4D *color)
+{
+    struct aiString name = {0};
+    (void)aiGetMaterialString(source, AI_MATKEY_NAME, &name);
+    return (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0) && color->r == DEFAULT_GREY &&
+           color->g == DEFAULT_GREY && color->b == DEFAULT_GREY;
+}
+
+static struct aiColor4D base_color(const struct aiMaterial *source)
+{
+    const struct aiColor4D white = {1, 1, 1, 1};
+    struct aiColor4D base = white, color = white;
+    const bool has_base = aiGetMaterialColor(source, AI_MATKEY_BASE_COLOR, &base) == aiReturn_SUCCESS;
+    if (aiGetMaterialColor(source, AI_MATKEY_COLOR_DIFFUSE, &color) != aiReturn_SUCCESS) {
+        color = base;
+    }
+    if (is_invented(source, &color)) {
+        return white;
+    }
+    /* Where there is a base colour (glTF), its alpha is the opacity already. */
+    ai_real opacity = 1;
+    if (!has_base && aiGetMaterialFloatArray(source, AI_MATKEY_OPACITY, &opacity, NULL) == aiReturn_SUCCESS) {
+        color.a *= opacity;
+    }
+    return color;
+}
+
+bool svo_i_import_material(texture_list *textures, const struct aiMaterial *source, bool with_texture,
+                           svo_material *material, texture_use *use)
+{
+    const struct aiColor4D color = base_color(source);
+    *material = (svo_material){.rgba = {svo_i_import_color_byte(color.r), svo_i_import_color_byte(color.g),
+                                        svo_i_import_color_byte(color.b), svo_i_import_color_byte(color.a)},
+                               .texture_index = SVO_NO_TEXTURE};
+    *use = (texture_use){.scale = {1, 1}};
+    return !with_texture || add_texture(textures, source, material, use);
+}

@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The import child's life as its parent sees it: started with a pipe and nothing else, read until the pipe closes or the
+ * time is over, then buried. Crash, hang and flood all end in a status here.
+ */
+#define _GNU_SOURCE /* pipe2: no moment in which another thread's child could inherit the pipe */
+#include "import_process.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "../message.h"
+#include "import_stream.h"
+
+#define FIRST_READ_BYTES ((size_t)1 << 20)
+#define NOT_STARTED_CODE 127 /* posix_spawn's, where it notices too late that the program cannot be run */
+
+typedef struct import_child {
+    const char *path;
+    const svo_import_options *options;
+    svo_message *message;
+    double deadline_ms;
+    pid_t process;
+    int stream;
+} import_child;
+
+/* The parent's environment and one mark; the caller frees the array, not the strings. */
+static char **child_environment(void)
+{
+    static char mark[] = IMPORT_CHILD_ENVIRONMENT "=1";
+    size_t count = 0;
+    while (environ != NULL && environ[count] != NULL) {
+        ++count;
+    }
+    char **environment = malloc((count + 2) * sizeof *environment);
+    if (environment == NULL) {
+        return NULL;
+    }
+    environment[0] = mark;
+    for (size_t i = 0; i < count; ++i) {
+        environment[i + 1] = environ[i];
+    }
+    environment[count + 1] = NULL;
+    return environment;
+}
+
+/* The child starts with default signals, none blocked, whatever the caller's program did to its own. */
+static int fill_attributes(posix_spawnattr_t *attributes)
+{
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    int error = posix_spawnattr_setsigmask(attributes, &none);
+    if (error == 0) {
+        error = posix_spawnattr_setsigdefault(attributes, &all);
+    }
+    if (error == 0) {
+        error = posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    }
+    return error;
+}
+
+static int fill_actions(posix_spawn_file_actions_t *actions, int stream)
+{
+    int error = posix_spawn_file_actions_adddup2(actions, stream, IMPORT_CHILD_STREAM);
+    for (int descriptor = 0; descriptor < 3 && error == 0; ++descriptor) {
+        error = posix_spawn_file_actions_addopen(actions, descriptor, "/dev/null", O_RDWR, 0);
+    }
+    return error;
+}
+
+static int spawn(import_child *child, char *const *arguments, char *const *environment, int stream)
+{
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_t actions;
+    int error = posix_spawnattr_init(&attributes);
+    if (error != 0) {
+        return error;
+    }
+    error = posix_spawn_file_actions_init(&actions);
+    if (error == 0) {
+        error = fill_attributes(&attributes);
+        if (error == 0) {
+            error = fill_actions(&actions, stream);
+        }
+        if (error == 0) {
+            error = posix_spawn(&child->process, arguments[0], &actions, &attributes, arguments, environment);
+        }
+        posix_spawn_file_actions_destroy(&actions);
+    }
+    posix_spawnattr_destroy(&attributes);
+    return error;
+}
+
+static svo_status start(import_child *child)
+{
+    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD;
+    (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
+    (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
+    char *program = strdup(child->options->child_program);
+    char *path = strdup(child->path);
+    char **environment = child_environment();
+    int ends[2] = {-1, -1};
+    svo_status status = SVO_OK;
+    if (program == NULL || path == NULL || environment == NULL) {
+        status = svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to start the reader", child->path);
+    } else if (pipe2(ends, O_CLOEXEC) != 0) {
+        status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: no pipe to the reader: %s", child->path,
+                            strerror(errno));
+    } else {
+        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, NULL};
+        const int error = spawn(child, arguments, environment, ends[1]);
+        close(ends[1]);
+        if (error == 0) {
+            child->stream = ends[0];
+        } else {
+            close(ends[0]);
+            status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started: %s",
+                                child->path, program, strerror(error));
+        }
+    }
+    free(program);
+    free(path);
+    free(environment);
+    return status;
+}
+
+static svo_status too_slow(const import_child *child)
+{
+    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: reading took longer than %" PRIu32 " s", child->path,
+                      child->options->time_limit_seconds);
+}
+
+/* Milliseconds until the deadline, rounded up; 0: over. */
+static int remaining_ms(const import_child *child)
+{
+    const double left_ms = child->deadline_ms - svo_i_now_ms();
+    if (left_ms <= 0) {
+        return 0;
+    }
+    return left_ms < 1e6 ? (int)left_ms + 1 : 1000000;
+}
+
+/* Room for at least one more byte; the answer may be as large as the child's address space, never larger. */
+static svo_status make_room(const import_child *child, svo_import *import, size_t *capacity)
+{
+    if (import->byte_count < *capacity) {
+        return SVO_OK;
+    }
+    if (*capacity >= child->options->memory_limit_bytes) {
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %" PRIu64 " bytes",
+                          child->path, child->options->memory_limit_bytes);
+    }
+    const size_t larger = *capacity == 0 ? FIRST_READ_BYTES : 2 * *capacity;
+    uint8_t *bytes = larger > *capacity ? realloc(import->bytes, larger) : NULL;
+    if (bytes == NULL) {
+        return svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: the mesh needs more than %zu bytes", child->path,
+                          *capacity);
+    }
+    import->bytes = bytes;
+    *capacity = larger;
+    return SVO_OK;
+}
+
+/* Reads until the child closes the pipe, which it does at the latest by ending. */
+static svo_status collect(const import_child *child, svo_import *import)
+{
+    size_t capacity = 0;
+    for (;;) {
+        struct pollfd wait_for = {.fd = child->stream, .events = POLLIN};
+        const int left_ms = remaining_ms(child);
+        if (left_ms == 0) {
+            return too_slow(child);
+        }
+        if (poll(&wait_for, 1, left_ms) <= 0) {
+            continue; /* interrupted, or the deadline: seen above */
+        }
+        const svo_status status = make_room(child, import, &capacity);
+        if (status != SVO_OK) {
+            return status;
+        }
+        const ssize_t got = read(child->stream, import->bytes + import->byte_count, capacity - import->byte_count);
+        if (got == 0) {
+            return SVO_OK;
+        }
+        if (got > 0) {
+            import->byte_count += (size_t)got;
+        } else if (errno != EINTR) {
+            return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader cannot be heard: %s", child->path,
+                              strerror(errno));
+        }
+    }
+}
+
+/* Waits for the end of a child that has closed its pipe. *known is false where the caller's program reaps its children
+   itself and took the exit code. */
+static svo_status wait_for_end(const import_child *child, int *exit_state, bool *known)
+{
+    for (;;) {
+        const pid_t ended = waitpid(child->process, exit_state, WNOHANG);
+        if (ended == child->process) {
+            *known = true;
+            return SVO_OK;
+        }
+        if (ended < 0 && errno != EINTR) {
+            *known = false;
+            return SVO_OK;
+        }
+        if (remaining_ms(child) == 0) {
+            return too_slow(child);
+        }
+        const struct timespec moment = {.tv_nsec = 200000};
+        nanosleep(&moment, NULL);
+    }
+}
+
+static svo_status judge_end(const import_child *child, int exit_state, const svo_import *import)
+{
+    if (WIFSIGNALED(exit_state)) {
+        const int signal_number = WTERMSIG(exit_state);
+        if (signal_number == SIGXCPU) {
+            return too_slow(child);
+        }
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s (signal %d)", child->path,
+                          signal_number == SIGKILL ? "was killed" : "crashed", signal_number);
+    }
+    if (import->byte_count > 0) {
+        return SVO_OK; /* its answer says what went wrong, if anything did */
+    }
+    if (WEXITSTATUS(exit_state) == NOT_STARTED_CODE) {
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started", child->path,
+                          child->options->child_program);
+    }
+    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader ended without an answer, exit code %d",
+                      child->path, WEXITSTATUS(exit_state));
+}
+
+static void kill_and_reap(const import_child *child)
+{
+    (void)kill(child->process, SIGKILL);
+    while (waitpid(child->process, NULL, 0) < 0 && errno == EINTR) {
+    }
+}
+
+svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, svo_import *import,
+                                  svo_message *message)
+{
+    import_child child = {.path = path,
+                          .options = options,
+                          .message = message,
+                          .deadline_ms = svo_i_now_ms() + 1e3 * options->time_limit_seconds,
+                          .process = -1,
+                          .stream = -1};
+    svo_status status = start(&child);
+    if (status != SVO_OK) {
+        return status;
+    }
+    int exit_state = 0;
+    bool known = false;
+    status = collect(&child, import);
+    if (status == SVO_OK) {
+        status = wait_for_end(&child, &exit_state, &known);
+    }
+    close(child.stream);
+    if (status != SVO_OK) {
+        kill_and_reap(&child);
+        return status;
+    }
+    return known ? judge_end(&child, exit_state, import) : SVO_OK;
+}

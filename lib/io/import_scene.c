@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The walk over assimp's scene: node transforms are applied, attributes that only some meshes have are filled up, and
+ * every triangle is gathered, degenerate ones too: they are geometry here.
+ */
+#include "import_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "import_material.h"
+#include "import_stream.h"
+
+#define NODE_DEPTH_MAX 1000 /* deeper is a damaged file; keeps the recursion within any stack */
+#define MATERIALS_MAX  UINT16_MAX
+
+static const char out_of_memory[] = "out of memory";
+
+/* The affine part of a 4 x 4 matrix, rows of 3 and a translation, in double. */
+typedef struct transform {
+    double linear[3][3];
+    double offset[3];
+    double normal[3][3]; /* the inverse transpose up to a positive factor */
+    bool is_identity; /* coordinates pass untouched, bit for bit */
+    bool mirrors; /* turns triangles inside out, so their corners are listed the other way round */
+} transform;
+
+/* What is decided about each of the scene's meshes before any triangle is read. */
+typedef struct mesh_plan {
+    uint16_t material;
+    const struct aiVector3D *uvs; /* the channel its texture wants; NULL: untextured */
+    texture_use use;
+} mesh_plan;
+
+typedef struct walk {
+    const struct aiScene *scene;
+    const char *path;
+    int stream;
+    gather *mesh;
+    mesh_plan *plans;
+    const char *failure;
+    size_t polygon_count; /* left over by assimp's triangulation */
+} walk;
+
+/* Transforms */
+
+static transform identity(void)
+{
+    return (transform){
+        .linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .normal = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .is_identity = true};
+}
+
+/* The cofactors are the inverse transpose times the determinant, and exist where the inverse does not. */
+static void derive_normal(transform *t)
+{
+    double(*const m)[3] = t->linear;
+    for (int i = 0; i < 3; ++i) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        for (int k = 0; k < 3; ++k) {
+            const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            t->normal[i][k] = m[i1][k1] * m[i2][k2] - m[i1][k2] * m[i2][k1];
+        }
+    }
+    const double determinant = m[0][0] * t->normal[0][0] + m[0][1] * t->normal[0][1] + m[0][2] * t->normal[0][2];
+    t->mirrors = determinant < 0;
+    for (int i = 0; i < 9 && t->mirrors; ++i) {
+        t->normal[i / 3][i % 3] = -t->normal[i / 3][i % 3];
+    }
+}
+
+/* parent applied after the node's own matrix. */
+static transform combine(const transform *parent, const struct aiMatrix4x4 *node)
+{
+    const double local[3][4] = {{node->a1, node->a2, node->a3, node->a4},
+                                {node->b1, node->b2, node->b3, node->b4},
+                                {node->c1, node->c2, node->c3, node->c4}};
+    static const double none[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    bool is_identity = true;
+    for (int i = 0; i < 12; ++i) {
+        is_identity = is_identity && local[i / 4][i % 4] == none[i / 4][i % 4];
+    }
+    if (is_identity) {
+        return *parent;
+    }
+    transform result = {.is_identity = false};
+    for (int row = 0; row < 3; ++row) {
+        result.offset[row] = parent->offset[row];
+        for (int k = 0; k < 3; ++k) {
+            result.offset[row] += parent->linear[row][k] * local[k][3];
+            for (int column = 0; column < 3; ++column) {
+                result.linear[row][column] += parent->linear[row][k] * local[k][column];
+            }
+        }
+    }
+    derive_normal(&result);
+    return result;
+}
+
+static void apply(const double linear[3][3], const double offset[3], const struct aiVector3D *vector, float out[3])
+{
+    for (int row = 0; row < 3; ++row) {
+        out[row] =
+            (float)(linear[row][0] * vector->x + linear[row][1] * vector->y + linear[row][2] * vector->z + offset[row]);
+    }
+}
+
+/* Vertices and triangles */
+
+static gather_vertex make_vertex(const walk *state, const transform *t, unsigned mesh_index, unsigned vertex_index)
+{
+    static const double no_offset[3] = {0};
+    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    const mesh_plan *plan = &state->plans[mesh_index];
+    gather_vertex vertex = {.color = {255, 255, 255, 255}};
+    const struct aiVector3D *position = &source->mVertices[vertex_index];
+    if (t->is_identity) {
+        memcpy(vertex.position, (const float[]){position->x, position->y, position->z}, sizeof vertex.position);
+    } else {
+        apply(t->linear, t->offset, position, vertex.position);
+    }
+    if (source->mNormals != NULL) {
+        const struct aiVector3D *normal = &source->mNormals[vertex_index];
+        if (t->is_identity) {
+            memcpy(vertex.normal, (const float[]){normal->x, normal->y, normal->z}, sizeof vertex.normal);
+        } else {
+            apply(t->normal, no_offset, normal, vertex.normal);
+        }
+    }
+    if (source->mColors[0] != NULL) {
+        const struct aiColor4D *color = &source->mColors[0][vertex_index];
+        const float channels[4] = {color->r, color->g, color->b, color->a};
+        for (int i = 0; i < 4; ++i) {
+            vertex.color[i] = svo_i_import_color_byte(channels[i]);
+        }
+    }
+    if (plan->uvs != NULL) {
+        const struct aiVector3D *uv = &plan->uvs[vertex_index];
+        vertex.uv[0] = uv->x * plan->use.scale[0] + plan->use.offset[0];
+        /* assimp's v = 0 is the last row, svo_texture's the first */
+        vertex.uv[1] = 1 - (uv->y * plan->use.scale[1] + plan->use.offset[1]);
+    }
+    return vertex;
+}
+
+/* The output index of a mesh's vertex, gathered at its first use. known: per vertex, GATHER_NO_VERTEX before that. */
+static bool corner_index(walk *state, const transform *t, unsigned mesh_index, unsigned vertex_index, uint32_t *known)
+{
+    if (known[vertex_index] != GATHER_NO_VERTEX) {
+        return true;
+    }
+    const gather_vertex vertex = make_vertex(state, t, mesh_index, vertex_index);
+    return svo_i_gather_vertex(state->mesh, &vertex, &known[vertex_index]);
+}
+
+static bool gather_face(walk *state, const transform *t, unsigned mesh_index, const struct aiFace *face,
+                        uint32_t *known)
+{
+    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    if (face->mNumIndices != 3) {
+        state->polygon_count += face->mNumIndices > 3 ? 1 : 0; /* fewer: a point or a line, not a triangle */
+        return true;
+    }
+    uint32_t corners[3] = {GATHER_NO_VERTEX, GATHER_NO_VERTEX, GATHER_NO_VERTEX};
+    for (int i = 0; i < 3; ++i) {
+        const unsigned vertex_index = face->mIndices[t->mirrors && i > 0 ? 3 - i : i];
+        if (vertex_index < source->mNumVertices) {
+            if (!corner_index(state, t, mesh_index, vertex_index, known)) {
+                return false;
+            }
+            corners[i] = known[vertex_index];
+        }
+    }
+    return svo_i_gather_triangle(state->mesh, corners, state->plans[mesh_index].material);
+}
+
+static bool gather_mesh(walk *state, const transform *t, unsigned mesh_index)
+{
+    if (mesh_index >= state->scene->mNumMeshes) {
+        state->failure = "a node names a mesh that does not exist";
+        return false;
+    }
+    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    uint32_t *known = malloc(((size_t)source->mNumVertices + 1) * sizeof *known);
+    bool done = known != NULL;
+    for (unsigned i = 0; done && i < source->mNumVertices; ++i) {
+        known[i] = GATHER_NO_VERTEX;
+    }
+    for (unsigned i = 0; done && i < source->mNumFaces; ++i) {
+        done = gather_face(state, t, mesh_index, &source->mFaces[i], known);
+    }
+    free(known);
+    if (!done) {
+        state->failure = out_of_memory;
+    }
+    return done;
+}
+
+static bool gather_node(walk *state, const struct aiNode *node, const transform *parent, int depth)
+{
+    if (depth > NODE_DEPTH_MAX) {
+        state->failure = "its nodes are nested more than 1000 deep";
+        return false;
+    }
+    const transform t = combine(parent, &node->mTransformation);
+    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+        if (!gather_mesh(state, &t, node->mMeshes[i])) {
+            return false;
+        }
+    }
+    for (unsigned i = 0; i < node->mNumChildren; ++i) {
+        if (!gather_node(state, node->mChildren[i], &t, depth + 1)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Planning */
+
+static bool has_uv_channel(const struct aiMesh *source)
+{
+    for (unsigned i = 0; i < AI_MAX_NUMBER_OF_TEXTURECOORDS; ++i) {
+        if (source->mTextureCoords[i] != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What became of one of assimp's materials. */
+typedef struct material_entry {
+    uint32_t index[2]; /* without and with its texture; UINT32_MAX: not met yet */
+    texture_use use;
+} material_entry;
+
+/* Makes the material, with or without its texture, where no mesh before has done so. */
+static bool meet_material(walk *state, texture_list *textures, material_entry *entry, unsigned source_index,
+                          bool textured)
+{
+    svo_material material;
+    texture_use use;
+    if (entry->index[textured] != UINT32_MAX) {
+        return true;
+    }
+    if (state->mesh->material_count == MATERIALS_MAX) {
+        state->failure = "it has more than 65535 materials";
+        return false;
+    }
+    if (!svo_i_import_material(textures, state->scene->mMaterials[source_index], textured, &material, &use) ||
+        !svo_i_gather_material(state->mesh, &material)) {
+        return false;
+    }
+    entry->index[textured] = (uint32_t)(state->mesh->material_count - 1);
+    if (textured) {
+        entry->use = use;
+    }
+    return true;
+}
+
+static bool plan_mesh(walk *state, texture_list *textures, material_entry *entries, unsigned mesh_index)
+{
+    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    gather *mesh = state->mesh;
+    mesh_plan *plan = &state->plans[mesh_index];
+    mesh->has_normals = mesh->has_normals || source->mNormals != NULL;
+    mesh->has_colors = mesh->has_colors || source->mColors[0] != NULL;
+    if (source->mMaterialIndex >= state->scene->mNumMaterials) {
+        state->failure = "a mesh names a material that does not exist";
+        return false;
+    }
+    material_entry *entry = &entries[source->mMaterialIndex];
+    const bool textured = has_uv_channel(source);
+    if (!meet_material(state, textures, entry, source->mMaterialIndex, textured)) {
+        return false;
+    }
+    plan->material = (uint16_t)entry->index[textured];
+    if (textured && mesh->materials[plan->material].texture_index != SVO_NO_TEXTURE) {
+        const unsigned channel = entry->use.uv_channel;
+        plan->use = entry->use;
+        plan->uvs = channel < AI_MAX_NUMBER_OF_TEXTURECOORDS ? source->mTextureCoords[channel] : NULL;
+        plan->uvs = plan->uvs != NULL ? plan->uvs : source->mTextureCoords[0];
+        mesh->has_uvs = mesh->has_uvs || plan->uvs != NULL;
+    }
+    return true;
+}
+
+static bool plan_meshes(walk *state, texture_list *textures)
+{
+    const struct aiScene *scene = state->scene;
+    material_entry *entries = malloc(((size_t)scene->mNumMaterials + 1) * sizeof *entries);
+    state->plans = calloc((size_t)scene->mNumMeshes + 1, sizeof *state->plans);
+    bool done = entries != NULL && state->plans != NULL;
+    for (unsigned i = 0; done && i < scene->mNumMaterials; ++i) {
+        entries[i] = (material_entry){.index = {UINT32_MAX, UINT32_MAX}};
+    }
+    for (unsigned i = 0; done && i < scene->mNumMeshes; ++i) {
+        done = plan_mesh(state, textures, entries, i);
+    }
+    free(entries);
+    return done;
+}
+
+/* A mesh that is white all over has no material worth a byte of payload. */
+static void drop_plain_materials(gather *mesh)
+{
+    static const svo_material plain = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        if (memcmp(&mesh->materials[i], &plain, sizeof plain) != 0) {
+            return;
+        }
+    }
+    mesh->material_count = 0;
+}
+
+const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *path, int stream, gather *mesh)
+{
+    if (scene->mRootNode == NULL) {
+        return "no triangles";
+    }
+    walk state = {.scene = scene, .path = path, .stream = stream, .mesh = mesh};
+    texture_list textures = {.scene = scene, .mesh_path = path, .stream = stream};
+    const transform world = identity();
+    if (plan_meshes(&state, &textures) && gather_node(&state, scene->mRootNode, &world, 0)) {
+        if (mesh->triangle_count == 0) {
+            state.failure = "no triangles";
+        }
+        if (state.polygon_count > 0) {
+            (void)svo_i_stream_text(stream, STREAM_WARNING, "%zu polygons could not be triangulated and are left out",
+                                    state.polygon_count);
+        }
+        drop_plain_materials(mesh);
+    } else if (state.failure == NULL) {
+        state.failure = out_of_memory;
+    }
+    svo_i_texture_list_free(&textures);
+    free(state.plans);
+    return state.failure;
+}

@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: MIT */
+/* The answer of an import child, written frame by frame and read with suspicion. */
+#define _POSIX_C_SOURCE 200809L
+#include "import_stream.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../message.h"
+
+/* Child side */
+
+int svo_i_stream_write(int stream, const void *bytes, size_t byte_count)
+{
+    const char *from = bytes;
+    while (byte_count > 0) {
+        const ssize_t written = write(stream, from, byte_count);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            return -1;
+        }
+        from += written;
+        byte_count -= (size_t)written;
+    }
+    return 0;
+}
+
+int svo_i_stream_begin(int stream, stream_kind kind, uint64_t payload_bytes)
+{
+    const stream_frame frame = {.kind = kind, .payload_bytes = payload_bytes};
+    return svo_i_stream_write(stream, &frame, sizeof frame);
+}
+
+static size_t padding_of(uint64_t payload_bytes)
+{
+    return (size_t)(-payload_bytes % STREAM_PAYLOAD_ALIGN);
+}
+
+int svo_i_stream_pad(int stream, uint64_t payload_bytes)
+{
+    static const uint8_t zeros[STREAM_PAYLOAD_ALIGN] = {0};
+    return svo_i_stream_write(stream, zeros, padding_of(payload_bytes));
+}
+
+int svo_i_stream_frame(int stream, stream_kind kind, const void *payload, size_t payload_bytes)
+{
+    if (svo_i_stream_begin(stream, kind, payload_bytes) != 0 ||
+        svo_i_stream_write(stream, payload, payload_bytes) != 0) {
+        return -1;
+    }
+    return svo_i_stream_pad(stream, payload_bytes);
+}
+
+int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...)
+{
+    svo_message text;
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(&text, SVO_OK, format, arguments);
+    va_end(arguments);
+    return svo_i_stream_frame(stream, kind, text.text, strlen(text.text));
+}
+
+/* Parent side */
+
+typedef struct parse_state {
+    svo_import *import;
+    const char *path;
+    svo_log_callback log;
+    void *log_user;
+    svo_message *message;
+    const uint8_t *payload[STREAM_KIND_COUNT]; /* the last frame of each kind, NULL: none */
+    size_t payload_bytes[STREAM_KIND_COUNT];
+    size_t texture_capacity;
+} parse_state;
+
+static svo_status malformed(const parse_state *state, const char *what)
+{
+    return svo_i_fail(state->message, SVO_IMPORT_FAILED, "%s: the reader's answer is damaged: %s", state->path, what);
+}
+
+/* The child's words on one line, without control characters that would act on a terminal. */
+static void copy_text(svo_message *text, const uint8_t *payload, size_t payload_bytes)
+{
+    const size_t length = payload_bytes < sizeof text->text ? payload_bytes : sizeof text->text - 1;
+    for (size_t i = 0; i < length; ++i) {
+        text->text[i] = payload[i] < 0x20 || payload[i] == 0x7f ? ' ' : (char)payload[i];
+    }
+    text->text[length] = '\0';
+}
+
+static svo_status take_text(const parse_state *state, stream_kind kind, const uint8_t *payload, size_t payload_bytes)
+{
+    svo_message text;
+    copy_text(&text, payload, payload_bytes);
+    if (kind == STREAM_FAILURE) {
+        return svo_i_fail(state->message, SVO_IMPORT_FAILED, "%s: %s", state->path, text.text);
+    }
+    if (state->log != NULL) {
+        svo_message line;
+        (void)svo_i_fail(&line, SVO_OK, "%s: %s", state->path, text.text);
+        state->log(state->log_user, SVO_LOG_WARNING, line.text);
+    }
+    return SVO_OK;
+}
+
+static bool texture_is_sound(const stream_texture *texture, size_t texel_bytes)
+{
+    return texture->width >= 1 && texture->width <= STREAM_TEXTURE_SIDE_MAX && texture->height >= 1 &&
+           texture->height <= STREAM_TEXTURE_SIDE_MAX && texture->wrap_u <= SVO_WRAP_MIRROR &&
+           texture->wrap_v <= SVO_WRAP_MIRROR && texel_bytes == (size_t)texture->width * texture->height * 4;
+}
+
+static svo_status take_texture(parse_state *state, const uint8_t *payload, size_t payload_bytes)
+{
+    stream_texture texture;
+    if (payload_bytes < sizeof texture) {
+        return malformed(state, "a texture without a size");
+    }
+    memcpy(&texture, payload, sizeof texture);
+    if (!texture_is_sound(&texture, payload_bytes - sizeof texture)) {
+        return malformed(state, "a texture of another length than its size says");
+    }
+    svo_import *import = state->import;
+    if (import->mesh.texture_count == state->texture_capacity) {
+        const size_t capacity = 2 * state->texture_capacity + 8;
+        svo_texture *textures = realloc(import->textures, capacity * sizeof *textures);
+        if (textures == NULL) {
+            return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu textures", state->path,
+                              capacity);
+        }
+        import->textures = textures;
+        state->texture_capacity = capacity;
+    }
+    import->textures[import->mesh.texture_count++] = (svo_texture){.rgba = payload + sizeof texture,
+                                                                   .width = texture.width,
+                                                                   .height = texture.height,
+                                                                   .wrap_u = (svo_wrap)texture.wrap_u,
+                                                                   .wrap_v = (svo_wrap)texture.wrap_v};
+    return SVO_OK;
+}
+
+static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t *payload, size_t payload_bytes)
+{
+    switch (kind) {
+    case STREAM_WARNING:
+    case STREAM_FAILURE:
+        return take_text(state, kind, payload, payload_bytes);
+    case STREAM_TEXTURE:
+        return take_texture(state, payload, payload_bytes);
+    default:
+        if (state->payload[kind] != NULL) {
+            return malformed(state, "an array came twice");
+        }
+        state->payload[kind] = payload;
+        state->payload_bytes[kind] = payload_bytes;
+        return SVO_OK;
+    }
+}
+
+static svo_status take_frames(parse_state *state)
+{
+    const uint8_t *bytes = state->import->bytes;
+    const size_t byte_count = state->import->byte_count;
+    size_t offset = STREAM_GREETING_BYTES;
+    while (state->payload[STREAM_END] == NULL) {
+        stream_frame frame;
+        if (byte_count - offset < sizeof frame) {
+            return malformed(state, "it ends too early");
+        }
+        memcpy(&frame, bytes + offset, sizeof frame);
+        offset += sizeof frame;
+        const size_t left_bytes = byte_count - offset;
+        if (frame.kind >= STREAM_KIND_COUNT || frame.zero != 0) {
+            return malformed(state, "an unknown frame");
+        }
+        if (frame.payload_bytes > left_bytes || padding_of(frame.payload_bytes) > left_bytes - frame.payload_bytes) {
+            return malformed(state, "it ends too early");
+        }
+        const size_t payload_bytes = (size_t)frame.payload_bytes;
+        const svo_status status = take_frame(state, (stream_kind)frame.kind, bytes + offset, payload_bytes);
+        if (status != SVO_OK) {
+            return status;
+        }
+        offset += payload_bytes + padding_of(frame.payload_bytes);
+    }
+    return offset == byte_count ? SVO_OK : malformed(state, "something follows its end");
+}
+
+/* Whether an array, if it came, has element_count elements. */
+static bool length_fits(const parse_state *state, stream_kind kind, size_t element_count, size_t element_bytes)
+{
+    return state->payload[kind] == NULL || (state->payload_bytes[kind] % element_bytes == 0 &&
+                                            state->payload_bytes[kind] / element_bytes == element_count);
+}
+
+static svo_status check_lengths(parse_state *state)
+{
+    svo_mesh *mesh = &state->import->mesh;
+    const size_t vertex_bytes = 3 * sizeof(float);
+    const size_t triangle_bytes = 3 * sizeof(uint32_t);
+    mesh->vertex_count = state->payload_bytes[STREAM_POSITIONS] / vertex_bytes;
+    mesh->triangle_count = state->payload_bytes[STREAM_INDICES] / triangle_bytes;
+    mesh->material_count = state->payload_bytes[STREAM_MATERIALS] / sizeof(svo_material);
+    if (state->payload[STREAM_POSITIONS] == NULL || mesh->triangle_count == 0) {
+        return malformed(state, "no mesh");
+    }
+    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > UINT32_MAX || mesh->material_count > UINT16_MAX) {
+        return malformed(state, "too many vertices, triangles or materials");
+    }
+    if (!length_fits(state, STREAM_POSITIONS, mesh->vertex_count, vertex_bytes) ||
+        !length_fits(state, STREAM_NORMALS, mesh->vertex_count, vertex_bytes) ||
+        !length_fits(state, STREAM_COLORS, mesh->vertex_count, 4) ||
+        !length_fits(state, STREAM_UVS, mesh->vertex_count, 2 * sizeof(float)) ||
+        !length_fits(state, STREAM_INDICES, mesh->triangle_count, triangle_bytes) ||
+        !length_fits(state, STREAM_TRIANGLE_MATERIALS, mesh->triangle_count, sizeof(uint16_t)) ||
+        !length_fits(state, STREAM_MATERIALS, mesh->material_count, sizeof(svo_material))) {
+        return malformed(state, "the arrays do not fit each other");
+    }
+    return SVO_OK;
+}
+
+static svo_status check_materials(const parse_state *state)
+{
+    const svo_mesh *mesh = &state->import->mesh;
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        const uint32_t texture_index = mesh->materials[i].texture_index;
+        if (texture_index != SVO_NO_TEXTURE && texture_index >= mesh->texture_count) {
+            return malformed(state, "a material's texture does not exist");
+        }
+    }
+    for (size_t i = 0; mesh->triangle_materials != NULL && i < mesh->triangle_count; ++i) {
+        if (mesh->triangle_materials[i] >= mesh->material_count) {
+            return malformed(state, "a triangle's material does not exist");
+        }
+    }
+    return SVO_OK;
+}
+
+/* Payloads begin at multiples of 8 bytes from an allocation, so that they can be read as arrays where they are. */
+static void fill_mesh(const parse_state *state)
+{
+    svo_mesh *mesh = &state->import->mesh;
+    mesh->struct_size = sizeof *mesh;
+    mesh->positions = (const float *)(const void *)state->payload[STREAM_POSITIONS];
+    mesh->normals = (const float *)(const void *)state->payload[STREAM_NORMALS];
+    mesh->colors = state->payload[STREAM_COLORS];
+    mesh->uvs = (const float *)(const void *)state->payload[STREAM_UVS];
+    mesh->indices = (const uint32_t *)(const void *)state->payload[STREAM_INDICES];
+    mesh->triangle_materials = (const uint16_t *)(const void *)state->payload[STREAM_TRIANGLE_MATERIALS];
+    mesh->materials = (const svo_material *)(const void *)state->payload[STREAM_MATERIALS];
+    mesh->textures = state->import->textures;
+}
+
+svo_status svo_i_stream_parse(svo_import *import, const char *path, svo_log_callback log, void *log_user,
+                              svo_message *message)
+{
+    parse_state state = {.import = import, .path = path, .log = log, .log_user = log_user, .message = message};
+    if (import->byte_count < STREAM_GREETING_BYTES ||
+        memcmp(import->bytes, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
+        return malformed(&state, "it is not from an import child of this version");
+    }
+    svo_status status = take_frames(&state);
+    if (status == SVO_OK) {
+        status = check_lengths(&state);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    fill_mesh(&state);
+    return check_materials(&state);
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What an import child says to its parent through a pipe: a greeting, then frames, each a header and a payload padded to
+ * 8 bytes. The parent keeps the bytes as they came and points into them; it believes none of them before
+ * svo_i_stream_parse has checked them, since a reader gone wrong may have written anything.
+ */
+#ifndef SVO_LIB_IO_IMPORT_STREAM_H
+#define SVO_LIB_IO_IMPORT_STREAM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/io.h"
+
+#define STREAM_GREETING       "svoimp1\n" /* changes with the frames below: parent and child may be different builds */
+#define STREAM_GREETING_BYTES 8
+#define STREAM_PAYLOAD_ALIGN  8
+
+typedef enum stream_kind {
+    STREAM_WARNING = 0, /* text for the log callback */
+    STREAM_FAILURE, /* text: why there will be no mesh */
+    STREAM_TEXTURE, /* stream_texture, then its texels; the order of these frames is their index */
+    STREAM_MATERIALS, /* svo_material each */
+    STREAM_POSITIONS, /* 3 floats per vertex */
+    STREAM_NORMALS, /* 3 floats per vertex */
+    STREAM_COLORS, /* 4 bytes per vertex */
+    STREAM_UVS, /* 2 floats per vertex */
+    STREAM_INDICES, /* 3 uint32_t per triangle */
+    STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
+    STREAM_END, /* empty: everything was said */
+    STREAM_KIND_COUNT
+} stream_kind;
+
+typedef struct stream_frame {
+    uint32_t kind;
+    uint32_t zero;
+    uint64_t payload_bytes; /* without the padding */
+} stream_frame;
+
+typedef struct stream_texture {
+    uint32_t width, height, wrap_u, wrap_v;
+} stream_texture;
+
+#define STREAM_TEXTURE_SIDE_MAX 16384 /* svo_texture's limit */
+
+/* The parent's result: a mesh that points into the stream's bytes. */
+struct svo_import {
+    uint8_t *bytes;
+    size_t byte_count;
+    svo_mesh mesh;
+    svo_texture *textures;
+};
+
+/* Child side. They return 0, or -1 when the parent is gone. A frame's payload may be written in parts. */
+int svo_i_stream_write(int stream, const void *bytes, size_t byte_count);
+int svo_i_stream_begin(int stream, stream_kind kind, uint64_t payload_bytes);
+int svo_i_stream_pad(int stream, uint64_t payload_bytes); /* after the last part */
+int svo_i_stream_frame(int stream, stream_kind kind, const void *payload, size_t payload_bytes);
+int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/*
+ * Parent side: checks import->bytes and fills the rest of import. path: the mesh file, for messages and the log.
+ * Returns SVO_IMPORT_FAILED (the child's own failure, or an answer that is not well formed), SVO_OUT_OF_HOST_MEMORY.
+ */
+svo_status svo_i_stream_parse(svo_import *import, const char *path, svo_log_callback log, void *log_user,
+                              svo_message *message);
+
+#endif

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* Error messages and checked sizes: what every host file of the library uses. */
+#ifndef SVO_LIB_MESSAGE_H
+#define SVO_LIB_MESSAGE_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/status.h"
+
+/* Writes one line (cut to fit, always terminated) and returns status, so that "return svo_i_fail(...)" reads well.
+   message: NULL allowed. */
+svo_status svo_i_fail(svo_message *message, svo_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+svo_status svo_i_fail_v(svo_message *message, svo_status status, const char *format, va_list arguments);
+
+/* *out = a * b or a + b; false, and *out untouched, where it does not fit a size_t. */
+bool svo_i_mul_size(size_t a, size_t b, size_t *out);
+bool svo_i_add_size(size_t a, size_t b, size_t *out);
+
+/* Wall clock in milliseconds, monotonic. */
+double svo_i_now_ms(void);
+
+#endif

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the count law and keeps
+ * the list of buffers. Everything later in the pipeline obeys it.
+ */
+#include "plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Grid units per axis as a power of two, whatever the depth, so that trees of different depths nest. */
+#define SNAP_BITS 20u
+/* A chunk holds at least the fragments of one column of one triangle, with a lot to spare. */
+#define CHUNK_BYTES_MIN 16384
+#define NEED_BITS       ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
+
+static svo_status check_options(svo_device *device, const svo_plan_options *options)
+{
+    if (options->struct_size != sizeof *options) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.struct_size is %zu, not %zu",
+                                 options->struct_size, sizeof *options);
+    }
+    if ((options->need & ~(NEED_BITS | (uint32_t)SVO_NEED_NONE)) != 0 ||
+        ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.need 0x%x is not a combination of svo_need", options->need);
+    }
+    if (!isfinite(options->edge) || options->edge < 0.0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.edge %g is not finite and at least 0", options->edge);
+    }
+    if (options->chunk_bytes != 0 && options->chunk_bytes < CHUNK_BYTES_MIN) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.chunk_bytes %llu is below %d",
+                                 (unsigned long long)options->chunk_bytes, CHUNK_BYTES_MIN);
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        if (!isfinite(options->origin[axis])) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                     "svo_plan_create: options.origin[%u] %g is not finite", axis,
+                                     options->origin[axis]);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_textures(svo_device *device, const svo_mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const svo_texture *texture = &mesh->textures[i];
+        if (texture->rgba == NULL || texture->width < 1 || texture->width > 16384 || texture->height < 1 ||
+            texture->height > 16384) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                     "svo_plan_create: texture %zu is %u x %u texels, not 1 .. 16384 each, or has none",
+                                     i, texture->width, texture->height);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
+{
+    if (mesh->struct_size != sizeof *mesh) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: mesh.struct_size is %zu, not %zu",
+                                 mesh->struct_size, sizeof *mesh);
+    }
+    if (mesh->vertex_count > 0 && (mesh->positions == NULL) == (mesh->positions_double == NULL)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: mesh has %zu vertices but not exactly one array of positions",
+                                 mesh->vertex_count);
+    }
+    if (mesh->vertex_count >= UINT32_MAX || mesh->triangle_count >= UINT32_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: mesh has %zu vertices and %zu triangles, not below 2^32 - 1",
+                                 mesh->vertex_count, mesh->triangle_count);
+    }
+    if (mesh->material_count > 65535 || (mesh->material_count > 0 && mesh->materials == NULL) ||
+        (mesh->texture_count > 0 && mesh->textures == NULL)) {
+        return svo_i_device_fail(
+            device, SVO_INVALID_ARGUMENT,
+            "svo_plan_create: mesh has %zu materials (at most 65535) and %zu textures, or no array",
+            mesh->material_count, mesh->texture_count);
+    }
+    return check_textures(device, mesh);
+}
+
+double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
+{
+    const double voxel = (double)(1u << (plan->info.snap_bits - level));
+    return plan->law[0] + plan->law[1] / voxel + plan->law[2] / (voxel * voxel);
+}
+
+uint64_t svo_i_with_slack(double expected)
+{
+    return (uint64_t)(expected * 1.125) + 1024u;
+}
+
+uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
+{
+    return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
+}
+
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain)
+{
+    uint64_t total = 0;
+    for (uint32_t level = 0; level < plan->info.depth; ++level) {
+        uint64_t nodes = UINT64_C(1) << (3 * level);
+        nodes = nodes > fragments && level > 0 ? fragments : nodes;
+        const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
+        total += !certain && likely < nodes ? likely : nodes;
+    }
+    return total;
+}
+
+void svo_i_plan_buffers_reset(svo_plan *plan)
+{
+    plan->buffer_count = 0;
+    plan->live_bytes = 0;
+    plan->peak_bytes = 0;
+}
+
+void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
+{
+    plan->live_bytes += bytes;
+    plan->peak_bytes = plan->live_bytes > plan->peak_bytes ? plan->live_bytes : plan->peak_bytes;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        if (strcmp(plan->buffers[i].name, name) == 0) {
+            plan->buffers[i].bytes += bytes;
+            ++plan->buffers[i].count;
+            return;
+        }
+    }
+    if (plan->buffer_count < SVO_I_BUFFERS_MAX) {
+        plan->buffers[plan->buffer_count++] = (svo_buffer_info){name, bytes, 1};
+    }
+}
+
+void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
+{
+    plan->live_bytes -= bytes;
+}
+
+/* The sizes before a build: the same buffers the builder asks for, with expected counts in place of real ones. */
+static void predict_buffers(svo_plan *plan)
+{
+    const double expected = svo_i_plan_expected(plan, plan->info.depth);
+    const uint64_t fragments =
+        plan->options.fragment_capacity != 0 ? plan->options.fragment_capacity : svo_i_with_slack(expected);
+    const uint64_t inner = svo_i_plan_inner_nodes(plan, fragments, false);
+    const uint64_t leaves = fragments;
+    svo_i_plan_buffers_reset(plan);
+    svo_i_plan_buffer_add(plan, "fragments", fragments * svo_i_plan_fragment_bytes(plan));
+    svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
+    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
+    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * 4);
+    svo_i_plan_buffer_add(plan, "child_mask", inner);
+    svo_i_plan_buffer_add(plan, "first_child", inner * 4);
+    if ((plan->info.need & SVO_NEED_RAYS) != 0) {
+        svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
+        svo_i_plan_buffer_add(plan, "list", fragments * 4);
+        svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
+    }
+    if ((plan->info.need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
+        svo_i_plan_buffer_add(plan, "heads", leaves * 4);
+        svo_i_plan_buffer_add(plan, "weights", leaves * 4);
+    }
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        svo_i_plan_buffer_add(plan, "color_sums", leaves * 32);
+        svo_i_plan_buffer_add(plan, "colors", (inner + leaves) * 4);
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
+        svo_i_plan_buffer_add(plan, "normal_sums", leaves * 24);
+        svo_i_plan_buffer_add(plan, "normals", (inner + leaves) * 6);
+    }
+}
+
+svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                           svo_plan **out)
+{
+    if (device == NULL || mesh == NULL || out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: device, mesh or out is NULL");
+    }
+    if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,
+                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+    }
+    svo_status status = options != NULL ? check_options(device, options) : SVO_OK;
+    if (status == SVO_OK) {
+        status = check_mesh(device, mesh);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_plan *plan = calloc(1, sizeof *plan);
+    if (plan == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
+    }
+    const double start_ms = svo_i_now_ms();
+    plan->device = device;
+    plan->options = options != NULL ? *options : (svo_plan_options){.struct_size = sizeof *options};
+    plan->info.depth = depth;
+    plan->info.snap_bits = SNAP_BITS;
+    plan->voxel_log2 = SNAP_BITS - depth;
+    status = svo_i_plan_grid(plan, mesh);
+    if (status == SVO_OK) {
+        status = svo_i_plan_attributes(plan, mesh);
+    }
+    if (status != SVO_OK) {
+        svo_plan_destroy(&plan);
+        return status;
+    }
+    plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    plan->info.grid_ms = svo_i_now_ms() - start_ms;
+    predict_buffers(plan);
+    *out = plan;
+    return SVO_OK;
+}
+
+void svo_plan_destroy(svo_plan **plan)
+{
+    if (plan == NULL || *plan == NULL) {
+        return;
+    }
+    svo_plan *p = *plan;
+    free(p->vertices);
+    free(p->indices);
+    free(p->triangle_ids);
+    free(p->items);
+    free(p->item_fragments);
+    free(p->records);
+    free(p->colors);
+    free(p->normals);
+    free(p->uvs);
+    free(p->materials);
+    free(p->texels);
+    free(p);
+    *plan = NULL;
+}
+
+void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
+{
+    *info = plan->info;
+}
+
+size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info)
+{
+    if (info != NULL && index < plan->buffer_count) {
+        *info = plan->buffers[index];
+    }
+    return plan->buffer_count;
+}
+
+uint64_t svo_plan_peak_bytes(const svo_plan *plan)
+{
+    return plan->peak_bytes;
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The plan's insides: the snapped mesh, what to draw, what to allocate. Made by plan.c with grid.c (grid, snap, classes)
+ * and attributes.c (payload inputs); read by the front ends and the builder.
+ */
+#ifndef SVO_LIB_PLAN_H
+#define SVO_LIB_PLAN_H
+
+#include <stdbool.h>
+
+#include "device.h"
+#include "svocl/layout.h"
+#include "svocl/plan.h"
+
+/* Triangles by the arithmetic their overlap test needs; see kernels/overlap.clh. */
+typedef enum svo_i_class {
+    SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
+    SVO_I_CLASS_NARROW, /* bounding box of voxels up to 2^14 units: lines in 32 bits */
+    SVO_I_CLASS_REGULAR, /* inside the grid: 64 bits */
+    SVO_I_CLASS_WIDE, /* reaching outside the grid: the plane in 93 bits */
+    SVO_I_CLASS_COUNT
+} svo_i_class;
+
+/* A part of the drawing that goes to one chunk of the list: consecutive items of one class, in a tile of the grid's
+   projection (all of it, but for single triangles too large for a chunk). */
+typedef struct svo_i_draw {
+    svo_i_class class_id;
+    uint32_t first_item, item_count;
+    uint32_t tile_x, tile_y, tile_width, tile_height; /* pixels */
+} svo_i_draw;
+
+typedef struct svo_i_chunk {
+    uint32_t first_draw, draw_count;
+    uint64_t capacity; /* fragments */
+} svo_i_chunk;
+
+/* How the list is cut; made for a limit on the bytes of a chunk. */
+typedef struct svo_i_layout {
+    svo_i_draw *draws;
+    uint32_t draw_count, draw_capacity;
+    svo_i_chunk *chunks;
+    uint32_t chunk_count, chunk_capacity;
+} svo_i_layout;
+
+#define SVO_I_BUFFERS_MAX 40
+
+struct svo_plan {
+    svo_device *device;
+    svo_plan_info info;
+    svo_plan_options options;
+    uint32_t voxel_log2; /* edge of a voxel in grid units */
+
+    /* The snapped mesh. Vertices no kept triangle uses are 0. */
+    int32_t *vertices; /* vertex_count * 3 */
+    uint32_t vertex_count;
+    uint32_t *indices; /* triangle_count * 3 */
+    uint32_t *triangle_ids; /* of the kept triangles: accepted, and not outside */
+    uint32_t triangle_count;
+
+    /* What to draw: kept triangles by class. */
+    svo_draw_item *items;
+    float *item_fragments; /* expected, parallel to items */
+    uint32_t class_begin[SVO_I_CLASS_COUNT + 1];
+    double law[3]; /* sums over the kept triangles: 1, widths, projected areas; in grid units */
+
+    /* Payload inputs; NULL where the request or the mesh has no use for them. */
+    svo_triangle_record *records;
+    uint32_t *colors; /* RGBA8 per vertex */
+    int16_t *normals; /* x, y, z, 0 per vertex */
+    int32_t *uvs; /* u, v per vertex, 65536 = 1 */
+    svo_material_record *materials;
+    uint32_t material_count;
+    uint32_t *texels;
+    uint64_t texel_count;
+
+    /* What a build allocates. */
+    svo_buffer_info buffers[SVO_I_BUFFERS_MAX];
+    size_t buffer_count;
+    uint64_t live_bytes, peak_bytes;
+};
+
+/* grid.c: fills the snapped mesh, items and law from the mesh. */
+svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh);
+/* attributes.c: resolves need and fills the payload inputs. */
+svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
+
+/* Fragments expected at a level by the count law. */
+double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
+/* Room for that many expected fragments: some slack for scenes that do not lie at random. */
+uint64_t svo_i_with_slack(double expected);
+uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
+/* Inner nodes the tree may have, given the number of fragments: the count law with slack, or what cannot be exceeded. */
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain);
+
+/* layout.c: cuts the list. needed: NULL, or per chunk of *layout how many fragments it turned out to need, then *layout
+   is replaced by one in which those fit. */
+svo_status svo_i_layout_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_layout *layout);
+svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed, svo_i_layout *layout);
+void svo_i_layout_destroy(svo_i_layout *layout);
+
+/* The list of buffers: begin anew, one more, one less. */
+void svo_i_plan_buffers_reset(svo_plan *plan);
+void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
+void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The public headers from C++: one function of each library is called, which links only if its header gives it C
+ * linkage, and the version of the headers is that of the library.
+ */
+#include <cstdio>
+#include <cstring>
+
+#ifdef HAVE_GL
+#include "svocl/gl.h"
+#endif
+#ifdef HAVE_IO
+#include "svocl/io.h"
+#endif
+#include "svocl/svocl.h"
+
+static int failures;
+
+static void expect_text(const char *what, const char *actual, const char *expected)
+{
+    if (std::strcmp(actual, expected) == 0)
+        return;
+    std::printf("%s: \"%s\" instead of \"%s\"\n", what, actual, expected);
+    failures++;
+}
+
+int main()
+{
+    expect_text("svo_version_string", svo_version_string(), SVO_VERSION_STRING);
+    expect_text("svo_status_name", svo_status_name(SVO_NEED_MORE), "SVO_NEED_MORE");
+    expect_text("svo_stage_name", svo_stage_name(SVO_STAGE_GRID), "grid");
+#ifdef HAVE_GL
+    expect_text("svo_gl_context_kind_name", svo_gl_context_kind_name(SVO_GL_OSMESA), "osmesa");
+#endif
+#ifdef HAVE_IO
+    svo_tree *tree = nullptr;
+    svo_message message = {};
+    const svo_status status = svo_tree_load_memory("", 0, "nothing", &tree, &message);
+    expect_text("svo_tree_load_memory of no bytes", svo_status_name(status), "SVO_FILE_DAMAGED");
+#endif
+    return failures == 0 ? 0 : 1;
+}

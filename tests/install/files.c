@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* A program that uses svocl::io alone: whether what the installed package says is enough to link and run it. */
+#include <stdio.h>
+
+#include "svocl/io.h"
+
+int main(void)
+{
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    const svo_status status = svo_tree_load("no such file.svo", &tree, &message);
+    printf("%s\n", svo_status_name(status));
+    return status == SVO_FILE_ERROR ? 0 : 1;
+}

@@ -1,0 +1,13 @@
+# Fails unless README.md contains the text of each file it claims to show.
+file(READ ${SOURCE_DIR}/README.md readme)
+
+function(expect_shown file)
+  file(READ ${SOURCE_DIR}/${file} text)
+  string(FIND "${readme}" "${text}```" position)
+  if(position EQUAL -1)
+    message(SEND_ERROR "README.md does not show ${file} as it is; copy the file into its block again")
+  endif()
+endfunction()
+
+expect_shown(samples/01_minimal/main.c)
+expect_shown(tests/install/consumer/CMakeLists.txt)

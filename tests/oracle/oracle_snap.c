@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Reference for the grid and the snap of section 3 of the design. The definition is in doubles; this file computes what
+ * it says without double arithmetic, with integers of 128 bits that are rounded where the definition rounds. So neither
+ * the compiler's contraction, nor the rounding mode, nor a slip in the library's order of operations is shared.
+ */
+#include "oracle.h"
+
+#include <float.h>
+#include <math.h>
+
+__extension__ typedef __int128 wide;
+
+#define SIGNIFICAND_BITS 53
+
+/* value * 2^exponent, exact */
+typedef struct number {
+    wide value;
+    int exponent;
+} number;
+
+static number number_of(double value)
+{
+    int exponent;
+    double fraction = frexp(value, &exponent);
+
+    return (number){(wide)(int64_t)ldexp(fraction, SIGNIFICAND_BITS), exponent - SIGNIFICAND_BITS};
+}
+
+static int bit_count(wide magnitude)
+{
+    int count = 0;
+
+    for (; magnitude > 0; magnitude >>= 1)
+        count++;
+    return count;
+}
+
+/* value / 2^shift to the nearest integer, ties to the even one. */
+static wide shift_right_to_even(wide value, int shift)
+{
+    wide magnitude = value < 0 ? -value : value, quotient, rest, half;
+
+    if (shift <= 0)
+        return value;
+    if (shift > 125)
+        return 0;
+    quotient = magnitude >> shift;
+    rest = magnitude - (quotient << shift);
+    half = (wide)1 << (shift - 1);
+    if (rest > half || (rest == half && (quotient & 1)))
+        quotient++;
+    return value < 0 ? -quotient : quotient;
+}
+
+/* The nearest double, ties to even, for values in the normal range. */
+static number round_to_double(number exact)
+{
+    int excess = bit_count(exact.value < 0 ? -exact.value : exact.value) - SIGNIFICAND_BITS;
+
+    if (excess <= 0)
+        return exact;
+    return (number){shift_right_to_even(exact.value, excess), exact.exponent + excess};
+}
+
+static double number_to_double(number rounded)
+{
+    return ldexp((double)rounded.value, rounded.exponent);
+}
+
+/*
+ * a - b, rounded to double. Of a number that is more than 2^70 times smaller only the sign matters to the rounding, so
+ * that the larger one, moved left by 70 bits, stands for the exact difference in 128 bits.
+ */
+static number subtract(double a, double b)
+{
+    number x = number_of(a), y = number_of(-b);
+    number *high = x.exponent >= y.exponent ? &x : &y, *low = high == &x ? &y : &x;
+    int distance;
+
+    if (high->value == 0 || low->value == 0)
+        return high->value == 0 ? *low : *high;
+    distance = high->exponent - low->exponent;
+    if (distance > 70) {
+        low->value = low->value < 0 ? -1 : 1;
+        distance = 70;
+    }
+    return round_to_double((number){high->value * ((wide)1 << distance) + low->value, high->exponent - distance});
+}
+
+static double subtract_double(double a, double b)
+{
+    return number_to_double(subtract(a, b));
+}
+
+/* count / edge as a double: rounded toward zero, or to the nearest. count and edge are above 0. */
+static double divide(int64_t count, double edge, bool toward_zero)
+{
+    number divisor = number_of(edge);
+    int shift = 125 - bit_count(count); /* so that the quotient has more bits than a double */
+    wide dividend = (wide)count << shift, quotient = dividend / divisor.value;
+    int exponent = -shift - divisor.exponent, excess;
+
+    if (!toward_zero) {
+        /* A last bit that says "and a little more" settles what would look like a tie. */
+        quotient = quotient << 1 | (quotient * divisor.value != dividend);
+        return number_to_double(round_to_double((number){quotient, exponent - 1}));
+    }
+    excess = bit_count(quotient) - SIGNIFICAND_BITS;
+    return number_to_double((number){quotient >> excess, exponent + excess});
+}
+
+static bool is_positive_normal(double value)
+{
+    return value >= DBL_MIN && value <= DBL_MAX;
+}
+
+bool oracle_triangle_accepted(const oracle_positions *mesh, size_t triangle_index, uint32_t vertex_indices[3])
+{
+    for (size_t i = 0; i < 3; i++) {
+        size_t corner = 3 * triangle_index + i;
+        size_t vertex_index = mesh->indices ? mesh->indices[corner] : corner;
+
+        if (vertex_index >= mesh->vertex_count)
+            return false;
+        for (size_t k = 0; k < 3; k++)
+            if (!isfinite(mesh->positions[3 * vertex_index + k]))
+                return false;
+        vertex_indices[i] = (uint32_t)vertex_index;
+    }
+    return true;
+}
+
+/* Bounds of the accepted triangles; false if there are none. */
+static bool accepted_bounds(const oracle_positions *mesh, double low[3], double high[3])
+{
+    bool is_first = true;
+
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t vertex_indices[3];
+
+        if (!oracle_triangle_accepted(mesh, t, vertex_indices))
+            continue;
+        for (size_t i = 0; i < 9; i++) {
+            size_t k = i % 3;
+            double coordinate = mesh->positions[3 * (size_t)vertex_indices[i / 3] + k];
+
+            low[k] = (is_first && i < 3) || coordinate < low[k] ? coordinate : low[k];
+            high[k] = (is_first && i < 3) || coordinate > high[k] ? coordinate : high[k];
+        }
+        is_first = false;
+    }
+    return !is_first;
+}
+
+bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_grid *grid)
+{
+    double low[3], high[3], edge = 0, scale;
+
+    if (!accepted_bounds(mesh, low, high))
+        return false;
+    for (size_t k = 0; k < 3; k++) {
+        double extent = subtract_double(high[k], low[k]);
+
+        edge = extent > edge ? extent : edge;
+    }
+    if (edge == 0)
+        edge = 1;
+    if (!is_positive_normal(edge))
+        return false;
+    scale = divide(((int64_t)1 << snap_bits) - 1, edge, true);
+    if (!is_positive_normal(scale))
+        return false;
+    *grid = (oracle_grid){{low[0], low[1], low[2]}, edge, scale, snap_bits};
+    return true;
+}
+
+bool oracle_grid_given(const double origin[3], double edge, unsigned snap_bits, oracle_grid *grid)
+{
+    double scale;
+
+    if (!is_positive_normal(edge) || !isfinite(origin[0]) || !isfinite(origin[1]) || !isfinite(origin[2]))
+        return false;
+    scale = divide((int64_t)1 << snap_bits, edge, false);
+    if (!is_positive_normal(scale))
+        return false;
+    *grid = (oracle_grid){{origin[0], origin[1], origin[2]}, edge, scale, snap_bits};
+    return true;
+}
+
+bool oracle_snap(const oracle_grid *grid, const double position[3], int32_t snapped[3])
+{
+    const wide limit = (wide)1 << 29;
+    number scale = number_of(grid->scale);
+    int32_t result[3];
+
+    for (int k = 0; k < 3; k++) {
+        number offset = subtract(position[k], grid->origin[k]);
+        /* Both have 53 bits at most, or one more where rounding carried: the product is exact. */
+        number product = round_to_double((number){offset.value * scale.value, offset.exponent + scale.exponent});
+        wide q = shift_right_to_even(product.value, -product.exponent);
+
+        if (product.exponent > 0 && product.value != 0) {
+            if (product.exponent > 29)
+                return false;
+            q *= (wide)1 << product.exponent;
+        }
+        if (q <= -limit || q >= limit)
+            return false;
+        result[k] = (int32_t)q;
+    }
+    for (int k = 0; k < 3; k++)
+        snapped[k] = result[k];
+    return true;
+}

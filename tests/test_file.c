@@ -1,0 +1,607 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What is saved as .svo loads again as the same tree, and nothing else loads: every flipped byte, every truncation and
+ * every broken structure is refused with words that say what is wrong; a failed save leaves nothing behind.
+ */
+#define _XOPEN_SOURCE 700
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "../lib/io/file.h"
+#include "../lib/tree.h"
+#include "svocl/io.h"
+#include "svocl/plan.h"
+
+#define DEPTH      3
+#define NEED_ALL   (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
+#define PATH_BYTES 512
+
+static char directory[PATH_BYTES];
+
+static const char *path_of(const char *name)
+{
+    static char path[2 * PATH_BYTES];
+    (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+    return path;
+}
+
+static void *allocate(size_t bytes)
+{
+    void *memory = calloc(1, bytes > 0 ? bytes : 1);
+    assert_non_null(memory);
+    return memory;
+}
+
+/* Fills the arrays that run parallel to nodes and leaves with values that differ from place to place. */
+static void fill_payload(svo_tree *tree)
+{
+    svo_tree_info *info = &tree->info;
+    uint8_t *colors = allocate(info->node_count * 4);
+    int16_t *normals = allocate(info->node_count * 6);
+    for (uint64_t i = 0; i < info->node_count; ++i) {
+        memset(colors + 4 * i, (int)(i * 7 % 256), 4);
+        normals[3 * i] = (int16_t)(i * 100);
+    }
+    tree->host[SVO_TREE_COLORS] = colors;
+    tree->host[SVO_TREE_NORMALS] = normals;
+
+    /* Leaf k meets triangle 0 and, if k is odd, triangle 1 of the two. */
+    info->vertex_count = 4;
+    info->list_triangle_count = 2;
+    uint32_t *list_begin = allocate((info->leaf_count + 1) * sizeof *list_begin);
+    uint32_t *list = allocate(2 * info->leaf_count * sizeof *list);
+    uint32_t count = 0;
+    for (uint32_t leaf = 0; leaf < info->leaf_count; ++leaf) {
+        list[count++] = 0;
+        if (leaf % 2 == 1) {
+            list[count++] = 1;
+        }
+        list_begin[leaf + 1] = count;
+    }
+    info->list_count = count;
+    info->fragments = count;
+    tree->host[SVO_TREE_LIST_BEGIN] = list_begin;
+    tree->host[SVO_TREE_LIST] = list;
+    int32_t *vertices = allocate(12 * sizeof *vertices);
+    uint32_t *indices = allocate(6 * sizeof *indices);
+    uint32_t *triangle_ids = allocate(2 * sizeof *triangle_ids);
+    memcpy(vertices, (const int32_t[]){0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, -9}, 12 * sizeof *vertices);
+    memcpy(indices, (const uint32_t[]){0, 1, 2, 1, 2, 3}, 6 * sizeof *indices);
+    memcpy(triangle_ids, (const uint32_t[]){1, 4}, 2 * sizeof *triangle_ids);
+    tree->host[SVO_TREE_VERTICES] = vertices;
+    tree->host[SVO_TREE_INDICES] = indices;
+    tree->host[SVO_TREE_TRIANGLE_IDS] = triangle_ids;
+}
+
+/* Codes of one level above: unique parents, in order. Returns their count; masks[i] gets parent i's children. */
+static size_t raise_level(const uint32_t *codes, size_t count, uint32_t *parents, uint8_t *masks)
+{
+    size_t parent_count = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (parent_count == 0 || parents[parent_count - 1] != codes[i] >> 3) {
+            parents[parent_count] = codes[i] >> 3;
+            masks[parent_count++] = 0;
+        }
+        masks[parent_count - 1] |= (uint8_t)(1u << (codes[i] & 7));
+    }
+    return parent_count;
+}
+
+/* The tree of ascending Morton codes at depth 3; no code gives the empty tree. */
+static svo_tree *make_tree(const uint32_t *codes, size_t count, uint32_t need)
+{
+    uint32_t levels[DEPTH + 1][512];
+    uint8_t masks[DEPTH + 1][512] = {{0}};
+    size_t counts[DEPTH + 1] = {1, 0, 0, count};
+    memcpy(levels[DEPTH], codes, count * sizeof *codes);
+    for (int level = DEPTH; level > 0 && count > 0; --level) {
+        counts[level - 1] = raise_level(levels[level], counts[level], levels[level - 1], masks[level - 1]);
+    }
+    svo_tree *tree = svo_i_tree_new();
+    assert_non_null(tree);
+    svo_tree_info *info = &tree->info;
+    *info = (svo_tree_info){.depth = DEPTH, .snap_bits = 20, .need = NEED_ALL, .edge = 2, .scale = 3, .triangles = 9};
+    for (int level = 0; level <= DEPTH; ++level) {
+        info->level_begin[level + 1] = info->level_begin[level] + (uint32_t)counts[level];
+    }
+    info->inner_count = info->level_begin[DEPTH];
+    info->node_count = info->level_begin[DEPTH + 1];
+    info->leaf_count = info->node_count - info->inner_count;
+    uint8_t *child_mask = allocate(info->inner_count);
+    uint32_t *first_child = allocate(info->inner_count * sizeof *first_child);
+    uint32_t next_child = 1;
+    size_t node = 0;
+    for (int level = 0; level < DEPTH; ++level) {
+        for (size_t i = 0; i < counts[level]; ++i, ++node) {
+            child_mask[node] = masks[level][i];
+            first_child[node] = next_child;
+            next_child += (uint32_t)__builtin_popcount(masks[level][i]);
+        }
+    }
+    tree->host[SVO_TREE_CHILD_MASK] = child_mask;
+    tree->host[SVO_TREE_FIRST_CHILD] = first_child;
+    fill_payload(tree);
+    info->need = need;
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
+            free(tree->host[i]);
+            tree->host[i] = NULL;
+        }
+    }
+    if ((need & SVO_NEED_RAYS) == 0) {
+        info->list_count = info->vertex_count = info->list_triangle_count = 0;
+    }
+    tree->downloaded = true;
+    return tree;
+}
+
+static svo_tree *make_small_tree(uint32_t need)
+{
+    return make_tree((const uint32_t[]){0, 1, 9, 200, 511}, 5, need);
+}
+
+static void assert_same_tree(const svo_tree *a, const svo_tree *b)
+{
+    assert_memory_equal(&a->info, &b->info, sizeof a->info);
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        const size_t bytes = svo_i_tree_holds(&a->info, (svo_tree_buffer)i)
+                                 ? (size_t)svo_i_tree_element_count(&a->info, (svo_tree_buffer)i) *
+                                       svo_i_tree_element_bytes((svo_tree_buffer)i)
+                                 : 0;
+        if (bytes == 0) {
+            assert_null(b->host[i]);
+        } else {
+            assert_memory_equal(a->host[i], b->host[i], bytes);
+        }
+    }
+    char hash_a[SVO_HASH_TEXT_BYTES], hash_b[SVO_HASH_TEXT_BYTES];
+    assert_int_equal(svo_tree_hash(a, SVO_HASH_ALL, hash_a), SVO_OK);
+    assert_int_equal(svo_tree_hash(b, SVO_HASH_ALL, hash_b), SVO_OK);
+    assert_string_equal(hash_a, hash_b);
+}
+
+/* The whole file; the caller frees it. */
+static uint8_t *read_file(const char *path, size_t *byte_count)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    uint8_t *bytes = allocate(1 << 20);
+    *byte_count = fread(bytes, 1, 1 << 20, file);
+    assert_int_equal(fclose(file), 0);
+    return bytes;
+}
+
+static void write_file(const char *path, const void *bytes, size_t byte_count)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, byte_count, file), byte_count);
+    assert_int_equal(fclose(file), 0);
+}
+
+static uint8_t *save_to_memory(const svo_tree *tree, uint32_t compress, size_t *byte_count)
+{
+    const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
+    svo_message message = {""};
+    if (svo_tree_save(tree, path_of("memory.svo"), &options, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return read_file(path_of("memory.svo"), byte_count);
+}
+
+static void assert_no_temporary_left(void)
+{
+    DIR *entries = opendir(directory);
+    assert_non_null(entries);
+    for (const struct dirent *entry = readdir(entries); entry != NULL; entry = readdir(entries)) {
+        assert_null(strstr(entry->d_name, ".tmp"));
+    }
+    closedir(entries);
+}
+
+static void assert_damaged(const uint8_t *bytes, size_t byte_count, const char *text)
+{
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    const svo_status status = svo_tree_load_memory(bytes, byte_count, "name", &tree, &message);
+    if (status != SVO_FILE_DAMAGED || strstr(message.text, text) == NULL || strncmp(message.text, "name: ", 6) != 0) {
+        fail_msg("status %s, message \"%s\", expected SVO_FILE_DAMAGED and \"%s\"", svo_status_name(status),
+                 message.text, text);
+    }
+    assert_null(tree);
+}
+
+static void round_trip(const svo_tree *tree, uint32_t compress)
+{
+    const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
+    svo_message message = {""};
+    assert_int_equal(svo_tree_save(tree, path_of("round.svo"), &options, &message), SVO_OK);
+    svo_tree *loaded = NULL;
+    if (svo_tree_load(path_of("round.svo"), &loaded, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    assert_same_tree(tree, loaded);
+    svo_tree_destroy(&loaded);
+    assert_no_temporary_left();
+}
+
+static void test_round_trips(void **unused)
+{
+    (void)unused;
+    static const uint32_t needs[] = {0, SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_RAYS, NEED_ALL};
+    uint32_t all_codes[512];
+    for (uint32_t i = 0; i < 512; ++i) {
+        all_codes[i] = i;
+    }
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        for (uint32_t compress = 0; compress < 2; ++compress) {
+            svo_tree *trees[3] = {make_tree(all_codes, 0, needs[i]), make_small_tree(needs[i]),
+                                  make_tree(all_codes, 512, needs[i])};
+            for (int t = 0; t < 3; ++t) {
+                round_trip(trees[t], compress);
+                svo_tree_destroy(&trees[t]);
+            }
+        }
+    }
+}
+
+static void test_compression_makes_the_full_tree_smaller(void **unused)
+{
+    (void)unused;
+    uint32_t codes[512];
+    for (uint32_t i = 0; i < 512; ++i) {
+        codes[i] = i;
+    }
+    svo_tree *tree = make_tree(codes, 512, NEED_ALL);
+    size_t plain_count = 0, packed_count = 0;
+    free(save_to_memory(tree, 0, &plain_count));
+    free(save_to_memory(tree, 1, &packed_count));
+    assert_true(packed_count < plain_count);
+    svo_tree_destroy(&tree);
+}
+
+/* The documented header, read back at io.h's offsets. */
+static void test_layout_is_the_documented_one(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    uint32_t words[3], level_begin[2], kind;
+    uint64_t file_bytes, hash, triangles;
+    double edge;
+    memcpy(words, bytes + 8, 4);
+    memcpy(words + 1, bytes + 12, 4);
+    memcpy(words + 2, bytes + 36, 4);
+    memcpy(&file_bytes, bytes + 16, 8);
+    memcpy(&hash, bytes + 24, 8);
+    memcpy(&edge, bytes + 80, 8);
+    memcpy(&triangles, bytes + 104, 8);
+    memcpy(level_begin, bytes + 128, 8);
+    memcpy(&kind, bytes + 200 + 40 * 8, 4);
+    assert_memory_equal(bytes, "\x89SVO\r\n\x1a\n", 8);
+    assert_int_equal(words[0], 1);
+    assert_int_equal(words[1], 200 + 40 * 9);
+    assert_int_equal(words[2], DEPTH);
+    assert_int_equal(file_bytes, byte_count);
+    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 9 - 32));
+    assert_true(edge == 2);
+    assert_int_equal(triangles, 9);
+    assert_int_equal(level_begin[0], 0);
+    assert_int_equal(level_begin[1], 1);
+    assert_int_equal(kind, SVO_TREE_TRIANGLE_IDS);
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_every_flipped_byte_is_found(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    for (size_t i = 0; i < byte_count; ++i) {
+        for (unsigned bit = 0; bit < 8; ++bit) {
+            bytes[i] ^= (uint8_t)(1u << bit);
+            assert_damaged(bytes, byte_count, "");
+            bytes[i] ^= (uint8_t)(1u << bit);
+        }
+    }
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+/* A zstd frame has a few bits that its decoder ignores: there the tree must come out unharmed. */
+static void test_flipped_bytes_of_compressed_chunks_do_no_harm(void **unused)
+{
+    (void)unused;
+    uint32_t codes[512];
+    for (uint32_t i = 0; i < 512; ++i) {
+        codes[i] = i;
+    }
+    svo_tree *tree = make_tree(codes, 512, NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 1, &byte_count);
+    for (size_t i = 0; i < byte_count; ++i) {
+        bytes[i] ^= 0x10;
+        svo_tree *loaded = NULL;
+        const svo_status status = svo_tree_load_memory(bytes, byte_count, "name", &loaded, NULL);
+        if (status == SVO_OK) {
+            assert_same_tree(tree, loaded);
+        } else {
+            assert_int_equal(status, SVO_FILE_DAMAGED);
+        }
+        svo_tree_destroy(&loaded);
+        bytes[i] ^= 0x10;
+    }
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_every_truncation_is_found(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    char expected[64];
+    for (size_t i = 0; i < byte_count; ++i) {
+        (void)snprintf(expected, sizeof expected, "%zu there", i);
+        assert_damaged(bytes, i, i == 0 ? "not a .svo file" : expected);
+    }
+    (void)snprintf(expected, sizeof expected, "truncated: %zu bytes expected, %zu there", byte_count, byte_count - 1);
+    assert_damaged(bytes, byte_count - 1, expected);
+    assert_damaged(bytes, byte_count + 1, "bytes expected");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_foreign_files_are_named(void **unused)
+{
+    (void)unused;
+    assert_damaged((const uint8_t *)"PNG", 3, "not a .svo file");
+    uint8_t zeros[4096] = {0};
+    assert_damaged(zeros, sizeof zeros, "not a .svo file");
+    write_file(path_of("empty.svo"), "", 0);
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    assert_int_equal(svo_tree_load(path_of("empty.svo"), &tree, &message), SVO_FILE_DAMAGED);
+    assert_non_null(strstr(message.text, "empty.svo: not a .svo file"));
+}
+
+static void test_files_that_cannot_be_read(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    assert_int_equal(svo_tree_load(path_of("missing.svo"), &tree, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "missing.svo: cannot be read: No such file or directory"));
+    assert_int_equal(svo_tree_load(directory, &tree, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "Is a directory"));
+    assert_int_equal(mkfifo(path_of("pipe.svo"), 0600), 0);
+    assert_int_equal(svo_tree_load(path_of("pipe.svo"), &tree, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "not a regular file"));
+    assert_int_equal(svo_tree_load(NULL, &tree, &message), SVO_INVALID_ARGUMENT);
+    assert_null(tree);
+}
+
+/* Makes header and chunk checksums fit again, so that the checks behind them are reached. */
+static void seal(uint8_t *bytes)
+{
+    file_head *head = (file_head *)(void *)bytes;
+    for (uint32_t i = 0; i < head->header.chunk_count && i < SVO_TREE_BUFFER_COUNT; ++i) {
+        file_chunk *chunk = &head->chunks[i];
+        chunk->hash = XXH3_64bits(bytes + chunk->offset, (size_t)chunk->stored_bytes);
+    }
+    head->header.header_hash = XXH3_64bits(bytes + 32, head->header.header_bytes - 32);
+}
+
+/* Sets a 32-bit word at an offset, seals, expects the words, and puts it back. */
+static void expect_word_refused(uint8_t *bytes, size_t byte_count, size_t offset, uint32_t value, const char *text)
+{
+    uint8_t *copy = allocate(byte_count);
+    memcpy(copy, bytes, byte_count);
+    memcpy(copy + offset, &value, sizeof value);
+    seal(copy);
+    assert_damaged(copy, byte_count, text);
+    free(copy);
+}
+
+static void test_broken_headers_are_named(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    expect_word_refused(bytes, byte_count, 8, 2, "version 2 is not known");
+    expect_word_refused(bytes, byte_count, 32, 10, "10 chunks, at most 9");
+    expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 12");
+    expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 12");
+    expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
+    expect_word_refused(bytes, byte_count, 44, 1, "coverage 1 is not known");
+    expect_word_refused(bytes, byte_count, 48, 8, "unknown bits");
+    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~SVO_NEED_COLOR, "chunk 2: kind is 2, 3 (normals) expected");
+    expect_word_refused(bytes, byte_count, 52, 1, "bytes 52 .. 56");
+    expect_word_refused(bytes, byte_count, 60, 0x7ff00000, "origin is not finite");
+    expect_word_refused(bytes, byte_count, 84, 0xbff00000, "edge");
+    expect_word_refused(bytes, byte_count, 112, 100, "100 of 9 triangles refused");
+    expect_word_refused(bytes, byte_count, 128 + 4, 2, "not the root alone");
+    expect_word_refused(bytes, byte_count, 128 + 8, UINT32_MAX, "header: level 1");
+    expect_word_refused(bytes, byte_count, 128 + 17 * 4, 1, "level_begin[17] is not 0");
+    expect_word_refused(bytes, byte_count, 200 + 40 * 2, 99, "chunk 2: kind is 99");
+    expect_word_refused(bytes, byte_count, 200 + 4, 7, "chunk child_mask: codec 7 is not known");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_a_chunk_cannot_promise_more_than_it_holds(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    file_head *head = (file_head *)(void *)bytes;
+    file_chunk *list = &head->chunks[SVO_TREE_LIST];
+    list->codec = FILE_CODEC_ZSTD;
+    list->plain_bytes = (uint64_t)1 << 40;
+    seal(bytes);
+    assert_damaged(bytes, byte_count, "chunk list: 28 bytes in the file cannot hold 1099511627776");
+    list->plain_bytes = 2;
+    seal(bytes);
+    assert_damaged(bytes, byte_count, "chunk list: 2 bytes are not 0 elements of 4");
+    list->plain_bytes = 400;
+    seal(bytes);
+    assert_damaged(bytes, byte_count, "chunk list: zstd: ");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_damaged_chunks_are_named(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    const file_head *head = (const file_head *)(const void *)bytes;
+    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        char expected[64];
+        (void)snprintf(expected, sizeof expected, "chunk %s: checksum is ", svo_tree_buffer_name((svo_tree_buffer)i));
+        bytes[head->chunks[i].offset] ^= 1;
+        assert_damaged(bytes, byte_count, expected);
+        bytes[head->chunks[i].offset] ^= 1;
+    }
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_broken_structure_is_named(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    const file_chunk *chunks = ((const file_head *)(const void *)bytes)->chunks;
+    const size_t masks = (size_t)chunks[SVO_TREE_CHILD_MASK].offset;
+    const size_t lists = (size_t)chunks[SVO_TREE_LIST].offset;
+    expect_word_refused(bytes, byte_count, masks, 0, "is empty");
+    expect_word_refused(bytes, byte_count, masks, 0xffffffff, "the masks above say 9");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_FIRST_CHILD].offset, 2,
+                        "node 0: first_child is 2, 1 expected");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_LIST_BEGIN].offset, 1, "the lists are 1 .. 7");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_LIST_BEGIN].offset + 4, 9, "its list is 0 .. 9");
+    expect_word_refused(bytes, byte_count, lists, 2, "not ascending below 2");
+    expect_word_refused(bytes, byte_count, lists + 8, 0, "not ascending below 2");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_INDICES].offset, 4, "index 4 is not below 4");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_VERTICES].offset, 1u << 29, "is not within 2^29");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_TRIANGLE_IDS].offset, 4, "not ascending below 9");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_TRIANGLE_IDS].offset + 4, 9,
+                        "not ascending below 9");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void expect_save_fails(const svo_tree *tree, const char *path, const char *text)
+{
+    svo_message message = {""};
+    assert_int_equal(svo_tree_save(tree, path, NULL, &message), SVO_FILE_ERROR);
+    if (strncmp(message.text, path, strlen(path)) != 0 || strstr(message.text, text) == NULL) {
+        fail_msg("message \"%s\", expected \"%s\" and \"%s\"", message.text, path, text);
+    }
+}
+
+static void test_save_fails_cleanly(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    expect_save_fails(tree, path_of("no/such/place.svo"), "cannot be written: No such file or directory");
+    expect_save_fails(tree, directory, "not a regular file");
+    expect_save_fails(tree, "/dev/full", "not a regular file");
+    const bool downloaded = tree->downloaded;
+    tree->downloaded = false;
+    assert_int_equal(svo_tree_save(tree, path_of("none.svo"), NULL, NULL), SVO_INVALID_ARGUMENT);
+    tree->downloaded = downloaded;
+    assert_int_not_equal(access(path_of("none.svo"), F_OK), 0);
+    svo_tree_destroy(&tree);
+}
+
+/* A limit on file sizes stands in for a full disk: write fails half-way either way. */
+static void test_disk_full_keeps_the_old_file(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    write_file(path_of("old.svo"), "old", 3);
+    struct rlimit before;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    void (*const handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    const struct rlimit tight = {.rlim_cur = 600, .rlim_max = before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    svo_message message = {""};
+    const svo_status status = svo_tree_save(tree, path_of("old.svo"), NULL, &message);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    (void)signal(SIGXFSZ, handler);
+    assert_int_equal(status, SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, strerror(EFBIG)));
+    size_t byte_count = 0;
+    uint8_t *bytes = read_file(path_of("old.svo"), &byte_count);
+    assert_int_equal(byte_count, 3);
+    assert_memory_equal(bytes, "old", 3);
+    free(bytes);
+    assert_no_temporary_left();
+    svo_tree_destroy(&tree);
+}
+
+static int make_directory(void **unused)
+{
+    (void)unused;
+    const char *parent = getenv("TMPDIR");
+    (void)snprintf(directory, sizeof directory, "%s/svocl-file-XXXXXX", parent != NULL ? parent : "/tmp");
+    return mkdtemp(directory) != NULL ? 0 : -1;
+}
+
+static int remove_directory(void **unused)
+{
+    (void)unused;
+    static const char *const names[] = {"memory.svo", "round.svo", "empty.svo", "pipe.svo", "old.svo"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        (void)unlink(path_of(names[i]));
+    }
+    return rmdir(directory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trips),
+        cmocka_unit_test(test_compression_makes_the_full_tree_smaller),
+        cmocka_unit_test(test_layout_is_the_documented_one),
+        cmocka_unit_test(test_every_flipped_byte_is_found),
+        cmocka_unit_test(test_flipped_bytes_of_compressed_chunks_do_no_harm),
+        cmocka_unit_test(test_every_truncation_is_found),
+        cmocka_unit_test(test_foreign_files_are_named),
+        cmocka_unit_test(test_files_that_cannot_be_read),
+        cmocka_unit_test(test_broken_headers_are_named),
+        cmocka_unit_test(test_a_chunk_cannot_promise_more_than_it_holds),
+        cmocka_unit_test(test_damaged_chunks_are_named),
+        cmocka_unit_test(test_broken_structure_is_named),
+        cmocka_unit_test(test_save_fails_cleanly),
+        cmocka_unit_test(test_disk_full_keeps_the_old_file),
+    };
+    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+}

@@ -1,0 +1,669 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Meshes come in as their files say: positions bit for bit, node transforms, normals, colours, texture coordinates and
+ * textures, from OBJ, PLY, STL and glTF files made here. And whatever happens to the reading process ends in one line.
+ */
+#define _XOPEN_SOURCE 700
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image_write.h>
+
+#include "../lib/io/import_process.h"
+#include "../lib/io/import_stream.h"
+#include "svocl/io.h"
+
+#define PATH_BYTES   512
+#define TEXT_BYTES   16384
+#define MISBEHAVIOUR "SVOCL_TEST_MISBEHAVIOUR" /* what this program does instead when it is started as a child */
+
+static char directory[PATH_BYTES];
+static char made_files[64][64];
+static size_t made_file_count;
+static char last_warning[SVO_MESSAGE_BYTES];
+
+/* 2 x 2: red and green above, blue and white below. */
+static const uint8_t picture[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
+
+static const char *path_of(const char *name)
+{
+    static char path[2 * PATH_BYTES];
+    (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+    return path;
+}
+
+static void remember(const char *name)
+{
+    for (size_t i = 0; i < made_file_count; ++i) {
+        if (strcmp(made_files[i], name) == 0) {
+            return;
+        }
+    }
+    assert_true(made_file_count < sizeof made_files / sizeof made_files[0]);
+    (void)snprintf(made_files[made_file_count++], sizeof made_files[0], "%s", name);
+}
+
+static void write_bytes(const char *name, const void *bytes, size_t byte_count)
+{
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, byte_count, file), byte_count);
+    assert_int_equal(fclose(file), 0);
+    remember(name);
+}
+
+static void write_text(const char *name, const char *text)
+{
+    write_bytes(name, text, strlen(text));
+}
+
+static void write_picture(const char *name)
+{
+    assert_int_not_equal(stbi_write_png(path_of(name), 2, 2, 4, picture, 8), 0);
+    remember(name);
+}
+
+static void keep_warning(void *user, svo_log_level level, const char *text)
+{
+    (void)user;
+    assert_int_equal(level, SVO_LOG_WARNING);
+    (void)snprintf(last_warning, sizeof last_warning, "%s", text);
+}
+
+static svo_import *import_file(const char *name)
+{
+    svo_import *import = NULL;
+    svo_message message = {""};
+    last_warning[0] = '\0';
+    if (svo_import_file(path_of(name), NULL, keep_warning, NULL, &import, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return import;
+}
+
+static void expect_failure(const char *path, const svo_import_options *options, svo_status expected, const char *text)
+{
+    svo_import *import = NULL;
+    svo_message message = {""};
+    const svo_status status = svo_import_file(path, options, NULL, NULL, &import, &message);
+    if (status != expected || strstr(message.text, text) == NULL || strstr(message.text, path) != message.text) {
+        fail_msg("%s \"%s\", expected %s and \"%s: ... %s\"", svo_status_name(status), message.text,
+                 svo_status_name(expected), path, text);
+    }
+    assert_null(import);
+}
+
+/* Corner c of triangle t, in an attribute of width floats per vertex. */
+static const float *corner(const svo_mesh *mesh, const float *attribute, size_t t, size_t c, size_t width)
+{
+    assert_non_null(attribute);
+    const uint32_t vertex = mesh->indices[3 * t + c];
+    assert_true(vertex < mesh->vertex_count);
+    return attribute + width * vertex;
+}
+
+static void expect_vector(const float *vector, float x, float y, float z)
+{
+    if (vector[0] != x || vector[1] != y || vector[2] != z) {
+        fail_msg("(%.9g, %.9g, %.9g), expected (%.9g, %.9g, %.9g)", (double)vector[0], (double)vector[1],
+                 (double)vector[2], (double)x, (double)y, (double)z);
+    }
+}
+
+static void expect_near(const float *vector, float x, float y, float z)
+{
+    if (!(fabsf(vector[0] - x) < 1e-5f && fabsf(vector[1] - y) < 1e-5f && fabsf(vector[2] - z) < 1e-5f)) {
+        fail_msg("(%.9g, %.9g, %.9g), expected about (%.9g, %.9g, %.9g)", (double)vector[0], (double)vector[1],
+                 (double)vector[2], (double)x, (double)y, (double)z);
+    }
+}
+
+static void expect_uv(const svo_mesh *mesh, size_t t, size_t c, float u, float v)
+{
+    const float *uv = corner(mesh, mesh->uvs, t, c, 2);
+    if (fabsf(uv[0] - u) > 1e-6f || fabsf(uv[1] - v) > 1e-6f) {
+        fail_msg("uv (%.9g, %.9g), expected (%.9g, %.9g)", (double)uv[0], (double)uv[1], (double)u, (double)v);
+    }
+}
+
+static void expect_color(const svo_mesh *mesh, size_t t, size_t c, const uint8_t expected[4])
+{
+    assert_non_null(mesh->colors);
+    assert_memory_equal(mesh->colors + 4 * mesh->indices[3 * t + c], expected, 4);
+}
+
+static const svo_material *material_of(const svo_mesh *mesh, size_t t)
+{
+    assert_non_null(mesh->triangle_materials);
+    assert_true(mesh->triangle_materials[t] < mesh->material_count);
+    return &mesh->materials[mesh->triangle_materials[t]];
+}
+
+static void expect_picture(const svo_texture *texture)
+{
+    assert_int_equal(texture->width, 2);
+    assert_int_equal(texture->height, 2);
+    assert_memory_equal(texture->rgba, picture, sizeof picture);
+}
+
+/* OBJ */
+
+static void test_obj_with_material_and_texture(void **unused)
+{
+    (void)unused;
+    write_picture("colors.png");
+    write_text("quad.mtl", "newmtl painted\nKd 1 0.5 0.25\nd 0.5\nmap_Kd colors.png\n"
+                           "newmtl clamped\nKd 0 0 1\nmap_Kd -clamp on colors.png\n");
+    write_text("quad.obj", "mtllib quad.mtl\n"
+                           "v 0.125 -3.5 1e3\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                           "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.75\nvn 0 0 1\n"
+                           "usemtl painted\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
+                           "usemtl clamped\nf 1/1/1 3/3/1 2/2/1\n");
+    svo_import *import = import_file("quad.obj");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->struct_size, sizeof *mesh);
+    assert_int_equal(mesh->triangle_count, 3);
+    assert_int_equal(mesh->vertex_count, 4);
+    expect_vector(corner(mesh, mesh->positions, 0, 0, 3), 0.125f, -3.5f, 1000);
+    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 0, 1);
+    expect_uv(mesh, 2, 0, 0, 1); /* OBJ counts v from the last row, svo_texture from the first */
+    expect_uv(mesh, 2, 1, 1, 0);
+    expect_uv(mesh, 2, 2, 1, 1);
+    const svo_material *painted = material_of(mesh, 0);
+    assert_memory_equal(painted->rgba, ((const uint8_t[]){255, 128, 64, 128}), 4);
+    expect_picture(&mesh->textures[painted->texture_index]);
+    assert_int_equal(mesh->textures[painted->texture_index].wrap_u, SVO_WRAP_REPEAT);
+    const svo_material *clamped = material_of(mesh, 2);
+    assert_memory_equal(clamped->rgba, ((const uint8_t[]){0, 0, 255, 255}), 4);
+    expect_picture(&mesh->textures[clamped->texture_index]);
+    assert_int_equal(mesh->textures[clamped->texture_index].wrap_u, SVO_WRAP_CLAMP);
+    assert_int_equal(mesh->textures[clamped->texture_index].wrap_v, SVO_WRAP_CLAMP);
+    assert_string_equal(last_warning, "");
+    svo_import_destroy(&import);
+    assert_null(import);
+}
+
+static void test_a_missing_texture_is_a_warning(void **unused)
+{
+    (void)unused;
+    write_text("lost.mtl", "newmtl lost\nKd 0 1 0\nmap_Kd folder\\nowhere.png\n");
+    write_text("lost.obj", "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl lost\nf 1/1 2/1 3/1\n");
+    svo_import *import = import_file("lost.obj");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->texture_count, 0);
+    assert_int_equal(material_of(mesh, 0)->texture_index, SVO_NO_TEXTURE);
+    assert_null(mesh->uvs);
+    assert_non_null(strstr(last_warning, "lost.obj: texture "));
+    assert_non_null(strstr(last_warning, "nowhere.png cannot be read"));
+    assert_non_null(strstr(last_warning, strerror(ENOENT)));
+    svo_import_destroy(&import);
+}
+
+static void test_plain_obj_has_no_attributes(void **unused)
+{
+    (void)unused;
+    write_text("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\nl 1 2\np 1\n");
+    svo_import *import = import_file("plain.obj");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 2);
+    assert_int_equal(mesh->vertex_count, 4);
+    assert_null(mesh->normals);
+    assert_null(mesh->colors);
+    assert_null(mesh->uvs);
+    assert_null(mesh->triangle_materials);
+    assert_int_equal(mesh->material_count, 0);
+    assert_int_equal(mesh->texture_count, 0);
+    svo_import_destroy(&import);
+}
+
+static void test_degenerate_triangles_are_kept(void **unused)
+{
+    (void)unused;
+    write_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 0 0\nf 1 2 3\nf 1 1 2\nf 1 4 1\nf 2 2 2\n");
+    svo_import *import = import_file("flat.obj");
+    assert_int_equal(svo_import_mesh(import)->triangle_count, 4);
+    svo_import_destroy(&import);
+}
+
+/* Close is not the same: the two middle vertices differ in the last bit. */
+static void test_vertices_are_joined_only_when_equal(void **unused)
+{
+    (void)unused;
+    write_text("close.obj", "v 0 0 0\nv 1 0 0\nv 1.00000012 0 0\nv 0 1 0\nv 0 0 0\nf 1 2 4\nf 5 3 4\n");
+    svo_import *import = import_file("close.obj");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->vertex_count, 4);
+    assert_int_equal(mesh->indices[0], mesh->indices[3]);
+    assert_int_not_equal(mesh->indices[1], mesh->indices[4]);
+    svo_import_destroy(&import);
+}
+
+static void test_missing_attributes_become_neutral(void **unused)
+{
+    (void)unused;
+    write_text("mixed.obj", "o a\nv 0 0 0 1 0 nan\nv 1 0 0 0.5 2 -1\nv 0 1 0 0 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\n"
+                            "o b\nv 5 0 0 1 1 1\nv 6 0 0 1 1 1\nv 5 1 0 1 1 1\nf 4 5 6\n");
+    svo_import *import = import_file("mixed.obj");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 2);
+    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 1, 0);
+    expect_vector(corner(mesh, mesh->normals, 1, 0, 3), 0, 0, 0);
+    expect_color(mesh, 0, 0, (const uint8_t[]){255, 0, 0, 255});
+    expect_color(mesh, 0, 1, (const uint8_t[]){128, 255, 0, 255});
+    expect_color(mesh, 1, 0, (const uint8_t[]){255, 255, 255, 255});
+    svo_import_destroy(&import);
+}
+
+/* PLY and STL */
+
+static void test_ply_with_colors_and_a_bad_index(void **unused)
+{
+    (void)unused;
+    write_text("colored.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"
+                              "property float x\nproperty float y\nproperty float z\n"
+                              "property float nx\nproperty float ny\nproperty float nz\n"
+                              "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                              "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                              "0.5 0.25 -8 0 0 1 255 0 0\n1 0 0 0 1 0 0 128 0\n0 1 nan 1 0 0 1 2 3\n"
+                              "3 0 1 2\n3 0 1 77\n");
+    svo_import *import = import_file("colored.ply");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 2);
+    expect_vector(corner(mesh, mesh->positions, 0, 0, 3), 0.5f, 0.25f, -8);
+    expect_vector(corner(mesh, mesh->normals, 0, 1, 3), 0, 1, 0);
+    expect_color(mesh, 0, 0, (const uint8_t[]){255, 0, 0, 255});
+    expect_color(mesh, 0, 1, (const uint8_t[]){0, 128, 0, 255});
+    expect_color(mesh, 0, 2, (const uint8_t[]){1, 2, 3, 255});
+    assert_true(mesh->indices[5] >= mesh->vertex_count);
+    svo_import_destroy(&import);
+}
+
+static void test_binary_stl(void **unused)
+{
+    (void)unused;
+    uint8_t bytes[84 + 2 * 50] = {0};
+    const uint32_t count = 2;
+    memcpy(bytes + 80, &count, 4);
+    const float facets[2][12] = {{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 0}};
+    memcpy(bytes + 84, facets[0], 48);
+    memcpy(bytes + 134, facets[1], 48);
+    write_bytes("two.stl", bytes, sizeof bytes);
+    svo_import *import = import_file("two.stl");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 2);
+    assert_int_equal(mesh->vertex_count, 4);
+    expect_vector(corner(mesh, mesh->positions, 1, 1, 3), 1, 1, 0);
+    expect_vector(corner(mesh, mesh->normals, 1, 1, 3), 0, 0, 1);
+    assert_int_equal(mesh->material_count, 0);
+    svo_import_destroy(&import);
+}
+
+/* glTF */
+
+static void append_base64(char *text, const uint8_t *bytes, size_t byte_count)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    size_t end = strlen(text);
+    for (size_t i = 0; i < byte_count; i += 3) {
+        const size_t left = byte_count - i;
+        const uint32_t group = (uint32_t)bytes[i] << 16 | (uint32_t)(left > 1 ? bytes[i + 1] : 0) << 8 |
+                               (uint32_t)(left > 2 ? bytes[i + 2] : 0);
+        assert_true(end + 5 < TEXT_BYTES);
+        for (size_t k = 0; k < 4; ++k) {
+            text[end++] = k <= left ? digits[group >> (18 - 6 * k) & 63] : '=';
+        }
+        text[end] = '\0';
+    }
+}
+
+/* One triangle with normals, uvs and colours, its picture inside the file, in the nodes that are given as JSON. */
+static void write_gltf(const char *name, const char *nodes, const char *texture_extension)
+{
+    static const struct {
+        float positions[9], normals[9], uvs[6], colors[12];
+        uint16_t indices[4];
+    } buffer = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+                {0, 0.6f, 0.8f, 0, 0, 1, 0, 0, 1},
+                {0, 0, 1, 0, 1, 1},
+                {1, 0, 0, 1, 0, 0.5f, 0, 1, 0, 0, 1, 0.25f},
+                {0, 1, 2, 0}};
+    static char text[TEXT_BYTES];
+    int image_bytes = 0;
+    unsigned char *image = stbi_write_png_to_mem(picture, 8, 2, 2, 4, &image_bytes);
+    assert_non_null(image);
+    (void)snprintf(text, sizeof text,
+                   "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_texture_transform\"],\"scene\":0,"
+                   "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[%s],"
+                   "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":2,"
+                   "\"COLOR_0\":3},\"indices\":4,\"material\":0}]}],"
+                   "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.25,0.5],"
+                   "\"baseColorTexture\":{\"index\":0%s}}}],"
+                   "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":33648,\"wrapT\":33071}],"
+                   "\"accessors\":["
+                   "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+                   "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+                   "{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
+                   "{\"bufferView\":3,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"},"
+                   "{\"bufferView\":4,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
+                   "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":36},"
+                   "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},"
+                   "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":24},"
+                   "{\"buffer\":0,\"byteOffset\":96,\"byteLength\":48},"
+                   "{\"buffer\":0,\"byteOffset\":144,\"byteLength\":6}],"
+                   "\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:application/octet-stream;base64,",
+                   nodes, texture_extension, sizeof buffer);
+    append_base64(text, (const uint8_t *)&buffer, sizeof buffer);
+    strncat(text, "\"}],\"images\":[{\"uri\":\"data:image/png;base64,", sizeof text - strlen(text) - 1);
+    append_base64(text, image, (size_t)image_bytes);
+    strncat(text, "\"}]}", sizeof text - strlen(text) - 1);
+    free(image);
+    write_text(name, text);
+}
+
+static void test_gltf_attributes(void **unused)
+{
+    (void)unused;
+    write_gltf("one.gltf", "{\"mesh\":0}", "");
+    svo_import *import = import_file("one.gltf");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 1);
+    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 1, 0, 0);
+    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, 0.8f);
+    expect_uv(mesh, 0, 0, 0, 0); /* glTF counts v from the first row, as svo_texture does */
+    expect_uv(mesh, 0, 2, 1, 1);
+    expect_color(mesh, 0, 1, (const uint8_t[]){0, 128, 0, 255});
+    expect_color(mesh, 0, 2, (const uint8_t[]){0, 0, 255, 64});
+    const svo_material *material = material_of(mesh, 0);
+    assert_memory_equal(material->rgba, ((const uint8_t[]){255, 128, 64, 128}), 4);
+    const svo_texture *texture = &mesh->textures[material->texture_index];
+    expect_picture(texture);
+    assert_int_equal(texture->wrap_u, SVO_WRAP_MIRROR);
+    assert_int_equal(texture->wrap_v, SVO_WRAP_CLAMP);
+    svo_import_destroy(&import);
+}
+
+/* Outer node: moved. Inner node: a quarter turn about z after stretching x twofold. The mesh hangs on both. */
+static void test_gltf_nested_nodes(void **unused)
+{
+    (void)unused;
+    write_gltf("nested.gltf",
+               "{\"mesh\":0,\"translation\":[10,20,30],\"children\":[1]},"
+               "{\"mesh\":0,\"rotation\":[0,0,0.70710678118,0.70710678118],\"scale\":[2,1,1]}",
+               "");
+    svo_import *import = import_file("nested.gltf");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->triangle_count, 2);
+    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 11, 20, 30);
+    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, 0.8f);
+    expect_near(corner(mesh, mesh->positions, 1, 0, 3), 10, 20, 30);
+    expect_near(corner(mesh, mesh->positions, 1, 1, 3), 10, 22, 30);
+    expect_near(corner(mesh, mesh->positions, 1, 2, 3), 9, 20, 30);
+    /* The normal's length is free: inverse transpose of diag(2, 1, 1), then the turn, times the determinant 2. */
+    expect_near(corner(mesh, mesh->normals, 1, 0, 3), -1.2f, 0, 1.6f);
+    svo_import_destroy(&import);
+}
+
+/* A mirrored triangle must still turn the same side outwards, and its normal with it. */
+static void test_gltf_mirrored_node(void **unused)
+{
+    (void)unused;
+    write_gltf("mirror.gltf", "{\"mesh\":0,\"scale\":[1,1,-1]}", "");
+    svo_import *import = import_file("mirror.gltf");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    expect_vector(corner(mesh, mesh->positions, 0, 0, 3), 0, 0, 0);
+    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 0, 1, 0);
+    expect_vector(corner(mesh, mesh->positions, 0, 2, 3), 1, 0, 0);
+    expect_near(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, -0.8f);
+    svo_import_destroy(&import);
+}
+
+static void test_gltf_texture_transform(void **unused)
+{
+    (void)unused;
+    write_gltf("transform.gltf", "{\"mesh\":0}",
+               ",\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0.125],\"scale\":[0.5,0.25]}}");
+    svo_import *import = import_file("transform.gltf");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    expect_uv(mesh, 0, 0, 0.5f, 0.125f);
+    expect_uv(mesh, 0, 2, 1, 0.375f);
+    svo_import_destroy(&import);
+}
+
+/* Files that give no mesh */
+
+static void test_unreadable_files(void **unused)
+{
+    (void)unused;
+    expect_failure(path_of("missing.obj"), NULL, SVO_FILE_ERROR, strerror(ENOENT));
+    expect_failure(directory, NULL, SVO_FILE_ERROR, strerror(EISDIR));
+    assert_int_equal(mkfifo(path_of("pipe.obj"), 0600), 0);
+    remember("pipe.obj");
+    expect_failure(path_of("pipe.obj"), NULL, SVO_FILE_ERROR, "not a regular file");
+    svo_message message = {""};
+    svo_import *import = NULL;
+    assert_int_equal(svo_import_file(NULL, NULL, NULL, NULL, &import, &message), SVO_INVALID_ARGUMENT);
+    const svo_import_options wrong = {.struct_size = 1};
+    assert_int_equal(svo_import_file("x", &wrong, NULL, NULL, &import, &message), SVO_INVALID_ARGUMENT);
+}
+
+static void test_files_without_a_mesh(void **unused)
+{
+    (void)unused;
+    write_text("empty.obj", "");
+    write_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n# no face at all, only vertices\n");
+    write_text("garbage.xyzzy", "\x01\x02\x03 garbage that no reader knows");
+    write_text("garbage.ply", "not a ply file");
+    expect_failure(path_of("empty.obj"), NULL, SVO_IMPORT_FAILED, "");
+    expect_failure(path_of("points.obj"), NULL, SVO_IMPORT_FAILED, "no triangles");
+    expect_failure(path_of("garbage.xyzzy"), NULL, SVO_IMPORT_FAILED, "no mesh format that assimp knows");
+    expect_failure(path_of("garbage.ply"), NULL, SVO_IMPORT_FAILED, "");
+}
+
+/* Children that misbehave */
+
+static void write_plain(void)
+{
+    write_text("child.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
+static void expect_misbehaviour(const char *kind, const svo_import_options *options, const char *text)
+{
+    write_plain();
+    assert_int_equal(setenv(MISBEHAVIOUR, kind, 1), 0);
+    expect_failure(path_of("child.obj"), options, SVO_IMPORT_FAILED, text);
+    assert_int_equal(unsetenv(MISBEHAVIOUR), 0);
+}
+
+static void test_children_that_misbehave(void **unused)
+{
+    (void)unused;
+    const svo_import_options second = {.struct_size = sizeof second, .time_limit_seconds = 1};
+    const svo_import_options small = {.struct_size = sizeof small, .memory_limit_bytes = 3 << 20};
+    expect_misbehaviour("crash", NULL, "the reader crashed (signal 11)");
+    expect_misbehaviour("silence", NULL, "the reader ended without an answer, exit code 3");
+    expect_misbehaviour("nonsense", NULL, "the reader's answer is damaged: it is not from an import child");
+    expect_misbehaviour("half", NULL, "the reader's answer is damaged: it ends too early");
+    expect_misbehaviour("flood", &small, "the mesh needs more than 3145728 bytes");
+    expect_misbehaviour("hang", &second, "reading took longer than 1 s");
+    expect_misbehaviour("hang deaf", &second, "reading took longer than 1 s");
+    expect_misbehaviour("again", NULL, "svo_import_child_main must come first");
+}
+
+static void test_a_child_that_cannot_start(void **unused)
+{
+    (void)unused;
+    write_plain();
+    const svo_import_options options = {.struct_size = sizeof options, .child_program = "/nonexistent/program"};
+    expect_failure(path_of("child.obj"), &options, SVO_IMPORT_FAILED, "/nonexistent/program cannot be started");
+}
+
+/* A file that needs more than the child may have; the address sanitizer's builds cannot be limited. */
+static void test_a_child_out_of_memory(void **unused)
+{
+    (void)unused;
+#if defined(__SANITIZE_ADDRESS__)
+    skip();
+#endif
+    const size_t count = 200000;
+    char *text = malloc(count * 32);
+    assert_non_null(text);
+    size_t end = 0;
+    for (size_t i = 0; i < count; ++i) {
+        end += (size_t)sprintf(text + end, "v %zu 0 1\n", i);
+    }
+    (void)sprintf(text + end, "f 1 2 3\n");
+    write_text("large.obj", text);
+    free(text);
+    const svo_import_options options = {.struct_size = sizeof options, .memory_limit_bytes = (uint64_t)16 << 20};
+    expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16777216 bytes");
+}
+
+/* The caller's own way with child processes must not matter. */
+static void test_ignored_child_signals(void **unused)
+{
+    (void)unused;
+    write_plain();
+    void (*const handler)(int) = signal(SIGCHLD, SIG_IGN);
+    svo_import *import = import_file("child.obj");
+    assert_int_equal(svo_import_mesh(import)->triangle_count, 1);
+    svo_import_destroy(&import);
+    (void)signal(SIGCHLD, handler);
+}
+
+/* Any damage to the answer: refused, or a mesh whose arrays are all inside it. Run with a sanitizer, this is the proof. */
+static void test_damaged_answers(void **unused)
+{
+    (void)unused;
+    write_gltf("one.gltf", "{\"mesh\":0}", "");
+    svo_import *good = import_file("one.gltf");
+    for (size_t i = 0; i < good->byte_count; ++i) {
+        svo_import part = {.bytes = malloc(i + 1), .byte_count = i};
+        assert_non_null(part.bytes);
+        memcpy(part.bytes, good->bytes, i);
+        assert_int_equal(svo_i_stream_parse(&part, "name", NULL, NULL, NULL), SVO_IMPORT_FAILED);
+        free(part.textures);
+        free(part.bytes);
+    }
+    size_t refused = 0;
+    for (size_t i = 0; i < 8 * good->byte_count; ++i) {
+        svo_import flipped = {.bytes = malloc(good->byte_count), .byte_count = good->byte_count};
+        assert_non_null(flipped.bytes);
+        memcpy(flipped.bytes, good->bytes, good->byte_count);
+        flipped.bytes[i / 8] ^= (uint8_t)(1u << (i % 8));
+        svo_message message = {""};
+        if (svo_i_stream_parse(&flipped, "name", NULL, NULL, &message) != SVO_OK) {
+            assert_true(strncmp(message.text, "name: ", 6) == 0);
+            ++refused;
+        }
+        free(flipped.textures);
+        free(flipped.bytes);
+    }
+    assert_true(refused > 0);
+    svo_import_destroy(&good);
+}
+
+static int make_directory(void **unused)
+{
+    (void)unused;
+    const char *parent = getenv("TMPDIR");
+    (void)snprintf(directory, sizeof directory, "%s/svocl-import-XXXXXX", parent != NULL ? parent : "/tmp");
+    return mkdtemp(directory) != NULL ? 0 : -1;
+}
+
+static int remove_directory(void **unused)
+{
+    (void)unused;
+    for (size_t i = 0; i < made_file_count; ++i) {
+        (void)unlink(path_of(made_files[i]));
+    }
+    return rmdir(directory);
+}
+
+static void answer(const void *bytes, size_t byte_count)
+{
+    if (write(IMPORT_CHILD_STREAM, bytes, byte_count) < 0) {
+        _exit(9);
+    }
+}
+
+/* This program as a child that was told to misbehave. */
+static int misbehave(const char *kind, const char *path)
+{
+    if (strcmp(kind, "crash") == 0) {
+        (void)signal(SIGSEGV, SIG_DFL);
+        (void)raise(SIGSEGV);
+    } else if (strcmp(kind, "nonsense") == 0) {
+        answer("nonsense, but long enough", 25);
+    } else if (strcmp(kind, "half") == 0) {
+        answer(STREAM_GREETING, STREAM_GREETING_BYTES);
+    } else if (strcmp(kind, "flood") == 0) {
+        static const uint8_t block[65536];
+        for (;;) {
+            answer(block, sizeof block);
+        }
+    } else if (strncmp(kind, "hang", 4) == 0) {
+        if (kind[4] != '\0') {
+            close(IMPORT_CHILD_STREAM);
+        }
+        pause();
+    } else if (strcmp(kind, "again") == 0) {
+        /* A program without svo_import_child_main: it imports, and its child would do the same. */
+        svo_message message = {""};
+        svo_import *import = NULL;
+        (void)svo_import_file(path, NULL, NULL, NULL, &import, &message);
+        answer(STREAM_GREETING, STREAM_GREETING_BYTES);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "%s", message.text);
+    }
+    return 3;
+}
+
+int main(int argc, char **argv)
+{
+    const char *misbehaviour = getenv(MISBEHAVIOUR);
+    if (misbehaviour != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
+        return misbehave(misbehaviour, argv[2]);
+    }
+    int exit_code = 0;
+    if (svo_import_child_main(argc, argv, &exit_code)) {
+        return exit_code;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_obj_with_material_and_texture),
+        cmocka_unit_test(test_a_missing_texture_is_a_warning),
+        cmocka_unit_test(test_plain_obj_has_no_attributes),
+        cmocka_unit_test(test_degenerate_triangles_are_kept),
+        cmocka_unit_test(test_vertices_are_joined_only_when_equal),
+        cmocka_unit_test(test_missing_attributes_become_neutral),
+        cmocka_unit_test(test_ply_with_colors_and_a_bad_index),
+        cmocka_unit_test(test_binary_stl),
+        cmocka_unit_test(test_gltf_attributes),
+        cmocka_unit_test(test_gltf_nested_nodes),
+        cmocka_unit_test(test_gltf_mirrored_node),
+        cmocka_unit_test(test_gltf_texture_transform),
+        cmocka_unit_test(test_unreadable_files),
+        cmocka_unit_test(test_files_without_a_mesh),
+        cmocka_unit_test(test_children_that_misbehave),
+        cmocka_unit_test(test_a_child_that_cannot_start),
+        cmocka_unit_test(test_a_child_out_of_memory),
+        cmocka_unit_test(test_ignored_child_signals),
+        cmocka_unit_test(test_damaged_answers),
+    };
+    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+}

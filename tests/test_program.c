@@ -1,0 +1,591 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or absent.
+ *
+ * Every test runs the built program through the shell in a fresh folder of its own; $SVOCL is its path. What needs a
+ * device or a GL context is probed with `svocl devices` and skipped, visibly, where the machine has none.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <cjson/cJSON.h>
+#include <dirent.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#ifndef SVOCL_PROGRAM
+#error "SVOCL_PROGRAM must be the path of the program"
+#endif
+
+#define TEXT_BYTES 262144
+
+typedef struct outcome {
+    int exit_code; /* -1: ended by a signal */
+    char output[TEXT_BYTES];
+    char errors[4096];
+} outcome;
+
+static outcome last; /* of the last run */
+
+static void read_text(const char *path, char *text, size_t text_bytes)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t length = fread(text, 1, text_bytes - 1, file);
+    text[length] = '\0';
+    fclose(file);
+}
+
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Runs a shell line and keeps what it did in last. */
+static void run(const char *line)
+{
+    char all[2048];
+    snprintf(all, sizeof all, "( %s ) >.output 2>.errors", line);
+    const int status = system(all);
+    last.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    read_text(".output", last.output, sizeof last.output);
+    read_text(".errors", last.errors, sizeof last.errors);
+}
+
+static void run_well(const char *line)
+{
+    run(line);
+    if (last.exit_code != 0) {
+        fail_msg("%s: exit code %d: %s", line, last.exit_code, last.errors);
+    }
+}
+
+/* The line must fail with the exit code, nothing but one line on standard error, and words in that line. */
+static void run_badly(const char *line, int exit_code, const char *words)
+{
+    run(line);
+    if (last.exit_code != exit_code) {
+        fail_msg("%s: exit code %d instead of %d: %s", line, last.exit_code, exit_code, last.errors);
+    }
+    const char *newline = strchr(last.errors, '\n');
+    if (strncmp(last.errors, "svocl: ", 7) != 0 || newline == NULL || newline[1] != '\0') {
+        fail_msg("%s: not one line of the program: '%s'", line, last.errors);
+    }
+    if (strstr(last.errors, words) == NULL) {
+        fail_msg("%s: '%s' is not in '%s'", line, words, last.errors);
+    }
+    assert_string_equal(last.output, "");
+}
+
+static cJSON *run_json(const char *line)
+{
+    run_well(line);
+    cJSON *document = cJSON_Parse(last.output);
+    if (document == NULL) {
+        fail_msg("%s: not JSON: %s", line, last.output);
+    }
+    return document;
+}
+
+/* The program is the only one that writes here: every other file is one that was left behind. */
+static void expect_files(const char *const names[], size_t count)
+{
+    DIR *folder = opendir(".");
+    assert_non_null(folder);
+    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        bool known = entry->d_name[0] == '.';
+        for (size_t i = 0; i < count; ++i) {
+            known = known || strcmp(entry->d_name, names[i]) == 0;
+        }
+        if (!known) {
+            fail_msg("%s was left behind", entry->d_name);
+        }
+    }
+    closedir(folder);
+}
+
+static double number_of(const cJSON *document, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(document, name);
+    if (!cJSON_IsNumber(item)) {
+        fail_msg("%s is not a number", name);
+    }
+    return item->valuedouble;
+}
+
+static const char *text_of(const cJSON *document, const char *name)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(document, name));
+    if (text == NULL) {
+        fail_msg("%s is not a text", name);
+    }
+    return text;
+}
+
+static const cJSON *array_of(const cJSON *document, const char *name)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(document, name);
+    if (!cJSON_IsArray(array)) {
+        fail_msg("%s is not an array", name);
+    }
+    return array;
+}
+
+/* Whether a way (a front end or a share path) works on the first pair that uses the context; NULL: on any pair. */
+static bool way_works(const char *context, const char *kind, const char *name)
+{
+    run("$SVOCL devices --json");
+    cJSON *document = cJSON_Parse(last.output);
+    const cJSON *pair = NULL;
+    bool found = false;
+    cJSON_ArrayForEach(pair, cJSON_GetObjectItem(document, "pairs"))
+    {
+        const cJSON *way = NULL;
+        cJSON_ArrayForEach(way, array_of(pair, kind))
+        {
+            found =
+                found || ((context == NULL || strcmp(text_of(pair, "context"), context) == 0) &&
+                          strcmp(text_of(way, "name"), name) == 0 && cJSON_IsTrue(cJSON_GetObjectItem(way, "works")));
+        }
+    }
+    cJSON_Delete(document);
+    return found;
+}
+
+static void need_builds(void)
+{
+    if (!way_works(NULL, "frontends", "gl-expand")) {
+        print_message("skipped: no OpenCL device and OpenGL renderer that work together\n");
+        skip();
+    }
+}
+
+static void wrong_usage_is_exit_code_2(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL", 2, "no command");
+    run_badly("$SVOCL voxelize x", 2, "'voxelize'");
+    run_badly("$SVOCL build", 2, "INPUT");
+    run_badly("$SVOCL build scene:cube -d 0", 2, "depth 0 is below 1");
+    run_badly("$SVOCL build scene:cube -d 17", 2, "depth 17 is above 12");
+    run_badly("$SVOCL build scene:cube -d nine", 2, "'nine'");
+    run_badly("$SVOCL build scene:cube -d", 2, "needs a value");
+    run_badly("$SVOCL build scene:cube --size 3x3", 2, "--size");
+    run_badly("$SVOCL build scene:cube --deep 3", 2, "'--deep'");
+    run_badly("$SVOCL build scene:cube extra", 2, "'extra'");
+    run_badly("$SVOCL build scene:cube --origin 0,0,0", 2, "--edge");
+    run_badly("$SVOCL build scene:cube --origin 0,0 --edge 1", 2, "'0,0'");
+    run_badly("$SVOCL build scene:cube --origin 0,0,0 --edge -1", 2, "'-1'");
+    run_badly("$SVOCL build scene:cube --edge nan --origin 0,0,0", 2, "'nan'");
+    run_badly("$SVOCL build scene:cube --need color,taste", 2, "'color,taste'");
+    run_badly("$SVOCL build scene:cube --threads 0", 2, "threads 0 is below 1");
+    run_badly("$SVOCL build scene:cube --context glx", 2, "'glx'");
+    run_badly("$SVOCL build scene:cube --context osmesa --gl-device 0", 2, "--gl-device");
+    run_badly("$SVOCL build scene:castle", 2, "castle");
+    run_badly("$SVOCL build scene:cube:0", 2, "0");
+    run_badly("$SVOCL scene cube", 2, "-o");
+    run_badly("$SVOCL render scene:cube", 2, "-o");
+    run_badly("$SVOCL render scene:cube -o a.png --size 0x7", 2, "'0x7'");
+    run_badly("$SVOCL render tree.svo -o a.png -d 8", 2, "tree.svo");
+}
+
+static void names_of_later_versions_are_refused(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL build scene:cube --frontend cl", 1, "--frontend cl: not in this version");
+    run_badly("$SVOCL build scene:cube --builder sorted", 1, "--builder sorted");
+    run_badly("$SVOCL build scene:cube --builder gl-compute", 1, "--builder gl-compute");
+    run_badly("$SVOCL build scene:cube --coverage closed", 1, "--coverage closed");
+    run_badly("$SVOCL build scene:cube --coverage thin", 1, "--coverage thin");
+}
+
+static void help_goes_to_standard_output(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"--help",      "help",         "devices --help", "scene --help",  "help build",
+                                        "info --help", "hash --help",  "verify --help",  "render --help", "--version",
+                                        "scene",       "scene --json", "build -h"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        char line[64];
+        snprintf(line, sizeof line, "$SVOCL %s", lines[i]);
+        run_well(line);
+        assert_string_equal(last.errors, "");
+        assert_true(strlen(last.output) > 5);
+        assert_null(strchr(last.output, '\033'));
+    }
+}
+
+static void scenes_are_written_and_read_again(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL scene knot --triangles 2000 --seed 3 -o knot.obj");
+    run_well("$SVOCL scene knot --triangles 2000 --seed 3 -o knot.ply");
+    cJSON *made = run_json("$SVOCL build scene:knot:2000:3 -d 6 --json");
+    cJSON *read = run_json("$SVOCL build knot.ply -d 6 --json");
+    assert_string_equal(text_of(made, "hash"), text_of(read, "hash"));
+    cJSON_Delete(made);
+    cJSON_Delete(read);
+    run_badly("$SVOCL scene knot -o knot.xyz", 2, "knot.xyz");
+}
+
+static void bad_meshes_are_one_line(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL build missing.obj", 1, "missing.obj");
+    write_text("empty.obj", "");
+    run_badly("$SVOCL build empty.obj", 1, "empty.obj");
+    write_text("points.obj", "v 0 0 0\nv 1 0 0\n");
+    run_badly("$SVOCL build points.obj", 1, "points.obj");
+    write_text("words.ply", "this is no mesh\n");
+    run_badly("$SVOCL build words.ply", 1, "words.ply");
+    write_text("words.txt", "this is no mesh\n");
+    run_badly("$SVOCL hash words.txt", 1, "words.txt");
+    write_text("cut.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+    run_badly("$SVOCL verify cut.ply", 1, "cut.ply");
+    run_badly("$SVOCL build .", 1, ".");
+}
+
+#define PLY_HEADER(faces)                                                                             \
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" \
+    "element face " faces "\nproperty list uchar int vertex_indices\nend_header\n"
+
+static void triangles_that_are_not_finite_are_counted(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("nan.ply", PLY_HEADER("2") "0 0 0\n1 0 0\n0 1 0\nnan 1 1\n3 0 1 2\n3 0 1 3\n");
+    cJSON *document = run_json("$SVOCL build nan.ply -d 4 --json");
+    assert_int_equal((int)number_of(document, "triangles"), 2);
+    assert_int_equal((int)number_of(document, "refused_triangles"), 1);
+    const cJSON *reasons = cJSON_GetObjectItem(document, "refused_reasons");
+    assert_int_equal((int)number_of(reasons, "not_finite"), 1);
+    cJSON_Delete(document);
+    run_well("$SVOCL verify nan.ply -d 4");
+    assert_non_null(strstr(last.output, "1 of 2 triangles refused"));
+    assert_non_null(strstr(last.output, "exact: 0 missed, 0 surplus"));
+    write_text("all_nan.ply", PLY_HEADER("1") "nan 0 0\n1 0 0\n0 1 0\n0 1 1\n3 0 1 2\n");
+    run_badly("$SVOCL build all_nan.ply -d 4", 1, "all_nan.ply: no valid triangle");
+}
+
+/* A reader may refuse the whole file; otherwise the triangle is refused and counted. */
+static void indices_out_of_range_are_named(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("range.ply", PLY_HEADER("2") "0 0 0\n1 0 0\n0 1 0\n1 1 1\n3 0 1 2\n3 0 1 9\n");
+    run("$SVOCL build range.ply -d 4");
+    if (last.exit_code == 0) {
+        assert_non_null(strstr(last.output, "1 with an index out of range"));
+    } else {
+        run_badly("$SVOCL build range.ply -d 4", 1, "range.ply");
+    }
+}
+
+static void missing_drivers_are_one_line(void **state)
+{
+    (void)state;
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL build scene:cube -d 3", 1, "OpenCL");
+    run("OCL_ICD_VENDORS=/nonexistent $SVOCL devices --json");
+    assert_int_equal(last.exit_code, 1);
+    assert_non_null(strstr(last.errors, "no OpenCL device"));
+    run_badly("$SVOCL build scene:cube --device no-such-device", 1, "no-such-device");
+    run_badly("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent $SVOCL build scene:cube -d 3 --context surfaceless", 1,
+              "surfaceless");
+    run_badly("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent $SVOCL build scene:cube -d 3 --context egl-device", 1,
+              "egl");
+    run_badly("$SVOCL build scene:cube -d 3 --gl-device 900", 1, "900");
+}
+
+static void a_forced_choice_that_does_not_work_fails(void **state)
+{
+    (void)state;
+    need_builds();
+    if (!way_works(NULL, "frontends", "gl-hw")) {
+        run_badly("$SVOCL build scene:cube -d 3 --frontend gl-hw", 1, "gl-hw");
+    }
+    if (!way_works(NULL, "shares", "sharing")) {
+        run_badly("$SVOCL build scene:cube -d 3 --share sharing", 1, "sharing");
+    }
+}
+
+static void failed_writes_leave_nothing(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const expected[] = {"old.svo"};
+    run_badly("$SVOCL build scene:cube -d 3 -o nowhere/a.svo", 1, "nowhere/a.svo");
+    run_badly("$SVOCL render scene:cube -d 3 -o nowhere/a.png", 1, "nowhere/a.png");
+    run_badly("$SVOCL scene cube -o nowhere/a.obj", 1, "nowhere/a.obj");
+    write_text("old.svo", "an older file");
+    run_well("$SVOCL build scene:terrain:2000 -d 9"); /* kernels compile without the limit */
+    run_badly("ulimit -f 1024; $SVOCL build scene:terrain:2000 -d 9 -o old.svo", 1, "old.svo");
+    char text[64];
+    read_text("old.svo", text, sizeof text);
+    assert_string_equal(text, "an older file");
+    run_well("$SVOCL render scene:terrain:2000 -d 6 --size 64x64 -o old.png");
+    assert_int_equal(unlink("old.png"), 0);
+    run_badly("ulimit -f 16; $SVOCL render scene:terrain:2000 -d 6 -o a.png", 1, "a.png");
+    run_badly("ulimit -f 16; $SVOCL scene terrain --triangles 2000 -o a.ply", 1, "a.ply");
+    run_badly("ulimit -f 16; $SVOCL scene cornell --triangles 2000 -o a.obj", 1, "a.obj");
+    expect_files(expected, 1);
+}
+
+static void a_full_standard_output_is_an_error(void **state)
+{
+    (void)state;
+    if (access("/dev/full", W_OK) != 0) {
+        print_message("skipped: no /dev/full\n");
+        skip();
+    }
+    run_badly("$SVOCL scene >/dev/full", 1, "standard output");
+}
+
+static void check_stages(const cJSON *document)
+{
+    static const char *const names[] = {"import", "grid",   "voxelize", "subdivide", "link",
+                                        "pack",   "filter", "transfer", "compile"};
+    const cJSON *stages = array_of(document, "stages");
+    assert_int_equal(cJSON_GetArraySize(stages), 9);
+    for (int i = 0; i < 9; ++i) {
+        const cJSON *stage = cJSON_GetArrayItem(stages, i);
+        assert_string_equal(text_of(stage, "name"), names[i]);
+        assert_true(number_of(stage, "ms") >= 0.0);
+        assert_true(strlen(text_of(stage, "clock")) > 0);
+    }
+}
+
+static void build_has_its_json_names(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const numbers[] = {"triangles", "refused_triangles", "fragments", "leaves", "nodes",
+                                          "depth",     "snap_error",        "peak_bytes"};
+    static const char *const texts[] = {"hash", "frontend", "share", "builder", "context", "device", "renderer"};
+    cJSON *document = run_json("$SVOCL build scene:knot:2000 -d 7 --need color,normal,rays --repeat 3 --json -o a.svo");
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        assert_true(number_of(document, numbers[i]) >= 0.0);
+    }
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        assert_true(strlen(text_of(document, texts[i])) > 0);
+    }
+    assert_int_equal(strlen(text_of(document, "hash")), 32);
+    check_stages(document);
+    assert_true(cJSON_GetArraySize(array_of(document, "buffers")) > 0);
+    text_of(cJSON_GetArrayItem(array_of(document, "buffers"), 0), "name");
+    number_of(cJSON_GetArrayItem(array_of(document, "buffers"), 0), "bytes");
+    cJSON *info = run_json("$SVOCL info a.svo --json");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(info, "checksum_ok")));
+    static const char *const shared[] = {"depth", "triangles", "refused_triangles", "fragments", "nodes", "leaves"};
+    for (size_t i = 0; i < sizeof shared / sizeof shared[0]; ++i) {
+        assert_true(number_of(info, shared[i]) == number_of(document, shared[i]));
+    }
+    assert_string_equal(text_of(info, "hash"), text_of(document, "hash"));
+    assert_int_equal(cJSON_GetArraySize(array_of(info, "levels")), 8);
+    assert_int_equal(cJSON_GetArraySize(array_of(info, "need")), 3);
+    cJSON_Delete(info);
+    cJSON_Delete(document);
+    run_well("$SVOCL verify a.svo");
+}
+
+static void info_names_what_is_wrong_with_a_file(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cube -d 5 --compress -o good.svo");
+    run_well("head -c 300 good.svo >cut.svo");
+    run_badly("$SVOCL info cut.svo", 1, "cut.svo");
+    run_well("cp good.svo hurt.svo; printf X | dd of=hurt.svo bs=1 seek=400 conv=notrunc");
+    run_badly("$SVOCL info hurt.svo", 1, "hurt.svo");
+    run_badly("$SVOCL render hurt.svo -o a.png", 1, "hurt.svo");
+    run_badly("$SVOCL hash hurt.svo", 1, "hurt.svo");
+    write_text("foreign.svo", "solid cube\nendsolid cube\n");
+    run_badly("$SVOCL info foreign.svo", 1, "foreign.svo");
+    write_text("empty.svo", "");
+    run_badly("$SVOCL info empty.svo", 1, "empty.svo");
+    run_badly("$SVOCL info missing.svo", 1, "missing.svo");
+    run_badly("$SVOCL build good.svo", 2, "good.svo");
+    run_badly("$SVOCL verify good.svo", 1, "good.svo");
+}
+
+static void devices_has_its_json_names(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *document = run_json("$SVOCL devices --json");
+    const cJSON *platform = cJSON_GetArrayItem(array_of(document, "platforms"), 0);
+    number_of(cJSON_GetArrayItem(array_of(platform, "devices"), 0), "max_allocation_bytes");
+    assert_true(cJSON_GetArraySize(array_of(document, "renderers")) >= 3);
+    const cJSON *pair = NULL;
+    cJSON_ArrayForEach(pair, array_of(document, "pairs"))
+    {
+        assert_int_equal(cJSON_GetArraySize(array_of(pair, "frontends")), 2);
+        assert_int_equal(cJSON_GetArraySize(array_of(pair, "shares")), 3);
+        const cJSON *way = NULL;
+        cJSON_ArrayForEach(way, array_of(pair, "shares"))
+        {
+            const bool works = cJSON_IsTrue(cJSON_GetObjectItem(way, "works"));
+            assert_true(works == (strlen(text_of(way, "reason")) == 0));
+        }
+    }
+    cJSON_Delete(document);
+}
+
+static void verify_finds_every_scene_exact(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const names[] = {"atrium", "statue", "knot", "terrain", "needles", "dust", "cornell", "cube"};
+    static const char *const counts[] = {"missed_voxels",    "surplus_voxels",   "missed_pairs",    "surplus_pairs",
+                                         "node_differences", "grid_differences", "snap_differences"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "$SVOCL verify scene:%s:3000 -d 6 --json", names[i]);
+        cJSON *document = run_json(line);
+        for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
+            assert_true(number_of(document, counts[k]) == 0.0);
+        }
+        assert_true(number_of(document, "expected_voxels") > 0.0);
+        cJSON_Delete(document);
+    }
+}
+
+/* The last line of standard output. */
+static void last_line(char *text, size_t text_bytes)
+{
+    size_t length = strlen(last.output);
+    while (length > 0 && last.output[length - 1] == '\n') {
+        last.output[--length] = '\0';
+    }
+    const char *newline = strrchr(last.output, '\n');
+    snprintf(text, text_bytes, "%s", newline != NULL ? newline + 1 : last.output);
+}
+
+static void expect_hash(const char *more, const char *hash)
+{
+    char line[256];
+    char found[64];
+    snprintf(line, sizeof line, "$SVOCL hash scene:statue:4000 -d 7 --need color,normal,rays %s", more);
+    run_well(line);
+    last_line(found, sizeof found);
+    if (strcmp(found, hash) != 0) {
+        fail_msg("%s: %s instead of %s", line, found, hash);
+    }
+}
+
+static void the_hash_is_the_same_every_way(void **state)
+{
+    (void)state;
+    need_builds();
+    char hash[64];
+    run_well("$SVOCL hash scene:statue:4000 -d 7 --need color,normal,rays");
+    last_line(hash, sizeof hash);
+    assert_int_equal(strlen(hash), 32);
+    for (int i = 0; i < 3; ++i) {
+        expect_hash("", hash);
+    }
+    expect_hash("--threads 1", hash);
+    expect_hash("--threads 2", hash);
+    static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
+    static const char *const shares[] = {"host", "copy"};
+    for (size_t c = 0; c < 3; ++c) {
+        for (size_t s = 0; s < 2; ++s) {
+            char more[64];
+            snprintf(more, sizeof more, "--context %s --share %s", contexts[c], shares[s]);
+            if (way_works(contexts[c], "shares", shares[s])) {
+                expect_hash(more, hash);
+            } else {
+                print_message("not run, does not work here: %s\n", more);
+            }
+        }
+    }
+}
+
+static void hash_says_what_ran(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *document = run_json("$SVOCL hash scene:cube -d 5 --share copy --nodes --json");
+    assert_string_equal(text_of(document, "share"), "copy");
+    static const char *const texts[] = {"hash", "frontend", "builder", "context", "device", "renderer"};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        assert_true(strlen(text_of(document, texts[i])) > 0);
+    }
+    assert_string_equal(text_of(document, "hash"), text_of(document, "nodes_hash"));
+    cJSON_Delete(document);
+}
+
+static void a_picture_is_written(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cornell:2000 -d 6 -o a.svo");
+    run_well("$SVOCL render a.svo --size 40x30 -o a.png");
+    run_well("$SVOCL render scene:cornell:2000 -d 6 --size 40x30 -o b.png");
+    run_well("cmp a.png b.png");
+    unsigned char header[24];
+    FILE *file = fopen("a.png", "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(header, 1, sizeof header, file), sizeof header);
+    fclose(file);
+    assert_memory_equal(header, "\x89PNG\r\n\x1a\n", 8);
+    assert_int_equal(header[19], 40);
+    assert_int_equal(header[23], 30);
+}
+
+/* Each test gets an empty folder and leaves it behind empty. */
+static int enter_folder(void **state)
+{
+    char *folder = strdup("/tmp/svocl_test_program_XXXXXX");
+    *state = folder;
+    return folder == NULL || mkdtemp(folder) == NULL || chdir(folder) != 0;
+}
+
+static int leave_folder(void **state)
+{
+    char line[128];
+    snprintf(line, sizeof line, "rm -r '%s'", (const char *)*state);
+    free(*state);
+    return chdir("/") != 0 || system(line) != 0;
+}
+
+#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
+
+int main(void)
+{
+    if (setenv("SVOCL", SVOCL_PROGRAM, 1) != 0) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {IN_FOLDER(wrong_usage_is_exit_code_2),
+                                       IN_FOLDER(names_of_later_versions_are_refused),
+                                       IN_FOLDER(help_goes_to_standard_output),
+                                       IN_FOLDER(scenes_are_written_and_read_again),
+                                       IN_FOLDER(bad_meshes_are_one_line),
+                                       IN_FOLDER(triangles_that_are_not_finite_are_counted),
+                                       IN_FOLDER(indices_out_of_range_are_named),
+                                       IN_FOLDER(missing_drivers_are_one_line),
+                                       IN_FOLDER(a_forced_choice_that_does_not_work_fails),
+                                       IN_FOLDER(failed_writes_leave_nothing),
+                                       IN_FOLDER(a_full_standard_output_is_an_error),
+                                       IN_FOLDER(build_has_its_json_names),
+                                       IN_FOLDER(info_names_what_is_wrong_with_a_file),
+                                       IN_FOLDER(devices_has_its_json_names),
+                                       IN_FOLDER(verify_finds_every_scene_exact),
+                                       IN_FOLDER(the_hash_is_the_same_every_way),
+                                       IN_FOLDER(hash_says_what_ran),
+                                       IN_FOLDER(a_picture_is_written)};
+    return cmocka_run_group_tests_name("program", tests, NULL, NULL);
+}

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl verify: a tree against the exact reference (tests/oracle), voxel by voxel, pair by pair and vertex by vertex. */
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "commands.h"
+#include "oracle.h"
+#include "report.h"
+#include "snap_check.h"
+#include "table.h"
+
+/* Everything that must be 0, and how much was compared. */
+typedef struct verdict {
+    oracle_difference difference;
+    uint64_t node_differences; /* child masks, first children and level begins that differ */
+    uint64_t expected_voxels, expected_pairs;
+    uint64_t built_voxels, built_pairs;
+    bool snap_compared; /* not for a tree from a file, which has no unsnapped mesh */
+    snap_differences snap;
+} verdict;
+
+/* The tree's voxel-triangle pairs out of its masks and leaf lists; leaves without any triangle are only counted. */
+static bool list_tree_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out,
+                            uint64_t *empty_leaf_count)
+{
+    uint64_t *codes = malloc((size_t)info->leaf_count * sizeof *codes + 1);
+    out->pairs = malloc((size_t)info->list_count * sizeof *out->pairs + 1);
+    out->count = 0;
+    *empty_leaf_count = 0;
+    bool good = codes != NULL && out->pairs != NULL;
+    good = good && oracle_leaf_codes(arrays->child_mask, info->inner_count, info->depth, info->leaf_count, codes);
+    for (uint64_t leaf = 0; good && leaf < info->leaf_count; ++leaf) {
+        const uint32_t begin = arrays->list_begin[leaf];
+        const uint32_t end = arrays->list_begin[leaf + 1];
+        good = begin <= end && end <= info->list_count && out->count + (end - begin) <= info->list_count;
+        *empty_leaf_count += begin == end;
+        for (uint32_t i = begin; good && i < end; ++i) {
+            good = arrays->list[i] < info->list_triangle_count;
+            if (good) {
+                out->pairs[out->count++] = (oracle_pair){codes[leaf], arrays->triangle_ids[arrays->list[i]]};
+            }
+        }
+    }
+    free(codes);
+    good = good && oracle_pairs_sort(out->pairs, out->count);
+    if (!good) {
+        oracle_pairs_free(out);
+    }
+    return good;
+}
+
+static bool count_node_differences(const oracle_pairs *expected, const svo_tree_info *info,
+                                   const svo_tree_arrays *arrays, uint64_t *count)
+{
+    oracle_tree tree;
+    if (!oracle_tree_make(expected, info->depth, &tree)) {
+        return false;
+    }
+    *count = 0;
+    for (unsigned level = 0; level <= info->depth + 1; ++level) {
+        *count += tree.level_begin[level] != info->level_begin[level];
+    }
+    for (uint64_t i = 0; i < tree.inner_count && i < info->inner_count; ++i) {
+        *count += tree.child_mask[i] != arrays->child_mask[i] || tree.first_child[i] != arrays->first_child[i];
+    }
+    oracle_tree_free(&tree);
+    return true;
+}
+
+static bool compare_tree(const svo_tree_info *info, const svo_tree_arrays *arrays, verdict *found)
+{
+    const oracle_mesh mesh = {arrays->vertices, arrays->indices, arrays->triangle_ids,
+                              (size_t)info->list_triangle_count};
+    const oracle_request request = {info->depth, info->snap_bits, ORACLE_HALF_OPEN, ORACLE_SAT};
+    oracle_pairs expected = {0};
+    oracle_pairs actual = {0};
+    uint64_t empty_leaf_count = 0;
+    bool good = oracle_enumerate(&mesh, &request, &expected) &&
+                list_tree_pairs(info, arrays, &actual, &empty_leaf_count) &&
+                count_node_differences(&expected, info, arrays, &found->node_differences);
+    if (good) {
+        oracle_compare(&expected, &actual, &found->difference);
+        found->difference.surplus_voxels += empty_leaf_count;
+        found->expected_voxels = oracle_pairs_voxel_count(&expected);
+        found->expected_pairs = expected.count;
+        found->built_voxels = info->leaf_count;
+        found->built_pairs = actual.count;
+    }
+    oracle_pairs_free(&expected);
+    oracle_pairs_free(&actual);
+    return good;
+}
+
+static bool is_exact(const verdict *found)
+{
+    const oracle_difference *d = &found->difference;
+    return d->missed_voxels == 0 && d->surplus_voxels == 0 && d->missed_pairs == 0 && d->surplus_pairs == 0 &&
+           found->node_differences == 0 && found->snap.grid_values == 0 && found->snap.triangles == 0;
+}
+
+static void print_row(table *rows, const char *name, uint64_t voxels, uint64_t pairs)
+{
+    table_cell(rows, "%s", name);
+    table_cell(rows, "%s", figure_count(voxels).text);
+    table_cell(rows, "%s", figure_count(pairs).text);
+}
+
+static void print_verdict(const program *state, const svo_tree_info *info, const verdict *found)
+{
+    table_heading("%s at depth %u against the exact reference", state->options.input, info->depth);
+    table *rows = table_create("lrr");
+    table_cell(rows, "%s", "");
+    table_cell(rows, "voxels");
+    table_cell(rows, "pairs");
+    print_row(rows, "expected", found->expected_voxels, found->expected_pairs);
+    print_row(rows, "built", found->built_voxels, found->built_pairs);
+    print_row(rows, "missed", found->difference.missed_voxels, found->difference.missed_pairs);
+    print_row(rows, "surplus", found->difference.surplus_voxels, found->difference.surplus_pairs);
+    table_print(rows);
+    table_line("%s nodes differ", figure_count(found->node_differences).text);
+    if (found->snap_compared) {
+        table_line("%s triangles are snapped otherwise, %u values of the grid differ",
+                   figure_count(found->snap.triangles).text, found->snap.grid_values);
+    }
+    if (is_exact(found)) {
+        table_line("exact: 0 missed, 0 surplus");
+    }
+}
+
+static cJSON *to_json(const program *state, const svo_tree_info *info, const verdict *found, const job *done)
+{
+    cJSON *document = cJSON_CreateObject();
+    json_add_text(document, "input", state->options.input);
+    json_add_count(document, "missed_voxels", found->difference.missed_voxels);
+    json_add_count(document, "surplus_voxels", found->difference.surplus_voxels);
+    json_add_count(document, "missed_pairs", found->difference.missed_pairs);
+    json_add_count(document, "surplus_pairs", found->difference.surplus_pairs);
+    json_add_count(document, "node_differences", found->node_differences);
+    if (found->snap_compared) {
+        json_add_count(document, "grid_differences", found->snap.grid_values);
+        json_add_count(document, "snap_differences", found->snap.triangles);
+    }
+    json_add_count(document, "expected_voxels", found->expected_voxels);
+    json_add_count(document, "expected_pairs", found->expected_pairs);
+    cJSON_AddBoolToObject(document, "exact", is_exact(found));
+    if (done != NULL) {
+        report_add_refused(document, done);
+        job_add_what_ran(document, done);
+    } else {
+        json_add_count(document, "depth", info->depth);
+    }
+    return document;
+}
+
+static int report_verdict(program *state, const svo_tree_info *info, const verdict *found, const job *done)
+{
+    progress_destroy(&state->progress);
+    if (state->options.json) {
+        const int exit_code = json_print(state, to_json(state, info, found, done));
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    } else {
+        print_verdict(state, info, found);
+        if (done != NULL) {
+            report_print_refused(done);
+        }
+    }
+    if (is_exact(found)) {
+        return PROGRAM_DONE;
+    }
+    const oracle_difference *d = &found->difference;
+    return program_fail(state, PROGRAM_FAILED,
+                        "%s: the tree is not exact: %" PRIu64 " missed and %" PRIu64 " surplus voxels, %" PRIu64
+                        " missed and %" PRIu64 " surplus pairs, %" PRIu64 " nodes and %" PRIu64
+                        " snapped triangles differ",
+                        state->options.input, d->missed_voxels, d->surplus_voxels, d->missed_pairs, d->surplus_pairs,
+                        found->node_differences, found->snap.triangles);
+}
+
+/* done: NULL for a tree from a file. */
+static int verify(program *state, const svo_tree *tree, const job *done)
+{
+    svo_tree_info info;
+    svo_tree_arrays arrays;
+    verdict found = {0};
+    svo_tree_get_info(tree, &info);
+    svo_tree_get_arrays(tree, &arrays);
+    if ((info.need & SVO_NEED_RAYS) == 0) {
+        return program_fail(state, PROGRAM_FAILED, "%s: holds no leaf lists to compare, build it with --need rays",
+                            state->options.input);
+    }
+    bool good = true;
+    progress_step(state->progress, "comparing snapped vertices");
+    if (done != NULL) {
+        found.snap_compared = true;
+        good = snap_check(done->source.mesh, &state->options, &info, &arrays, &found.snap);
+    }
+    progress_step(state->progress, "comparing voxels with the reference");
+    if (!good || !compare_tree(&info, &arrays, &found)) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the comparison ran out of memory or the tree is malformed",
+                            state->options.input);
+    }
+    return report_verdict(state, &info, &found, done);
+}
+
+static int verify_tree_file(program *state)
+{
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    svo_tree *tree = NULL;
+    program_begin_progress(state, 3);
+    exit_code = input_load_tree(state, &tree);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = verify(state, tree, NULL);
+    }
+    svo_tree_destroy(&tree);
+    return exit_code;
+}
+
+int command_verify(program *state)
+{
+    if (input_is_tree(state->options.input)) {
+        return verify_tree_file(state);
+    }
+    const uint32_t asked = state->options.need & ~(uint32_t)SVO_NEED_NONE;
+    job done;
+    int exit_code = job_run(state, asked | (uint32_t)SVO_NEED_RAYS, 2, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = verify(state, done.result.tree, &done);
+    job_release(&done);
+    return exit_code;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* The commands, one file each. Each returns the exit code, and has printed one line if it is not 0. */
+#ifndef SVOCL_COMMANDS_H
+#define SVOCL_COMMANDS_H
+
+#include "program.h"
+
+int command_devices(program *state);
+int command_scene(program *state);
+int command_build(program *state);
+int command_info(program *state);
+int command_hash(program *state);
+int command_verify(program *state);
+int command_render(program *state);
+
+#endif

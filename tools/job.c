@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/* From INPUT to a tree in memory, measured: what build, hash, verify and render share. */
+#include "job.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void keep_buffers(const svo_plan *plan, build_result *result)
+{
+    result->peak_bytes = svo_plan_peak_bytes(plan);
+    free(result->buffers);
+    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    result->buffers = calloc(count + 1, sizeof *result->buffers);
+    result->buffer_count = result->buffers != NULL ? count : 0;
+    for (size_t i = 0; i < result->buffer_count; ++i) {
+        svo_plan_get_buffer(plan, i, &result->buffers[i]);
+    }
+}
+
+/* One build from the mesh to the tree; an earlier build's tree in result is replaced. */
+static int build_once(program *state, const session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+{
+    const options *given = &state->options;
+    svo_plan_options plan_options = {.struct_size = sizeof plan_options, .need = need, .edge = given->edge};
+    memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
+    svo_plan *plan = NULL;
+    progress_step(state->progress, "snapping to the grid");
+    svo_status status = svo_plan_create(opened->device, mesh, (unsigned)given->depth, &plan_options, &plan);
+    if (status == SVO_OK) {
+        progress_step(state->progress, "building the tree");
+        svo_tree_destroy(&result->tree);
+        result->report = (svo_build_report){.struct_size = sizeof result->report};
+        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &result->tree, &result->report);
+    }
+    if (status == SVO_OK) {
+        svo_plan_get_info(plan, &result->plan);
+        svo_tree_get_info(result->tree, &result->info);
+        keep_buffers(plan, result);
+    }
+    svo_plan_destroy(&plan);
+    return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, svo_device_message(opened->device));
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double left = *(const double *)a;
+    const double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+static double median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, compare_doubles);
+    return count % 2 == 1 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2.0;
+}
+
+/* Replaces the times of the last build by the medians of the builds after the first. */
+static void take_medians(double *times, size_t repeats, svo_build_report *report)
+{
+    for (size_t stage = 0; stage < SVO_STAGE_COUNT && repeats > 1; ++stage) {
+        report->stages[stage].ms = median(times + stage * repeats, repeats - 1);
+    }
+}
+
+static int build_repeatedly(program *state, const session *opened, const svo_mesh *mesh, uint32_t need,
+                            build_result *result)
+{
+    const size_t repeats = (size_t)state->options.repeat;
+    double *times = calloc(repeats * SVO_STAGE_COUNT, sizeof *times); /* per stage, the builds after the first */
+    if (times == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    int exit_code = PROGRAM_DONE;
+    for (size_t i = 0; i < repeats && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = build_once(state, opened, mesh, need, result);
+        if (i == 0) {
+            result->first_compile_ms = result->report.stages[SVO_STAGE_COMPILE].ms;
+        }
+        for (size_t stage = 0; stage < SVO_STAGE_COUNT && i > 0; ++stage) {
+            times[stage * repeats + i - 1] = result->report.stages[stage].ms;
+        }
+    }
+    take_medians(times, repeats, &result->report);
+    free(times);
+    if (exit_code == PROGRAM_DONE && svo_tree_download(result->tree, opened->queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened->device));
+    }
+    return exit_code;
+}
+
+int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
+{
+    *done = (job){0};
+    program_begin_progress(state, 1 + 2 * (unsigned)state->options.repeat + further_steps);
+    int exit_code = input_open(state, &done->source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open(state, &done->opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
+void job_release(job *done)
+{
+    svo_tree_destroy(&done->result.tree);
+    free(done->result.buffers);
+    done->result = (build_result){0};
+    session_close(&done->opened);
+    input_close(&done->source);
+}
+
+void job_add_what_ran(cJSON *document, const job *done)
+{
+    json_add_text(document, "frontend", done->result.report.frontend);
+    json_add_text(document, "share", done->result.report.share);
+    json_add_text(document, "builder", "cl");
+    json_add_text(document, "coverage", "half-open");
+    json_add_text(document, "context", svo_gl_context_kind_name(done->opened.gl_info.kind));
+    json_add_text(document, "device", svo_device_name(done->opened.device));
+    json_add_text(document, "renderer", done->opened.gl_info.renderer);
+    json_add_count(document, "depth", done->result.info.depth);
+}

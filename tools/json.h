@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* Figures as JSON on standard output. */
+#ifndef SVOCL_JSON_H
+#define SVOCL_JSON_H
+
+#include <cjson/cJSON.h>
+#include <stdint.h>
+
+#include "program.h"
+
+void json_add_count(cJSON *object, const char *name, uint64_t count);
+/* text: NULL becomes null. */
+void json_add_text(cJSON *object, const char *name, const char *text);
+void json_add_vector(cJSON *object, const char *name, const double vector[3]);
+
+/* Prints and releases the document. Returns the exit code. */
+int json_print(program *state, cJSON *document);
+
+#endif

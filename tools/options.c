@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: MIT */
+/* The list of options, and the parser that reads the command line by it. */
+#include "options.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+#include "scenes/scenes.h"
+#include "table.h"
+
+typedef struct choice {
+    const char *name;
+    int value;
+    bool refused; /* known, but not in this version */
+} choice;
+
+typedef struct rule rule;
+struct rule {
+    const char *name;
+    char letter; /* '\0': no short form */
+    unsigned group;
+    const char *value_name; /* NULL: a flag */
+    int (*read)(program *state, const rule *option, const char *value);
+    size_t offset; /* of the field in options */
+    uint64_t minimum, maximum; /* read_count */
+    const choice *choices; /* read_choice: ends with a NULL name */
+    const char *help;
+};
+
+static const choice frontends[] = {{"auto", SVO_GL_RASTER_AUTO, false},
+                                   {"gl-expand", SVO_GL_RASTER_EXPAND, false},
+                                   {"gl-hw", SVO_GL_RASTER_HW, false},
+                                   {"cl", 0, true},
+                                   {NULL, 0, false}};
+static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
+                                {"sharing", SVO_GL_SHARE_SHARING, false},
+                                {"host", SVO_GL_SHARE_HOST, false},
+                                {"copy", SVO_GL_SHARE_COPY, false},
+                                {NULL, 0, false}};
+static const choice builders[] = {{"cl", 0, false}, {"sorted", 0, true}, {"gl-compute", 0, true}, {NULL, 0, false}};
+static const choice coverages[] = {{"half-open", 0, false}, {"closed", 0, true}, {"thin", 0, true}, {NULL, 0, false}};
+static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
+                                  {"surfaceless", SVO_GL_SURFACELESS, false},
+                                  {"egl-device", SVO_GL_EGL_DEVICE, false},
+                                  {"osmesa", SVO_GL_OSMESA, false},
+                                  {NULL, 0, false}};
+
+static void *field(program *state, const rule *option)
+{
+    return (char *)&state->options + option->offset;
+}
+
+static int read_flag(program *state, const rule *option, const char *value)
+{
+    (void)value;
+    *(uint64_t *)field(state, option) = 1;
+    return PROGRAM_DONE;
+}
+
+static int read_text(program *state, const rule *option, const char *value)
+{
+    if (value[0] == '\0') {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s is empty", option->name);
+    }
+    *(const char **)field(state, option) = value;
+    return PROGRAM_DONE;
+}
+
+static int read_count(program *state, const rule *option, const char *value)
+{
+    errno = 0;
+    char *end = NULL;
+    const unsigned long long number = strtoull(value, &end, 10);
+    if (value[0] < '0' || value[0] > '9' || *end != '\0') {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s '%s' is not a whole number", option->name, value);
+    }
+    if (errno == ERANGE || number > option->maximum) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is above %" PRIu64, option->name, value,
+                            option->maximum);
+    }
+    if (number < option->minimum) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is below %" PRIu64, option->name, value,
+                            option->minimum);
+    }
+    *(uint64_t *)field(state, option) = number;
+    return PROGRAM_DONE;
+}
+
+/* "auto, gl-expand, gl-hw": what this version takes. */
+static void list_choices(const choice *choices, char *text, size_t text_bytes)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (const choice *one = choices; one->name != NULL && used < text_bytes; ++one) {
+        if (!one->refused) {
+            used += (size_t)snprintf(text + used, text_bytes - used, "%s%s", used == 0 ? "" : ", ", one->name);
+        }
+    }
+}
+
+static int read_choice(program *state, const rule *option, const char *value)
+{
+    char known[128];
+    list_choices(option->choices, known, sizeof known);
+    for (const choice *one = option->choices; one->name != NULL; ++one) {
+        if (strcmp(one->name, value) != 0) {
+            continue;
+        }
+        if (one->refused) {
+            return program_fail(state, PROGRAM_FAILED, "--%s %s: not in this version, which has %s", option->name,
+                                value, known);
+        }
+        *(int *)field(state, option) = one->value;
+        return PROGRAM_DONE;
+    }
+    return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is none of %s", option->name, value, known);
+}
+
+static bool parse_number(const char *text, char **end, double *number)
+{
+    *number = strtod(text, end);
+    return *end != text && isfinite(*number);
+}
+
+static int read_origin(program *state, const rule *option, const char *value)
+{
+    double *origin = field(state, option);
+    const char *rest = value;
+    for (int axis = 0; axis < 3; ++axis) {
+        char *end = NULL;
+        if (!parse_number(rest, &end, &origin[axis]) || *end != (axis < 2 ? ',' : '\0')) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "origin '%s' is not of the form x,y,z", value);
+        }
+        rest = end + 1;
+    }
+    state->options.has_origin = true;
+    return PROGRAM_DONE;
+}
+
+static int read_edge(program *state, const rule *option, const char *value)
+{
+    double *edge = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, edge) || *end != '\0' || *edge <= 0.0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "edge '%s' is not a number above 0", value);
+    }
+    return PROGRAM_DONE;
+}
+
+static uint32_t need_bit(const char *name, size_t length)
+{
+    static const struct {
+        const char *name;
+        uint32_t bit;
+    } needs[] = {{"color", SVO_NEED_COLOR}, {"normal", SVO_NEED_NORMAL}, {"rays", SVO_NEED_RAYS}};
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        if (strlen(needs[i].name) == length && strncmp(needs[i].name, name, length) == 0) {
+            return needs[i].bit;
+        }
+    }
+    return 0;
+}
+
+static int read_need(program *state, const rule *option, const char *value)
+{
+    uint32_t need = 0;
+    for (const char *name = value; strcmp(value, "none") != 0;) {
+        const size_t length = strcspn(name, ",");
+        const uint32_t bit = need_bit(name, length);
+        if (bit == 0) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "--need '%s' is no list of color, normal, rays, nor none",
+                                value);
+        }
+        need |= bit;
+        if (name[length] == '\0') {
+            break;
+        }
+        name += length + 1;
+    }
+    *(uint32_t *)field(state, option) = need == 0 ? (uint32_t)SVO_NEED_NONE : need;
+    return PROGRAM_DONE;
+}
+
+static int read_gl_device(program *state, const rule *option, const char *value)
+{
+    const int result = read_count(state, option, value);
+    ++state->options.gl_device;
+    return result;
+}
+
+static int read_triangles(program *state, const rule *option, const char *value)
+{
+    state->options.has_triangles = true;
+    return read_count(state, option, value);
+}
+
+static int read_seed(program *state, const rule *option, const char *value)
+{
+    state->options.has_seed = true;
+    return read_count(state, option, value);
+}
+
+static int read_pixels(program *state, const rule *option, const char *value)
+{
+    uint32_t *pixels = field(state, option); /* width, then height */
+    const char *rest = value;
+    for (int i = 0; i < 2; ++i) {
+        char *end = NULL;
+        const unsigned long number = rest[0] >= '0' && rest[0] <= '9' ? strtoul(rest, &end, 10) : 0;
+        if (end == NULL || *end != (i == 0 ? 'x' : '\0') || number < option->minimum || number > option->maximum) {
+            return program_fail(state, PROGRAM_WRONG_USAGE,
+                                "size '%s' is not WIDTHxHEIGHT, each %" PRIu64 " to %" PRIu64, value, option->minimum,
+                                option->maximum);
+        }
+        pixels[i] = (uint32_t)number;
+        rest = end + 1;
+    }
+    return PROGRAM_DONE;
+}
+
+#define FIELD(name) offsetof(options, name)
+
+static const rule rules[] = {
+    {"depth", 'd', OPTION_BUILD, "D", read_count, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
+     "levels below the root: 2^D voxels per axis, 1 to 12 (8)"},
+    {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
+     "color,normal,rays or none (colours and normals of the mesh)"},
+    {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
+     "minimum corner of the grid, with --edge (fitted)"},
+    {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
+    {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages, "half-open"},
+    {"frontend", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
+     "auto, gl-expand, gl-hw (auto)"},
+    {"share", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(share), 0, 0, shares, "auto, sharing, host, copy (auto)"},
+    {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
+    {"context", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(context), 0, 0, contexts,
+     "auto, surfaceless, egl-device, osmesa (auto)"},
+    {"gl-device", '\0', OPTION_BUILD, "N", read_gl_device, FIELD(gl_device), 0, 1023, NULL,
+     "which EGL device, with --context egl-device (0)"},
+    {"device", '\0', OPTION_DEVICE, "NAME", read_text, FIELD(device_name), 0, 0, NULL,
+     "OpenCL device: part of its name, or P.D indices"},
+    {"threads", '\0', OPTION_DEVICE, "N", read_count, FIELD(threads), 1, 1024, NULL,
+     "threads of PoCL and llvmpipe (all cores)"},
+    {"output", 'o', OPTION_OUTPUT, "FILE", read_text, FIELD(output_path), 0, 0, NULL, "file to write"},
+    {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_triangles, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
+     "about how many triangles (the scene's own)"},
+    {"seed", '\0', OPTION_SCENE_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL, "random seed (1)"},
+    {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
+     "pixels of the picture (1024x768)"},
+    {"repeat", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
+     "build N times; times are medians without the first (1)"},
+    {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
+     "compress the .svo file with zstd"},
+    {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
+     "hash the nodes alone, without lists and payload"},
+    {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
+    {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
+    {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this"},
+};
+
+#define RULE_COUNT (sizeof rules / sizeof rules[0])
+
+static const rule *find_rule(const char *argument, const char **attached_value)
+{
+    *attached_value = NULL;
+    if (argument[1] != '-') {
+        for (size_t i = 0; i < RULE_COUNT; ++i) {
+            if (rules[i].letter != '\0' && rules[i].letter == argument[1]) {
+                *attached_value = argument[2] != '\0' ? argument + 2 : NULL;
+                return &rules[i];
+            }
+        }
+        return NULL;
+    }
+    const size_t length = strcspn(argument + 2, "=");
+    for (size_t i = 0; i < RULE_COUNT; ++i) {
+        if (strlen(rules[i].name) == length && strncmp(rules[i].name, argument + 2, length) == 0) {
+            *attached_value = argument[2 + length] == '=' ? argument + 3 + length : NULL;
+            return &rules[i];
+        }
+    }
+    return NULL;
+}
+
+/* Reads the option at arguments[*index]; moves *index past a value that follows it. */
+static int parse_option(program *state, const command *which, int argument_count, char **arguments, int *index)
+{
+    const char *argument = arguments[*index];
+    const char *value = NULL;
+    const rule *option = find_rule(argument, &value);
+    if (option == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "unknown option '%s'", argument);
+    }
+    if ((option->group & (which->groups | (unsigned)OPTION_COMMON)) == 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to this command", option->name);
+    }
+    if (option->value_name == NULL && value != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s takes no value, got '%s'", option->name, value);
+    }
+    if (option->value_name != NULL && value == NULL) {
+        if (*index + 1 >= argument_count) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s needs a value: %s", option->name,
+                                option->value_name);
+        }
+        value = arguments[++*index];
+    }
+    state->options.given_groups |= option->group;
+    return option->read(state, option, value);
+}
+
+static int parse_all(program *state, const command *which, int argument_count, char **arguments)
+{
+    bool only_input = false;
+    for (int i = 0; i < argument_count; ++i) {
+        if (!only_input && strcmp(arguments[i], "--") == 0) {
+            only_input = true;
+        } else if (!only_input && arguments[i][0] == '-' && arguments[i][1] != '\0') {
+            const int result = parse_option(state, which, argument_count, arguments, &i);
+            if (result != PROGRAM_DONE) {
+                return result;
+            }
+        } else if (which->input_name == NULL || state->options.input != NULL) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many", arguments[i]);
+        } else {
+            state->options.input = arguments[i];
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+/* What no single option can see. */
+static int check_together(program *state, const command *which)
+{
+    options *given = &state->options;
+    if (which->needs_input && given->input == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s is missing, see svocl %s --help", which->input_name,
+                            which->name);
+    }
+    if (given->has_origin != (given->edge > 0.0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--origin and --edge go together, --%s is missing",
+                            given->has_origin ? "edge" : "origin");
+    }
+    if (given->gl_device != 0 && given->context == OPTION_CONTEXT_AUTO) {
+        given->context = SVO_GL_EGL_DEVICE;
+    }
+    if (given->gl_device != 0 && given->context != SVO_GL_EGL_DEVICE) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
+    }
+    return PROGRAM_DONE;
+}
+
+int options_parse(program *state, const command *which, int argument_count, char **arguments)
+{
+    state->options = (options){.depth = OPTION_DEFAULT_DEPTH,
+                               .context = OPTION_CONTEXT_AUTO,
+                               .repeat = 1,
+                               .seed = 1,
+                               .width = 1024,
+                               .height = 768};
+    const int result = parse_all(state, which, argument_count, arguments);
+    if (result != PROGRAM_DONE || state->options.help) {
+        return result;
+    }
+    return check_together(state, which);
+}
+
+void options_print_help(const command *which)
+{
+    printf("usage: svocl %s%s%s [options]\n\n%s\n\n", which->name, which->input_name != NULL ? " " : "",
+           which->input_name != NULL ? which->input_name : "", which->summary);
+    table *rows = table_create("lll");
+    for (size_t i = 0; i < RULE_COUNT; ++i) {
+        const rule *option = &rules[i];
+        if ((option->group & (which->groups | (unsigned)OPTION_COMMON)) == 0) {
+            continue;
+        }
+        if (option->letter != '\0') {
+            table_cell(rows, "-%c,", option->letter);
+        } else {
+            table_cell(rows, "%s", "");
+        }
+        table_cell(rows, "--%s %s", option->name, option->value_name != NULL ? option->value_name : "");
+        table_cell(rows, "%s", option->help);
+    }
+    table_print(rows);
+}

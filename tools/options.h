@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The command line: one parser and one list of options for all commands. A command says by groups which options it
+ * takes; the same list writes the help.
+ */
+#ifndef SVOCL_OPTIONS_H
+#define SVOCL_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "svocl/gl.h"
+
+struct program;
+
+/* Which options a command takes. */
+enum option_group {
+    OPTION_COMMON = 1, /* help, verbose */
+    OPTION_DEVICE = 2, /* the OpenCL device and the threads */
+    OPTION_BUILD = 4, /* how a mesh becomes a tree: makes no sense for a tree that is finished */
+    OPTION_JSON = 8,
+    OPTION_OUTPUT = 16,
+    OPTION_BUILD_COMMAND = 32, /* repeat, compress */
+    OPTION_HASH_COMMAND = 64,
+    OPTION_SCENE_COMMAND = 128,
+    OPTION_RENDER_COMMAND = 256
+};
+
+#define OPTION_DEFAULT_DEPTH 8
+#define OPTION_CONTEXT_AUTO  -1
+
+typedef struct options {
+    const char *input; /* the argument that is no option; NULL: none */
+    unsigned given_groups; /* groups of the options on the command line */
+    uint64_t help, verbose, json; /* flags: 0 or 1 */
+
+    const char *device_name; /* NULL: the library's choice */
+    uint64_t threads; /* 0: as many as the drivers like */
+
+    uint64_t depth;
+    int frontend; /* svo_gl_raster */
+    int share; /* svo_gl_share */
+    int builder, coverage; /* one value each in this version */
+    int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
+    uint64_t gl_device; /* EGL device index + 1; 0: not given */
+    double origin[3];
+    bool has_origin;
+    double edge; /* 0: not given */
+    uint32_t need; /* svo_need bits */
+
+    const char *output_path; /* NULL: not given */
+    uint64_t repeat, compress;
+    uint64_t nodes; /* hash: nodes only */
+    uint64_t triangles, seed;
+    bool has_triangles, has_seed;
+    uint32_t width, height; /* pixels */
+} options;
+
+typedef struct command {
+    const char *name;
+    int (*run)(struct program *state); /* returns the exit code, its line printed */
+    unsigned groups;
+    const char *input_name; /* "INPUT"; NULL: takes none */
+    bool needs_input;
+    const char *summary; /* one line */
+} command;
+
+/* Reads what follows the command's name into state->options, defaults where nothing is given. Returns the exit code. */
+int options_parse(struct program *state, const command *which, int argument_count, char **arguments);
+
+/* Prints a command's usage and options to standard output. */
+void options_print_help(const command *which);
+
+#endif

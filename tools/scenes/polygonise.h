@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* An implicit surface made into a closed triangle mesh. */
+#ifndef SCENES_POLYGONISE_H
+#define SCENES_POLYGONISE_H
+
+#include "builder.h"
+
+/* A solid: negative inside, and the surface stays clear of the box [low, high]. */
+typedef struct implicit_solid {
+    double (*field)(const void *context, vector3 position);
+    vector3 (*color)(const void *context, vector3 position);
+    const void *context;
+    vector3 low, high;
+    double steepness; /* the field never changes faster than this per unit of length */
+} implicit_solid;
+
+/*
+ * Adds the surface, polygonised on a lattice of the given cell width. The mesh is closed, every edge has exactly two
+ * triangles, and normals are the field's gradient.
+ */
+void polygonise(scene_builder *builder, const implicit_solid *solid, double cell_width);
+/* The same with the cell width that comes close to an asked count of triangles. */
+void polygonise_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Procedural scenes: meshes for demonstrations, tests and benchmarks that need no download.
+ *
+ * A scene is a pure function of its name, the asked triangle count and the seed. Only integer arithmetic and correctly
+ * rounded double operations take part, so the same request gives the same bytes on every machine and compiler. Scenes
+ * have float positions, unit normals and RGBA8 colours per vertex and are indexed; y points up, +z to the viewer.
+ *
+ * Thread-safety: no state outside handles; any thread may use any function on handles of its own.
+ */
+#ifndef SVOCL_SCENES_H
+#define SVOCL_SCENES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/mesh.h"
+#include "svocl/status.h"
+
+#define SCENE_TRIANGLES_MAX 50000000u
+#define SCENE_DEFAULT_SEED  1u
+
+typedef struct scene scene;
+
+typedef struct scene_description {
+    const char *name;
+    const char *summary; /* one line, without a full stop */
+    uint32_t default_triangles;
+} scene_description;
+
+/* The scenes there are, in the order in which they should be listed; NULL for an index past the last. Static data. */
+const scene_description *scene_describe(size_t index);
+
+/*
+ * Makes a scene.
+ *
+ * spec: NAME[:triangles[:seed]] with triangles 1 .. SCENE_TRIANGLES_MAX and seed 0 .. 2^32 - 1, both decimal.
+ *       terrain, needles and dust have exactly the asked count; statue comes within two percent; knot is the nearest
+ *       even product of sides and segments; atrium and cornell refine all their parts together and come close from
+ *       their least detail on; cube is the nearest 12 * n * n. mesh->triangle_count says what it became.
+ * message: receives one line on failure; NULL allowed.
+ * Returns SVO_INVALID_ARGUMENT (the message lists the valid names or the range), SVO_OUT_OF_HOST_MEMORY.
+ */
+svo_status scene_create(const char *spec, scene **out, svo_message *message);
+void scene_destroy(scene **scene_handle); /* NULL and a pointer to NULL are allowed */
+const svo_mesh *scene_mesh(const scene *scene_handle); /* lives as long as the scene */
+
+/*
+ * Writes a mesh by the suffix of path (any case): .obj, with vertex colours, normals and an .mtl of the same name beside
+ * it when the mesh has materials, or .ply, binary little-endian with normals and colours, base colours multiplied in.
+ * Everything goes to temporary names first and is renamed at the end: on failure nothing is left and old files stay.
+ *
+ * mesh: float positions, normals and colours present, no textures.
+ * Returns SVO_INVALID_ARGUMENT (another suffix), SVO_UNSUPPORTED (a mesh as above is not given, or a .ply of a mesh in
+ * which triangles of different base colours share a vertex), SVO_FILE_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ */
+svo_status scene_write(const svo_mesh *mesh, const char *path, svo_message *message);
+
+#endif

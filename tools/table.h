@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Tables and figures for people: aligned columns without frames, counts with separators, sizes and rates with units.
+ * On a terminal long cells of the last column are wrapped to its width, and headings are bold unless it has asked for
+ * plain text (NO_COLOR, TERM=dumb); a file or a pipe gets one line per row.
+ */
+#ifndef SVOCL_TABLE_H
+#define SVOCL_TABLE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct table table;
+
+/* alignment: one letter per column, 'l' or 'r'. NULL when out of memory, which the other functions allow. */
+table *table_create(const char *alignment);
+
+/* The next cell, row by row. */
+void table_cell(table *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Prints the rows to standard output, indented, and releases the table. */
+void table_print(table *rows);
+
+/* An empty line between tables, a heading, and a line of text below it, to standard output. */
+void table_gap(void);
+void table_heading(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void table_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#define FIGURE_BYTES 40
+typedef struct figure {
+    char text[FIGURE_BYTES];
+} figure;
+
+figure figure_count(uint64_t count); /* "1,167,738" */
+figure figure_bytes(uint64_t bytes); /* "12.3 MiB" */
+figure figure_ms(double ms); /* "12.34 ms" */
+figure figure_rate(double per_second); /* "6.21 M/s" */
+
+#endif
