@@ -115,8 +115,9 @@ static void svo_add_pair(svo_sums *sums, svo_surface surface, uint triangle, int
     int3 weights = (int3)(SVO_WEIGHT_ONE, 0, 0);
     if ((surface.records[triangle].flags & SVO_TRIANGLE_FLAT) == 0u) {
         __global const uint *corner = surface.indices + (size_t)triangle * 3u;
-        weights = svo_corner_weights(surface.vertices + (size_t)corner[0] * 3u, surface.vertices + (size_t)corner[1] * 3u,
-                                     surface.vertices + (size_t)corner[2] * 3u, centre);
+        weights =
+            svo_corner_weights(surface.vertices + (size_t)corner[0] * 3u, surface.vertices + (size_t)corner[1] * 3u,
+                               surface.vertices + (size_t)corner[2] * 3u, centre);
     }
     sums->weight += 1u;
 #ifdef SVO_COLOR

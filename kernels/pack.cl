@@ -14,9 +14,6 @@
  */
 #include "fragment.clh"
 
-#define SVO_DIGITS 16u
-#define SVO_DIGIT_BITS 4u
-
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_count(__global const uint *cursors, volatile __global uint *counts, svo_filter_params params)
 {
@@ -110,13 +107,14 @@ static void svo_radix_pass(__global const uint *from, __global uint *to, uint le
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 }
 
-/* Launch: any number of groups; they share out the long leaves. digit_passes is even, so the result ends up in list. */
+/* Launch: any number of groups; they share out the long leaves. digit_passes is even, so the result ends up in list.
+   counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS. They are arguments and not arrays of the kernel
+   because PoCL 3.1 puts such arrays in static storage here, shared by its threads. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_long(__global const uint *list_begin, __global uint *list, __global uint *spare,
-                __global const uint *long_leaves, __global const svo_build_state *state, svo_filter_params params)
+                __global const uint *long_leaves, __global const svo_build_state *state, svo_filter_params params,
+                __local uint *counts, __local uint *scratch)
 {
-    __local uint counts[SVO_DIGITS * SVO_GROUP_ITEMS];
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint long_count = state->long_lists;
     for (uint k = (uint)get_group_id(0); k < long_count; k += (uint)get_num_groups(0)) {
         const uint leaf = long_leaves[k];

@@ -8,7 +8,8 @@
  *   add      the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
  * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a level's
- * child masks (subdivision), and the lengths of the leaf lists (packing).
+ * child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words, comes as an
+ * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
  */
 #include "svocl/layout.h"
 
@@ -101,9 +102,8 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
-                        svo_subdivide_params params)
+                        svo_subdivide_params params, __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint begin = state->level_begin[params.level];
     const uint count = state->overflow != 0u ? 0u : state->level_begin[params.level + 1u] - begin;
     const uint2 range = svo_group_range(count);
@@ -120,9 +120,9 @@ svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __
 
 /* The total is the number of nodes of the next level but one boundary: where the level below the children begins. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params)
+svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params,
+                          __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint item = (uint)get_local_id(0);
     uint sums[SVO_ITEM_PARTIALS];
     uint sum = 0;
@@ -148,9 +148,8 @@ svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *sta
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials, __global uint *first_child,
-                     __global const svo_build_state *state, svo_subdivide_params params)
+                     __global const svo_build_state *state, svo_subdivide_params params, __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint begin = state->level_begin[params.level];
     /* When this level's children did not fit, its own first_child still has room. */
     const uint count =
@@ -168,9 +167,9 @@ svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials,
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, svo_filter_params params)
+svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, svo_filter_params params,
+                        __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint2 range = svo_group_range(params.leaf_count);
     uint sum = 0;
     for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
@@ -184,9 +183,9 @@ svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, sv
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, svo_filter_params params)
+svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, svo_filter_params params,
+                          __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint item = (uint)get_local_id(0);
     uint sums[SVO_ITEM_PARTIALS];
     uint sum = 0;
@@ -206,9 +205,8 @@ svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, sv
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials, __global uint *list_begin,
-                     svo_filter_params params)
+                     svo_filter_params params, __local uint *scratch)
 {
-    __local uint scratch[SVO_GROUP_ITEMS];
     const uint2 range = svo_group_range(params.leaf_count);
     uint sum = partials[get_group_id(0)];
     for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {

@@ -64,17 +64,18 @@ static svo_status scan_lists(packer *p)
 {
     svo_i_build *build = p->build;
     const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
-                                     SVO_I_ARGUMENT(p->params)};
+                                     SVO_I_ARGUMENT(p->params), scratch};
     const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(p->list_begin),
-                                       SVO_I_ARGUMENT(p->params)};
+                                       SVO_I_ARGUMENT(p->params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
-                                  SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->params)};
-    svo_status status = run(p, "svo_k_scan_lists_reduce", reduce, 3, items);
+                                  SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->params), scratch};
+    svo_status status = run(p, "svo_k_scan_lists_reduce", reduce, 4, items);
     if (status == SVO_OK) {
-        status = run(p, "svo_k_scan_lists_partials", partials, 3, SVO_GROUP_ITEMS);
+        status = run(p, "svo_k_scan_lists_partials", partials, 4, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? run(p, "svo_k_scan_lists_add", add, 4, items) : status;
+    return status == SVO_OK ? run(p, "svo_k_scan_lists_add", add, 5, items) : status;
 }
 
 static svo_status scatter(packer *p)
@@ -101,11 +102,16 @@ static svo_status sort_lists(packer *p)
                                           SVO_I_ARGUMENT(p->long_leaves), SVO_I_ARGUMENT(build->state),
                                           SVO_I_ARGUMENT(p->params)};
     svo_status status = run(p, "svo_k_sort_short", short_lists, 5, p->params.leaf_count);
-    const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->list),
-                                         SVO_I_ARGUMENT(p->spare),      SVO_I_ARGUMENT(p->long_leaves),
-                                         SVO_I_ARGUMENT(build->state),  SVO_I_ARGUMENT(p->params)};
+    const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin),
+                                         SVO_I_ARGUMENT(p->list),
+                                         SVO_I_ARGUMENT(p->spare),
+                                         SVO_I_ARGUMENT(p->long_leaves),
+                                         SVO_I_ARGUMENT(build->state),
+                                         SVO_I_ARGUMENT(p->params),
+                                         SVO_I_LOCAL(SVO_DIGITS * SVO_GROUP_ITEMS * sizeof(cl_uint)),
+                                         SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
     if (status == SVO_OK) {
-        status = run(p, "svo_k_sort_long", long_lists, 6, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
+        status = run(p, "svo_k_sort_long", long_lists, 8, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
     }
     return status;
 }
@@ -114,7 +120,8 @@ static svo_status sort_lists(packer *p)
 static uint32_t digit_passes(uint32_t triangle_count)
 {
     uint32_t passes = 0;
-    while (passes < 8 && triangle_count > 1u && ((triangle_count - 1u) >> (4 * passes)) != 0) {
+    while (passes < 32 / SVO_DIGIT_BITS && triangle_count > 1u &&
+           ((triangle_count - 1u) >> (SVO_DIGIT_BITS * passes)) != 0) {
         passes += 2;
     }
     return passes;

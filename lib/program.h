@@ -33,6 +33,8 @@ typedef struct svo_i_argument {
     const void *value;
 } svo_i_argument;
 #define SVO_I_ARGUMENT(variable) ((svo_i_argument){sizeof(variable), &(variable)})
+/* Local memory for a work-group. */
+#define SVO_I_LOCAL(local_bytes) ((svo_i_argument){(local_bytes), NULL})
 
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,

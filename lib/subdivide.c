@@ -80,17 +80,19 @@ static svo_status scan_level(subdivider *s, svo_subdivide_params params)
 {
     svo_i_build *build = s->build;
     const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(s->masks), SVO_I_ARGUMENT(build->partials),
-                                     SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params)};
+                                     SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(build->state),
-                                       SVO_I_ARGUMENT(params)};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(s->masks), SVO_I_ARGUMENT(build->partials),
-                                  SVO_I_ARGUMENT(s->first_child), SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params)};
-    svo_status status = svo_i_build_launch(build, s->reduce, reduce, 4, items);
+                                       SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(s->masks),       SVO_I_ARGUMENT(build->partials),
+                                  SVO_I_ARGUMENT(s->first_child), SVO_I_ARGUMENT(build->state),
+                                  SVO_I_ARGUMENT(params),         scratch};
+    svo_status status = svo_i_build_launch(build, s->reduce, reduce, 5, items);
     if (status == SVO_OK) {
-        status = svo_i_build_launch(build, s->partials, partials, 3, SVO_GROUP_ITEMS);
+        status = svo_i_build_launch(build, s->partials, partials, 4, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? svo_i_build_launch(build, s->add, add, 5, items) : status;
+    return status == SVO_OK ? svo_i_build_launch(build, s->add, add, 6, items) : status;
 }
 
 static svo_status descend(subdivider *s, svo_subdivide_params params)

@@ -38,7 +38,8 @@ static char directory[PATH_BYTES];
 static const char *path_of(const char *name)
 {
     static char path[2 * PATH_BYTES];
-    (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+    const int length = snprintf(path, sizeof path, "%s/%s", directory, name);
+    assert_true(length > 0 && (size_t)length < sizeof path);
     return path;
 }
 

@@ -45,7 +45,8 @@ static const uint8_t picture[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 2
 static const char *path_of(const char *name)
 {
     static char path[2 * PATH_BYTES];
-    (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+    const int length = snprintf(path, sizeof path, "%s/%s", directory, name);
+    assert_true(length > 0 && (size_t)length < sizeof path);
     return path;
 }
 
@@ -57,7 +58,8 @@ static void remember(const char *name)
         }
     }
     assert_true(made_file_count < sizeof made_files / sizeof made_files[0]);
-    (void)snprintf(made_files[made_file_count++], sizeof made_files[0], "%s", name);
+    assert_true(strlen(name) < sizeof made_files[0]);
+    memcpy(made_files[made_file_count++], name, strlen(name) + 1);
 }
 
 static void write_bytes(const char *name, const void *bytes, size_t byte_count)

@@ -183,7 +183,7 @@ static void tree_holds_just_the_leaves_of_the_list(void **state)
         expected_leaf = tree.level_begin[depth];
         for (uint64_t code = 0; code < UINT64_C(1) << 3 * depth; code++) {
             bool is_listed = i < pairs.count && pairs.pairs[i].code == code;
-            uint32_t leaf;
+            uint32_t leaf = 0;
 
             assert_int_equal(find_leaf(&tree, code, &leaf), is_listed);
             if (is_listed)

@@ -92,7 +92,6 @@ static const expected_scene expected[] = {
     {"statue", 120000u, 0.02, 0x423c5da9169b2d75u},
     {"statue:1000:2", 1000u, 0.02, 0xa6ae8cf30cd47af1u},
     {"statue:30000:5", 30000u, 0.02, 0x1a4eb45711bcd411u},
-    {"statue:400000", 400000u, 0.02, 0x2e836df1120f70dbu},
     {"knot", 40000u, 0.005, 0x90d18e7583bc5953u},
     {"knot:1", ANY_COUNT, 0, 0xc3b1c86d85e7918cu},
     {"knot:12345:2", 12345u, 0.005, 0xbe7183341db700ffu},

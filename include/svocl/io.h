@@ -35,7 +35,9 @@
  *   32     8     u64 XXH3-64 over the uncompressed bytes
  *
  * Chunks hold the arrays of svo_tree_arrays, in ascending kind, back to back, the first at header_bytes; plain_bytes
- * follows from the header's counts and the array's element size. child_mask and first_child are always there.
+ * follows from the header's counts and the array's element size, or for list, vertices and indices gives their count.
+ * child_mask and first_child are always there; every node's first_child is set, also that of the empty tree's root (1).
+ * A zstd chunk is at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H

@@ -40,6 +40,9 @@
 #define SVO_FRAGMENT_WORDS_48 3
 /* Leaf lists up to this length are sorted by one work-item, longer ones by a work-group. */
 #define SVO_SHORT_LIST_MAX 32
+/* Long lists are sorted by digits of this many bits. */
+#define SVO_DIGIT_BITS 4
+#define SVO_DIGITS (1 << SVO_DIGIT_BITS)
 
 /* What svo_draw_item.flags holds. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
@@ -112,6 +115,24 @@ SVO_RECORD(svo_material_record)
     SVO_U32 reserved[2]; /* 24 */
 };
 
+/* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the grid's
+   axes. 96 bytes. */
+SVO_RECORD(svo_cast_params)
+{
+    SVO_F32 eye[3];          /* 0 */
+    SVO_F32 footprint;       /* 12: width of a pixel at distance 1 */
+    SVO_F32 corner[3];       /* 16: from the eye to the picture's upper left corner, at any distance */
+    SVO_U32 width;           /* 28: pixels */
+    SVO_F32 across[3];       /* 32: from a pixel to its right neighbour, at that distance */
+    SVO_U32 height;          /* 44: pixels */
+    SVO_F32 down[3];         /* 48: from a pixel to the one below, at that distance */
+    SVO_U32 depth;           /* 60 */
+    SVO_F32 sun[3];          /* 64: unit, towards the light */
+    SVO_U32 samples;         /* 76: rays per pixel along each of its sides */
+    SVO_F32 up[3];           /* 80: unit, towards the sky */
+    SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
+};
+
 /* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
 #if !defined(GL_core_profile)
 #if defined(__OPENCL_C_VERSION__)
@@ -127,6 +148,7 @@ SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_subdivide_params, 16);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);
+SVO_ASSERT_BYTES(svo_cast_params, 96);
 #endif
 
 #endif

@@ -24,7 +24,7 @@
 
 /* A zstd block is at least 4 bytes long and gives at most 128 KiB: no honest chunk promises more. */
 #define ZSTD_BLOCK_STORED_BYTES_MIN 4
-#define ZSTD_BLOCK_PLAIN_BYTES_MAX  (128 * 1024)
+#define ZSTD_BLOCK_PLAIN_BYTES_MAX  ((uint64_t)128 * 1024)
 
 typedef struct load_state {
     const char *name;

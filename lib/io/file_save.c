@@ -209,7 +209,7 @@ static svo_status save_by_rename(save_state *state)
 {
     char *temporary = NULL;
     svo_status status = open_temporary(state, &temporary);
-    if (status != SVO_OK) {
+    if (temporary == NULL) {
         return status;
     }
     status = write_tree(state);

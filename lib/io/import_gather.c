@@ -13,7 +13,7 @@
 #include "import_stream.h"
 
 #define EMPTY            UINT32_MAX
-#define FIRST_CAPACITY   1024
+#define FIRST_CAPACITY   ((size_t)1024)
 #define SEND_BLOCK_COUNT 4096 /* vertices whose fields are put side by side at a time */
 
 static_assert(sizeof(gather_vertex) == 36, "a vertex is compared as bytes and must have no padding");
@@ -38,11 +38,17 @@ static bool reserve(void **array, size_t count, size_t *capacity, size_t element
     return true;
 }
 
+/* As bytes and not as numbers: -0 and 0 are different, a NaN is the same as itself. */
+static bool is_same(const gather_vertex *a, const gather_vertex *b)
+{
+    return memcmp((const uint8_t *)a, (const uint8_t *)b, sizeof *a) == 0;
+}
+
 /* The vertex's slot, or the free one where it belongs: linear probing. */
 static size_t find_slot(const gather *mesh, const gather_vertex *vertex)
 {
     size_t slot = (size_t)XXH3_64bits(vertex, sizeof *vertex) & (mesh->slot_count - 1);
-    while (mesh->slots[slot] != EMPTY && memcmp(&mesh->vertices[mesh->slots[slot]], vertex, sizeof *vertex) != 0) {
+    while (mesh->slots[slot] != EMPTY && !is_same(&mesh->vertices[mesh->slots[slot]], vertex)) {
         slot = (slot + 1) & (mesh->slot_count - 1);
     }
     return slot;

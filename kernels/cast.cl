@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pictures: rays through the tree's voxels, shaded.
+ *
+ * The walk goes through empty space one empty cell at a time, each as large as the tree allows (top-down after Revelles,
+ * Urena and Lastra, "An Efficient Parametric Algorithm for Octree Traversal", 2000; the stack of nodes and the stop at
+ * the size of a pixel after Laine and Karras, "Efficient Sparse Voxel Octrees", 2010). The ray's cell is kept in
+ * integers: a step sets the crossed axis exactly and the other two from the ray, never backwards. So the walk ends, and
+ * neither rounding nor a direction along an axis can make it slip through a face.
+ *
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
+ * Reads child_mask, first_child and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
+ * No atomics, no local memory.
+ */
+
+#define SVO_CAST_LEVELS 13 /* root to leaves at depth 12 */
+/* Directions closer to an axis than this are treated as this far from it: crossings stay finite. */
+#define SVO_CAST_DIRECTION_MIN 1e-20f
+#define SVO_CAST_FAR           1e30f
+
+typedef struct svo_cast_tree {
+    __global const uchar *child_mask;
+    __global const uint *first_child;
+    uint depth;
+} svo_cast_tree;
+
+typedef struct svo_cast_ray {
+    float3 origin;
+    float3 direction; /* unit */
+    float footprint; /* nodes smaller than footprint * distance are not opened */
+    float range;
+} svo_cast_ray;
+
+typedef struct svo_cast_hit {
+    float distance;
+    uint node;
+    uint level;
+    int axis; /* of the face the ray came in by */
+} svo_cast_hit;
+
+static float svo_away_from_zero(float component)
+{
+    return fabs(component) < SVO_CAST_DIRECTION_MIN ? SVO_CAST_DIRECTION_MIN : component;
+}
+
+/* Where the ray is inside the grid: distances of entry and exit, and the axis of the entry. */
+static bool svo_cast_clip(const svo_cast_ray *ray, float3 inverse, float width, float *entry, int *axis)
+{
+    const float3 at_low = -ray->origin * inverse;
+    const float3 at_high = (width - ray->origin) * inverse;
+    const float3 near_faces = fmin(at_low, at_high);
+    const float3 far_faces = fmax(at_low, at_high);
+    const float first = fmax(near_faces.x, fmax(near_faces.y, near_faces.z));
+    const float last = fmin(far_faces.x, fmin(far_faces.y, far_faces.z));
+    *axis = first == near_faces.x ? 0 : first == near_faces.y ? 1 : 2;
+    *entry = fmax(first, 0.0f);
+    return last >= *entry;
+}
+
+/* From node at level down to what holds the cell: returns the level reached, and true in *solid when the ray stops there;
+   otherwise the cell's child on the level below is empty. */
+static uint svo_cast_descend(const svo_cast_tree *tree, uint *stack, uint level, int3 cell, float node_min, bool *solid)
+{
+    for (;;) {
+        const uint shift = tree->depth - level;
+        if (shift == 0u || (level > 0u && (float)(1u << shift) < node_min)) {
+            *solid = true;
+            return level;
+        }
+        const int3 bits = (cell >> (int)(shift - 1u)) & 1;
+        const uint octant = (uint)(bits.x | bits.y << 1 | bits.z << 2);
+        const uint node = stack[level];
+        const uint mask = tree->child_mask[node];
+        if ((mask >> octant & 1u) == 0u) {
+            *solid = false;
+            return level;
+        }
+        level += 1u;
+        stack[level] = tree->first_child[node] + popcount(mask & ((1u << octant) - 1u));
+    }
+}
+
+/* The first voxel along the ray. */
+static bool svo_cast(const svo_cast_tree *tree, const svo_cast_ray *ray, svo_cast_hit *hit)
+{
+    const int cells = 1 << (int)tree->depth;
+    const float3 direction = (float3)(svo_away_from_zero(ray->direction.x), svo_away_from_zero(ray->direction.y),
+                                      svo_away_from_zero(ray->direction.z));
+    const float3 inverse = 1.0f / direction;
+    const int3 forward = direction > 0.0f; /* -1 where true */
+    float t;
+    int axis;
+    if (!svo_cast_clip(ray, inverse, (float)cells, &t, &axis)) {
+        return false;
+    }
+    int3 cell = clamp(convert_int3_sat_rtn(ray->origin + t * direction), 0, cells - 1);
+    uint stack[SVO_CAST_LEVELS];
+    stack[0] = 0u;
+    uint level = 0u;
+    while (t <= ray->range) {
+        bool solid;
+        level = svo_cast_descend(tree, stack, level, cell, ray->footprint * t, &solid);
+        if (solid) {
+            hit->distance = t;
+            hit->node = stack[level];
+            hit->level = level;
+            hit->axis = axis;
+            return true;
+        }
+        /* Leave the empty cell by the nearest of its three far faces. */
+        const int width = 1 << (int)(tree->depth - level - 1u);
+        const int3 low = cell & -width;
+        const int3 exit = select(low, low + width, forward);
+        const float3 crossing = (convert_float3(exit) - ray->origin) * inverse;
+        axis = crossing.x <= crossing.y ? (crossing.x <= crossing.z ? 0 : 2) : (crossing.y <= crossing.z ? 1 : 2);
+        t = fmax(t, fmin(crossing.x, fmin(crossing.y, crossing.z)));
+        const int3 along = clamp(convert_int3_sat_rtn(ray->origin + t * direction), low, low + width - 1);
+        int3 next = select(min(cell, along), max(cell, along), forward);
+        const int3 outside = select(low - 1, low + width, forward);
+        next.x = axis == 0 ? outside.x : next.x;
+        next.y = axis == 1 ? outside.y : next.y;
+        next.z = axis == 2 ? outside.z : next.z;
+        const int3 changed = cell ^ next;
+        const uint difference = (uint)(changed.x | changed.y | changed.z);
+        if (difference >= (uint)cells) {
+            return false; /* a coordinate of -1 or beyond the last cell */
+        }
+        /* The deepest node that holds both cells. */
+        level = min(level, tree->depth - (32u - clz(difference)));
+        cell = next;
+    }
+    return false;
+}
+
+/* How much of a small hemisphere above the point is free of voxels, nearer ones counting more. 0 .. 1. */
+static float svo_cast_openness(const svo_cast_tree *tree, float3 point, float3 normal, float range)
+{
+    const float3 helper = fabs(normal.y) < 0.7f ? (float3)(0.0f, 1.0f, 0.0f) : (float3)(1.0f, 0.0f, 0.0f);
+    const float3 side = normalize(cross(normal, helper));
+    const float3 other = cross(normal, side);
+    const float2 circle[4] = {(float2)(0.85f, 0.2f), (float2)(-0.2f, 0.85f), (float2)(-0.85f, -0.2f),
+                              (float2)(0.2f, -0.85f)};
+    float open = 0.0f;
+    for (int k = 0; k < 4; ++k) {
+        svo_cast_ray ray;
+        ray.origin = point;
+        ray.direction = normalize(0.6f * normal + circle[k].x * side + circle[k].y * other);
+        ray.footprint = 0.12f;
+        ray.range = range;
+        svo_cast_hit hit;
+        open += svo_cast(tree, &ray, &hit) ? hit.distance / range : 1.0f;
+    }
+    return 0.25f * open;
+}
+
+static float3 svo_cast_background(__constant const svo_cast_params *params, float row)
+{
+    const float3 above = (float3)(0.80f, 0.86f, 0.93f);
+    const float3 below = (float3)(0.93f, 0.92f, 0.90f);
+    return mix(above, below, row / (float)params->height);
+}
+
+static float3 svo_params_vector(__constant const float *values)
+{
+    return (float3)(values[0], values[1], values[2]);
+}
+
+/* The node's own normal where it has a clear one, else that of the face; never away from the eye. Sheets have two sides:
+   a normal that looks well away is turned around. One that only leans away belongs to a silhouette and is laid across
+   the ray, so that what it carries stays outside the surface. */
+static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __global const short *normals)
+{
+    const float towards = hit->axis == 0 ? direction.x : hit->axis == 1 ? direction.y : direction.z;
+    const float side = towards > 0.0f ? -1.0f : 1.0f;
+    float3 normal = (float3)(0.0f);
+    normal.x = hit->axis == 0 ? side : 0.0f;
+    normal.y = hit->axis == 1 ? side : 0.0f;
+    normal.z = hit->axis == 2 ? side : 0.0f;
+#ifdef SVO_NORMAL
+    const float3 own = convert_float3(vload3(hit->node, normals)) / 32767.0f;
+    normal = dot(own, own) > 0.04f ? normalize(own) : normal;
+#endif
+    const float away = dot(normal, direction);
+    if (away > 0.4f) {
+        return -normal;
+    }
+    return away > 0.0f ? normalize(normal - away * direction) : normal;
+}
+
+/* Stored colours are taken as squares of light: close to sRGB and cheap. */
+static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *colors)
+{
+#ifdef SVO_COLOR
+    const float3 stored = convert_float3(vload4(hit->node, colors).xyz) / 255.0f;
+    return stored * stored;
+#else
+    return (float3)(0.55f, 0.54f, 0.52f);
+#endif
+}
+
+static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit,
+                             __global const uchar *colors, __global const short *normals,
+                             __constant const svo_cast_params *params)
+{
+    const float3 normal = svo_cast_normal(hit, ray->direction, normals);
+    const float3 sun = svo_params_vector(params->sun);
+    const float node_width = (float)(1u << (tree->depth - hit->level));
+    /* Off the staircase of voxels, so that a surface does not shade itself. */
+    const float3 point = ray->origin + ray->direction * hit->distance + normal * (1.75f * node_width) -
+                         ray->direction * (0.5f * node_width);
+    float light = dot(normal, sun);
+    if (light > 0.0f) {
+        svo_cast_ray to_sun;
+        to_sun.origin = point;
+        to_sun.direction = sun;
+        to_sun.footprint = 0.0f;
+        to_sun.range = SVO_CAST_FAR;
+        svo_cast_hit blocker;
+        light = svo_cast(tree, &to_sun, &blocker) ? 0.0f : light;
+    }
+    const float open = svo_cast_openness(tree, point, normal, fmax(params->occlusion_range, 6.0f * node_width));
+    const float sky = 0.5f + 0.5f * dot(normal, svo_params_vector(params->up));
+    const float3 ambient = mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) * open;
+    const float3 lit = ambient + fmax(light, 0.0f) * (float3)(1.05f, 0.98f, 0.86f);
+    return svo_cast_albedo(hit, colors) * lit;
+}
+
+static uint svo_pack_color(float3 light)
+{
+    /* Highlights roll off instead of clipping hard; the square root undoes the squares of svo_cast_albedo. */
+    const float3 soft = light / (1.0f + 0.12f * light * light);
+    const uint3 bytes = convert_uint3(sqrt(clamp(soft, 0.0f, 1.0f)) * 255.0f + 0.5f);
+    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_cast(__global const uchar *child_mask, __global const uint *first_child, __global const uchar *colors,
+           __global const short *normals, __constant const svo_cast_params *params, __global uint *picture)
+{
+    /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
+    const uint item = (uint)get_local_id(0);
+    const uint tile = (uint)get_group_id(0);
+    const uint tiles_across = (params->width + 7u) / 8u;
+    const uint x = tile % tiles_across * 8u + (item & 7u);
+    const uint y = tile / tiles_across * 8u + (item >> 3);
+    if (x >= params->width || y >= params->height) {
+        return;
+    }
+    svo_cast_tree tree;
+    tree.child_mask = child_mask;
+    tree.first_child = first_child;
+    tree.depth = params->depth;
+    svo_cast_ray ray;
+    ray.origin = svo_params_vector(params->eye);
+    ray.range = SVO_CAST_FAR;
+    ray.footprint = params->footprint / (float)params->samples;
+    /* Samples of one pixel that meet the same face of a voxel share its light. */
+    svo_cast_hit lit;
+    lit.node = UINT_MAX;
+    lit.axis = 0;
+    float3 light = (float3)(0.0f);
+    float3 sum = (float3)(0.0f);
+    for (uint sample = 0u; sample < params->samples * params->samples; ++sample) {
+        const float column = (float)x + ((float)(sample % params->samples) + 0.5f) / (float)params->samples;
+        const float row = (float)y + ((float)(sample / params->samples) + 0.5f) / (float)params->samples;
+        ray.direction = normalize(svo_params_vector(params->corner) + column * svo_params_vector(params->across) +
+                                  row * svo_params_vector(params->down));
+        svo_cast_hit hit;
+        if (!svo_cast(&tree, &ray, &hit)) {
+            sum += svo_cast_background(params, row);
+            continue;
+        }
+        if (hit.node != lit.node || hit.axis != lit.axis) {
+            light = svo_cast_shade(&tree, &ray, &hit, colors, normals, params);
+            lit = hit;
+        }
+        sum += light;
+    }
+    picture[(size_t)y * params->width + x] = svo_pack_color(sum / (float)(params->samples * params->samples));
+}

@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: MIT */
+/* probe.clh in OpenCL C: one work-item per record. */
+__kernel void probe_all(__global const probe_input *given, __global probe_output *found, uint item_count)
+{
+    const uint i = (uint)get_global_id(0);
+    if (i < item_count) {
+        found[i] = probe(given[i]);
+    }
+}

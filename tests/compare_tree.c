@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs tests/oracle on a caller's mesh and compares a built tree with what comes out. */
+#include "compare_tree.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SNAP_BITS 20
+
+/* The vertices in double, which positions.positions then points to; the caller frees it. */
+static oracle_positions positions_of(const svo_mesh *mesh)
+{
+    double *values = malloc((mesh->vertex_count * 3 + 1) * sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        values[i] = mesh->positions_double != NULL ? mesh->positions_double[i] : (double)mesh->positions[i];
+    }
+    return (oracle_positions){values, mesh->vertex_count, mesh->indices, mesh->triangle_count};
+}
+
+/* What lies beyond the reach of the test touches nothing, refused or outside: the oracle is told so by 2^29. */
+static void snap_vertex(const oracle_grid *grid, const double position[3], int32_t snapped[3])
+{
+    if (!oracle_snap(grid, position, snapped)) {
+        snapped[0] = snapped[1] = snapped[2] = 1 << 29;
+    }
+}
+
+static void snap_triangles(const oracle_positions *mesh, exact *out)
+{
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        uint32_t *corners = out->indices + out->triangle_count * 3;
+        if (!oracle_triangle_accepted(mesh, t, corners)) {
+            continue;
+        }
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const size_t v = corners[corner];
+            snap_vertex(&out->grid, mesh->positions + v * 3, out->vertices + v * 3);
+        }
+        out->triangle_ids[out->triangle_count++] = (uint32_t)t;
+    }
+}
+
+void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out)
+{
+    *out = (exact){0};
+    const oracle_positions positions = positions_of(mesh);
+    out->vertices = calloc(mesh->vertex_count * 3 + 1, sizeof(int32_t));
+    out->indices = calloc(mesh->triangle_count * 3 + 3, sizeof(uint32_t));
+    out->triangle_ids = calloc(mesh->triangle_count + 1, sizeof(uint32_t));
+    assert_true(out->vertices != NULL && out->indices != NULL && out->triangle_ids != NULL);
+    const bool has_grid = grid_options != NULL && grid_options->edge > 0.0
+                              ? oracle_grid_given(grid_options->origin, grid_options->edge, SNAP_BITS, &out->grid)
+                              : oracle_grid_fit(&positions, SNAP_BITS, &out->grid);
+    if (has_grid) {
+        snap_triangles(&positions, out);
+    }
+    free((double *)(uintptr_t)positions.positions);
+    const oracle_mesh snapped = {out->vertices, out->indices, out->triangle_ids, out->triangle_count};
+    const oracle_request request = {depth, SNAP_BITS, ORACLE_HALF_OPEN, ORACLE_SAT};
+    assert_true(oracle_enumerate(&snapped, &request, &out->pairs));
+    assert_true(oracle_tree_make(&out->pairs, depth, &out->tree));
+}
+
+void exact_destroy(exact *made)
+{
+    oracle_tree_free(&made->tree);
+    oracle_pairs_free(&made->pairs);
+    free(made->triangle_ids);
+    free(made->indices);
+    free(made->vertices);
+    *made = (exact){0};
+}
+
+static void assert_nodes(const built *actual, const oracle_tree *expected)
+{
+    assert_int_equal(actual->info.depth, expected->depth);
+    assert_int_equal(actual->info.node_count, expected->node_count);
+    assert_int_equal(actual->info.inner_count, expected->inner_count);
+    assert_int_equal(actual->info.leaf_count, expected->node_count - expected->inner_count);
+    assert_memory_equal(actual->info.level_begin, expected->level_begin, (expected->depth + 2) * sizeof(uint32_t));
+    assert_memory_equal(actual->arrays.child_mask, expected->child_mask, expected->inner_count);
+    assert_memory_equal(actual->arrays.first_child, expected->first_child, expected->inner_count * sizeof(uint32_t));
+}
+
+static void assert_lists(const built *actual, const oracle_pairs *expected)
+{
+    const svo_tree_arrays *arrays = &actual->arrays;
+    assert_int_equal(actual->info.list_count, expected->count);
+    size_t leaf = 0;
+    for (size_t i = 0; i < expected->count; ++i) {
+        if (i == 0 || expected->pairs[i].code != expected->pairs[i - 1].code) {
+            assert_int_equal(arrays->list_begin[leaf++], i);
+        }
+        assert_in_range(arrays->list[i], 0, actual->info.list_triangle_count - 1);
+        assert_int_equal(arrays->triangle_ids[arrays->list[i]], expected->pairs[i].triangle);
+    }
+    assert_int_equal(leaf, actual->info.leaf_count);
+    assert_int_equal(arrays->list_begin[leaf], expected->count);
+}
+
+/* The geometry rays read: the kept triangles, with the corners and the vertices they have in the mesh. */
+static void assert_geometry(const built *actual, const exact *expected)
+{
+    const svo_tree_arrays *arrays = &actual->arrays;
+    size_t e = 0;
+    for (size_t k = 0; k < actual->info.list_triangle_count; ++k) {
+        while (e < expected->triangle_count && expected->triangle_ids[e] < arrays->triangle_ids[k]) {
+            ++e;
+        }
+        assert_in_range(e, 0, expected->triangle_count - 1);
+        assert_int_equal(arrays->triangle_ids[k], expected->triangle_ids[e]);
+        assert_memory_equal(arrays->indices + k * 3, expected->indices + e * 3, 3 * sizeof(uint32_t));
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const size_t v = arrays->indices[k * 3 + corner];
+            assert_memory_equal(arrays->vertices + v * 3, expected->vertices + v * 3, 3 * sizeof(int32_t));
+        }
+    }
+}
+
+void assert_tree_is_exact(const built *actual, const exact *expected)
+{
+    assert_int_equal(actual->info.fragments, expected->pairs.count);
+    if (expected->triangle_count > 0) {
+        assert_memory_equal(actual->info.origin, expected->grid.origin, sizeof actual->info.origin);
+        assert_memory_equal(&actual->info.edge, &expected->grid.edge, sizeof(double));
+        assert_memory_equal(&actual->info.scale, &expected->grid.scale, sizeof(double));
+    }
+    assert_nodes(actual, &expected->tree);
+    if ((actual->info.need & SVO_NEED_RAYS) != 0) {
+        assert_lists(actual, &expected->pairs);
+        assert_geometry(actual, expected);
+    }
+}
+
+void assert_build_is_exact(const svo_mesh *mesh, const svo_plan_options *grid_options, const built *actual)
+{
+    exact expected;
+    exact_create(mesh, actual->info.depth, grid_options, &expected);
+    assert_tree_is_exact(actual, &expected);
+    exact_destroy(&expected);
+}

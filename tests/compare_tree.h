@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A built tree against the exact references: grid, snapped vertices, nodes and leaf lists, element by element. Inside a
+ * running cmocka test; a difference fails it with both values.
+ */
+#ifndef SVOCL_COMPARE_TREE_H
+#define SVOCL_COMPARE_TREE_H
+
+#include "fixture.h"
+#include "oracle.h"
+
+/* What the references make of a mesh. The arrays are by malloc, released by exact_destroy. */
+typedef struct exact {
+    oracle_grid grid;
+    int32_t *vertices; /* vertex_count * 3; vertices that no accepted triangle has are undefined */
+    uint32_t *indices; /* of the accepted triangles */
+    uint32_t *triangle_ids;
+    size_t triangle_count;
+    oracle_pairs pairs;
+    oracle_tree tree;
+} exact;
+
+/* grid_options: origin and edge as for the build; NULL or edge 0: the default grid. */
+void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out);
+void exact_destroy(exact *made);
+
+/* Nodes and, where the tree has them, lists and geometry. */
+void assert_tree_is_exact(const built *actual, const exact *expected);
+
+/* Makes the reference of the build's mesh, compares, and releases it. */
+void assert_build_is_exact(const svo_mesh *mesh, const svo_plan_options *grid_options, const built *actual);
+
+#endif

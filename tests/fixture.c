@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens what a build needs and builds with it. */
+#include "fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+/* Ends the running test as skipped. */
+static void skip_with(fixture *opened, const char *reason)
+{
+    print_message("skipped: %s\n", reason);
+    fixture_close(opened);
+    skip();
+}
+
+static void open_device(const fixture_options *options, fixture *out)
+{
+    svo_message message = {""};
+    const svo_status status = svo_device_create_default(NULL, &out->device, &message);
+    if (status == SVO_NO_DEVICE) {
+        skip_with(out, message.text);
+    }
+    if (status != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    cl_int error = CL_SUCCESS;
+    out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device),
+                                      options->queue_properties, &error);
+    if (error == CL_INVALID_QUEUE_PROPERTIES) {
+        skip_with(out, "the device has no queues with these properties");
+    }
+    assert_int_equal(error, CL_SUCCESS);
+}
+
+static void open_context(const fixture_options *options, fixture *out)
+{
+    svo_message message = {""};
+    const unsigned first = options->context > 0 ? options->context - 1 : 0;
+    const unsigned end = options->context > 0 ? options->context : SVO_GL_CONTEXT_KINDS;
+    for (unsigned kind = first; kind < end; ++kind) {
+        if (svo_gl_context_create((svo_gl_context_kind)kind, 0, &out->context, &message) == SVO_OK) {
+            return;
+        }
+    }
+    skip_with(out, message.text);
+}
+
+void fixture_open(const fixture_options *options, fixture *out)
+{
+    *out = (fixture){0};
+    open_device(options, out);
+    open_context(options, out);
+    const svo_gl_options gl_options = {
+        .struct_size = sizeof gl_options, .share = options->share, .no_int64 = options->no_int64};
+    const svo_status status = svo_gl_create(out->device, out->context, &gl_options, &out->gl);
+    if (status == SVO_UNSUPPORTED && options->share != SVO_GL_SHARE_AUTO) {
+        skip_with(out, svo_device_message(out->device));
+    }
+    if (status != SVO_OK) {
+        fail_msg("%s", svo_device_message(out->device));
+    }
+}
+
+void fixture_close(fixture *opened)
+{
+    svo_gl_destroy(&opened->gl);
+    svo_gl_context_destroy(&opened->context);
+    if (opened->queue != NULL) {
+        clReleaseCommandQueue(opened->queue);
+    }
+    svo_device_destroy(&opened->device);
+    *opened = (fixture){0};
+}
+
+int fixture_group_setup(void **state)
+{
+    *state = calloc(1, sizeof(fixture));
+    return *state != NULL ? 0 : -1;
+}
+
+int fixture_group_teardown(void **state)
+{
+    fixture_close(*state);
+    free(*state);
+    return 0;
+}
+
+fixture *fixture_of_group(void **state)
+{
+    fixture *opened = *state;
+    if (opened->gl == NULL) {
+        fixture_close(opened);
+        fixture_open(&(fixture_options){.queue_properties = CL_QUEUE_PROFILING_ENABLE}, opened);
+    }
+    return opened;
+}
+
+/* The plan's buffers as they are now. */
+static void list_buffers(const svo_plan *plan, built *out)
+{
+    out->buffer_count = svo_plan_get_buffer(plan, 0, NULL);
+    assert_in_range(out->buffer_count, 1, FIXTURE_BUFFERS_MAX);
+    for (size_t i = 0; i < out->buffer_count; ++i) {
+        svo_plan_get_buffer(plan, i, &out->buffers[i]);
+    }
+}
+
+void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                   built *out)
+{
+    svo_plan_options sized = options != NULL ? *options : (svo_plan_options){0};
+    sized.struct_size = sizeof sized;
+    *out = (built){.report = {.struct_size = sizeof out->report}};
+    svo_plan *plan = NULL;
+    svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
+    if (status == SVO_OK) {
+        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &out->tree, &out->report);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_download(out->tree, opened->queue);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_hash(out->tree, SVO_HASH_ALL, out->hash);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_hash(out->tree, SVO_HASH_NODES, out->nodes_hash);
+    }
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+    }
+    svo_plan_get_info(plan, &out->plan);
+    list_buffers(plan, out);
+    svo_plan_destroy(&plan);
+    svo_tree_get_info(out->tree, &out->info);
+    svo_tree_get_arrays(out->tree, &out->arrays);
+}
+
+void built_destroy(built *finished)
+{
+    svo_tree_destroy(&finished->tree);
+    *finished = (built){0};
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What tests of whole builds have open: a device with a queue, an OpenGL context and its front end, and the results of a
+ * build side by side. The functions belong inside a running cmocka test: what this machine lacks skips it, with the reason
+ * printed; what is there and does not work fails it, with the library's message.
+ */
+#ifndef SVOCL_FIXTURE_H
+#define SVOCL_FIXTURE_H
+
+#include "svocl/gl.h"
+#include "svocl/svocl.h"
+
+typedef struct fixture_options {
+    unsigned context; /* 1 + svo_gl_context_kind; 0: the first kind there is */
+    svo_gl_share share;
+    uint32_t no_int64; /* as in svo_gl_options */
+    cl_command_queue_properties queue_properties;
+} fixture_options;
+
+typedef struct fixture {
+    svo_device *device;
+    cl_command_queue queue;
+    svo_gl_context *context;
+    svo_gl *gl;
+} fixture;
+
+void fixture_open(const fixture_options *options, fixture *out);
+void fixture_close(fixture *opened); /* one that is all zero is allowed */
+
+/* One fixture for all tests of a program: group setup and teardown, and the fixture itself, opened when first asked for. */
+int fixture_group_setup(void **state);
+int fixture_group_teardown(void **state);
+fixture *fixture_of_group(void **state);
+
+#define FIXTURE_BUFFERS_MAX 48
+
+/* A finished tree, downloaded, with all there is to know about it. */
+typedef struct built {
+    svo_tree *tree;
+    svo_tree_info info;
+    svo_tree_arrays arrays;
+    char hash[SVO_HASH_TEXT_BYTES], nodes_hash[SVO_HASH_TEXT_BYTES];
+    svo_build_report report;
+    svo_plan_info plan;
+    svo_buffer_info buffers[FIXTURE_BUFFERS_MAX]; /* the plan's list after the build */
+    size_t buffer_count;
+} built;
+
+/* options: NULL means all defaults; struct_size need not be set. */
+void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                   built *out);
+void built_destroy(built *finished);
+
+#endif
