@@ -179,9 +179,11 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
 #ifdef SVO_NORMAL
     const float3 own = convert_float3(vload3(hit->node, normals)) / 32767.0f;
     normal = dot(own, own) > 0.04f ? normalize(own) : normal;
+#else
+    (void)normals;
 #endif
     const float away = dot(normal, direction);
-    if (away > 0.4f) {
+    if (away > 0.7f) {
         return -normal;
     }
     return away > 0.0f ? normalize(normal - away * direction) : normal;
@@ -194,6 +196,8 @@ static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *col
     const float3 stored = convert_float3(vload4(hit->node, colors).xyz) / 255.0f;
     return stored * stored;
 #else
+    (void)hit;
+    (void)colors;
     return (float3)(0.55f, 0.54f, 0.52f);
 #endif
 }
@@ -220,7 +224,8 @@ static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray,
     }
     const float open = svo_cast_openness(tree, point, normal, fmax(params->occlusion_range, 6.0f * node_width));
     const float sky = 0.5f + 0.5f * dot(normal, svo_params_vector(params->up));
-    const float3 ambient = mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) * open;
+    const float3 ambient =
+        mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) * mix(0.3f, 1.0f, open);
     const float3 lit = ambient + fmax(light, 0.0f) * (float3)(1.05f, 0.98f, 0.86f);
     return svo_cast_albedo(hit, colors) * lit;
 }

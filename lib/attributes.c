@@ -167,19 +167,15 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* The snapped triangle's own normal; its components are below 2^62, so doubles hold them to 53 bits everywhere. */
-static void own_normal(const svo_plan *plan, const uint32_t corners[3], int16_t out[3])
+/* The snapped triangle's own normal, and the axis of its largest component. Components are at most 2^61; doubles hold
+   their first 53 bits on every host alike. */
+static uint32_t own_normal(const svo_plan *plan, const uint32_t corners[3], int16_t out[3])
 {
-    const int32_t *a = plan->vertices + (size_t)corners[0] * 3;
-    const int32_t *b = plan->vertices + (size_t)corners[1] * 3;
-    const int32_t *c = plan->vertices + (size_t)corners[2] * 3;
     int64_t n[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        const unsigned p = (axis + 1) % 3;
-        const unsigned q = (axis + 2) % 3;
-        n[axis] = ((int64_t)b[p] - a[p]) * ((int64_t)c[q] - a[q]) - ((int64_t)b[q] - a[q]) * ((int64_t)c[p] - a[p]);
-    }
+    svo_i_plan_normal(plan, corners, n);
     unit_normal((double)n[0], (double)n[1], (double)n[2], out);
+    const uint32_t axis = llabs(n[1]) > llabs(n[0]) ? 1 : 0;
+    return llabs(n[2]) > llabs(n[axis]) ? 2 : axis;
 }
 
 static svo_status make_records(svo_plan *plan, const svo_mesh *mesh)
@@ -197,9 +193,9 @@ static svo_status make_records(svo_plan *plan, const svo_mesh *mesh)
         const bool textured = plan->uvs != NULL && plan->materials[record->material].width != 0;
         const bool flat = !textured && (plan->colors == NULL || same(plan->colors, sizeof(uint32_t), corners)) &&
                           (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
-        record->flags = flat ? SVO_TRIANGLE_FLAT : 0;
         int16_t normal[3];
-        own_normal(plan, corners, normal);
+        const uint32_t axis = own_normal(plan, corners, normal);
+        record->flags = (flat ? SVO_TRIANGLE_FLAT : 0u) | axis << SVO_TRIANGLE_AXIS_SHIFT;
         record->normal_xy = (uint32_t)(uint16_t)normal[0] | (uint32_t)(uint16_t)normal[1] << 16;
         record->normal_z = (uint32_t)(uint16_t)normal[2];
     }

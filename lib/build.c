@@ -173,10 +173,11 @@ static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
 {
     const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
     const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
-    (void)snprintf(keys, bytes, "%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? "-DSVO_CODE48 " : "",
-                   color ? "-DSVO_COLOR " : "", color && plan->colors != NULL ? "-DSVO_VERTEX_COLOR " : "",
-                   color && plan->uvs != NULL ? "-DSVO_TEXTURE " : "", normal ? "-DSVO_NORMAL " : "",
-                   normal && plan->normals != NULL ? "-DSVO_VERTEX_NORMAL " : "");
+    /* Every key begins with a space: some compilers choke on options that end in one. */
+    (void)snprintf(keys, bytes, "%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
+                   color ? " -DSVO_COLOR" : "", color && plan->colors != NULL ? " -DSVO_VERTEX_COLOR" : "",
+                   color && plan->uvs != NULL ? " -DSVO_TEXTURE" : "", normal ? " -DSVO_NORMAL" : "",
+                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "");
 }
 
 static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)

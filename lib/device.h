@@ -25,6 +25,8 @@ struct svo_device {
     svo_message message;
 };
 
+SVO_I_SHARED_BEGIN
+
 /* Sets the device's message and returns status. device: NULL allowed (a tree from a file has none). */
 svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -37,5 +39,7 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                size_t bytes, cl_mem *out);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
+
+SVO_I_SHARED_END
 
 #endif

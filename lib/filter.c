@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/link.cl and kernels/filter.cl: per chunk the leaves' fragments are linked and gathered into sums, then
- * sums travel up level by level and every node's payload is written.
+ * Runs kernels/link.cl and kernels/filter.cl: the leaves' fragments are linked and their contributions summed up, then sums
+ * travel up level by level and every node's payload is written.
+ *
+ * A list of one chunk, the usual case, is gathered straight into the sums of the deepest inner level. Otherwise lists are
+ * linked and gathered chunk by chunk, and the leaves need sums of their own in between.
  */
+#include <string.h>
+
 #include "build.h"
 
 /* The sums of one level. */
@@ -14,11 +19,12 @@ typedef struct filterer {
     svo_i_build *build;
     bool color, normal;
     cl_mem heads;
-    level_sums sums[2]; /* leaves and every second level above; the others */
+    level_sums sums[2]; /* of levels whose distance from the leaves is even, and odd */
     /* The mesh's attributes; NULL where the variant does not read them. */
     cl_mem indices, records, vertex_colors, vertex_normals, uvs, materials, texels;
     bool owns_indices;
     cl_kernel link, gather, filter;
+    bool one_chunk;
     svo_filter_params params;
 } filterer;
 
@@ -41,7 +47,9 @@ static svo_status allocate(filterer *f)
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
     svo_status status = svo_i_build_alloc(build, "heads", info->leaf_count * 4, &f->heads);
     if (status == SVO_OK) {
-        status = allocate_sums(f, &f->sums[0], info->leaf_count);
+        const uint64_t above =
+            info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
+        status = allocate_sums(f, &f->sums[0], f->one_chunk ? above : info->leaf_count);
     }
     if (status == SVO_OK) {
         status = allocate_sums(f, &f->sums[1], parents);
@@ -97,7 +105,7 @@ static svo_status create_kernels(filterer *f)
 {
     svo_status status = svo_i_build_kernel(f->build, "svo_k_link", &f->link);
     if (status == SVO_OK) {
-        status = svo_i_build_kernel(f->build, "svo_k_gather", &f->gather);
+        status = svo_i_build_kernel(f->build, f->one_chunk ? "svo_k_gather_level" : "svo_k_gather", &f->gather);
     }
     return status == SVO_OK ? svo_i_build_kernel(f->build, "svo_k_filter", &f->filter) : status;
 }
@@ -134,27 +142,53 @@ static svo_status link_chunk(filterer *f, uint32_t chunk)
     return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_LINK) : status;
 }
 
+/* The parameters for the nodes of a level. */
+static void set_level(filterer *f, uint32_t level)
+{
+    const svo_tree_info *info = &f->build->tree->info;
+    f->params.level = level;
+    f->params.level_begin = info->level_begin[level];
+    f->params.level_count = info->level_begin[level + 1] - info->level_begin[level];
+    f->params.child_begin = info->level_begin[level + 1];
+}
+
+/* Gathers a chunk: into the leaves' sums, or where it is the only one into those of the level above. */
 static svo_status gather_chunk(filterer *f, uint32_t chunk)
 {
     svo_i_build *build = f->build;
-    const cl_mem vertices = build->tree->buffers[SVO_TREE_VERTICES];
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
-                                        SVO_I_ARGUMENT(build->cursors[chunk]),
-                                        SVO_I_ARGUMENT(f->heads),
-                                        SVO_I_ARGUMENT(f->sums[0].weights),
-                                        SVO_I_ARGUMENT(f->sums[0].colors),
-                                        SVO_I_ARGUMENT(f->sums[0].normals),
-                                        SVO_I_ARGUMENT(vertices),
-                                        SVO_I_ARGUMENT(f->indices),
-                                        SVO_I_ARGUMENT(f->records),
-                                        SVO_I_ARGUMENT(f->vertex_colors),
-                                        SVO_I_ARGUMENT(f->vertex_normals),
-                                        SVO_I_ARGUMENT(f->uvs),
-                                        SVO_I_ARGUMENT(f->materials),
-                                        SVO_I_ARGUMENT(f->texels),
-                                        SVO_I_ARGUMENT(f->params)};
+    svo_tree *tree = build->tree;
+    const level_sums *sums = &f->sums[f->one_chunk ? 1 : 0];
+    const svo_i_argument common[] = {
+        SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
+        SVO_I_ARGUMENT(build->cursors[chunk]),
+        SVO_I_ARGUMENT(f->heads),
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
+        SVO_I_ARGUMENT(f->indices),
+        SVO_I_ARGUMENT(f->records),
+        SVO_I_ARGUMENT(f->vertex_colors),
+        SVO_I_ARGUMENT(f->vertex_normals),
+        SVO_I_ARGUMENT(f->uvs),
+        SVO_I_ARGUMENT(f->materials),
+        SVO_I_ARGUMENT(f->texels),
+        SVO_I_ARGUMENT(sums->weights),
+        SVO_I_ARGUMENT(sums->colors),
+        SVO_I_ARGUMENT(sums->normals),
+    };
+    enum { COMMON = sizeof common / sizeof common[0] };
+    svo_i_argument arguments[COMMON + 5];
+    cl_uint count = COMMON;
+    memcpy(arguments, common, sizeof common);
+    set_level(f, tree->info.depth - 1);
+    if (f->one_chunk) {
+        arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]);
+        arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]);
+        arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]);
+        arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]);
+    }
+    arguments[count++] = SVO_I_ARGUMENT(f->params);
     svo_i_build_stage_begin(build);
-    const svo_status status = svo_i_build_launch(build, f->gather, arguments, 15, f->params.leaf_count);
+    const svo_status status = svo_i_build_launch(build, f->gather, arguments, count,
+                                                 f->one_chunk ? f->params.level_count : f->params.leaf_count);
     return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_FILTER) : status;
 }
 
@@ -193,17 +227,13 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
 
 static svo_status filter_levels(filterer *f)
 {
-    const svo_tree_info *info = &f->build->tree->info;
+    const uint32_t depth = f->build->tree->info.depth;
     svo_i_build_stage_begin(f->build);
     svo_status status = SVO_OK;
-    unsigned children = 0;
-    for (uint32_t level = info->depth; level-- > 0 && status == SVO_OK;) {
-        f->params.level = level;
-        f->params.level_begin = info->level_begin[level];
-        f->params.level_count = info->level_begin[level + 1] - info->level_begin[level];
-        f->params.child_begin = info->level_begin[level + 1];
-        status = filter_level(f, &f->sums[children], &f->sums[1 - children]);
-        children = 1 - children;
+    for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > 0 && status == SVO_OK;) {
+        const unsigned odd = (depth - level) % 2;
+        set_level(f, level);
+        status = filter_level(f, &f->sums[1 - odd], &f->sums[odd]);
     }
     return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_FILTER) : status;
 }
@@ -257,6 +287,7 @@ svo_status svo_i_filter(svo_i_build *build)
     filterer f = {.build = build,
                   .color = (info->need & SVO_NEED_COLOR) != 0,
                   .normal = (info->need & SVO_NEED_NORMAL) != 0,
+                  .one_chunk = build->list.chunk_count == 1,
                   .params = {.depth = info->depth,
                              .leaf_begin = (cl_uint)info->inner_count,
                              .leaf_count = (cl_uint)info->leaf_count,

@@ -186,8 +186,7 @@ static svo_i_class classify(const svo_plan *plan, const placed *p)
     return one_voxel ? SVO_I_CLASS_POINT : narrow ? SVO_I_CLASS_NARROW : SVO_I_CLASS_REGULAR;
 }
 
-/* Twice the triangle's projected areas, with sign: its normal. Exact: at most 2^61. */
-static void normal_of(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])
+void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])
 {
     const int32_t *a = plan->vertices + (size_t)corners[0] * 3;
     const int32_t *b = plan->vertices + (size_t)corners[1] * 3;
@@ -277,7 +276,7 @@ static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *
             continue;
         }
         int64_t normal[3];
-        normal_of(plan, corners, normal);
+        svo_i_plan_normal(plan, corners, normal);
         const uint32_t kept = plan->triangle_count++;
         const svo_i_class class_id = classify(plan, &p);
         classes[kept] = (uint8_t)class_id;

@@ -10,6 +10,12 @@
 
 #include "svocl/status.h"
 
+/* Around internal functions that svocl::gl and svocl::io call: exported from a shared svocl, but no part of its API. */
+#define SVO_I_SHARED_BEGIN _Pragma("GCC visibility push(default)")
+#define SVO_I_SHARED_END   _Pragma("GCC visibility pop")
+
+SVO_I_SHARED_BEGIN
+
 /* Writes one line (cut to fit, always terminated) and returns status, so that "return svo_i_fail(...)" reads well.
    message: NULL allowed. */
 svo_status svo_i_fail(svo_message *message, svo_status status, const char *format, ...)
@@ -22,5 +28,7 @@ bool svo_i_add_size(size_t a, size_t b, size_t *out);
 
 /* Wall clock in milliseconds, monotonic. */
 double svo_i_now_ms(void);
+
+SVO_I_SHARED_END
 
 #endif

@@ -79,8 +79,12 @@ struct svo_plan {
     uint64_t live_bytes, peak_bytes;
 };
 
+SVO_I_SHARED_BEGIN
+
 /* grid.c: fills the snapped mesh, items and law from the mesh. */
 svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh);
+/* grid.c: twice the areas of a snapped triangle's projections along x, y, z, with sign: its normal. Exact: at most 2^61. */
+void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3]);
 /* attributes.c: resolves need and fills the payload inputs. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
 
@@ -102,5 +106,7 @@ void svo_i_layout_destroy(svo_i_layout *layout);
 void svo_i_plan_buffers_reset(svo_plan *plan);
 void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);
+
+SVO_I_SHARED_END
 
 #endif

@@ -52,7 +52,7 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
 {
     const char *source = kind == SVO_I_PROGRAM_CAST ? svo_i_source_cast : svo_i_source_build;
     char options[KEYS_BYTES + 32];
-    (void)snprintf(options, sizeof options, "-cl-std=CL1.2 %s", keys);
+    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);
     cl_int error = CL_SUCCESS;
     cl_program program = clCreateProgramWithSource(device->context, 1, &source, NULL, &error);
     if (error != CL_SUCCESS) {

@@ -15,7 +15,8 @@ typedef enum svo_i_program_kind {
 } svo_i_program_kind;
 
 /*
- * The program with these keys ("-DSVO_COLOR -DSVO_NORMAL", the same text for the same program), compiled on first use.
+ * The program with these keys (" -DSVO_COLOR -DSVO_NORMAL", a space before each, the same text for the same program),
+ * compiled on first use.
  * Owned by the device; not to be released. function: for the message.
  * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log goes
  * to the log callback.

@@ -178,7 +178,7 @@ void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
     /* 26 degrees to the right and 22 above the z axis, which points to the viewer; y is up. */
     const svo_camera direction = {
         .eye = {0.406f, 0.375f, 0.833f}, .up = {0, 1, 0}, .vertical_fov = (float)(2 * half_fov)};
-    view looking;
+    view looking = {{0}, {0}, {0}};
     (void)view_from_camera(&direction, &looking);
     double target[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -241,7 +241,7 @@ static void place_sun(const view *looking, const double up[3], double sun[3])
 static svo_status fill_params(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                               svo_cast_params *params)
 {
-    view looking;
+    view looking = {{0}, {0}, {0}};
     if (!view_from_camera(&options->camera, &looking)) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
@@ -282,7 +282,7 @@ typedef struct picture {
 
 static svo_status prepare(svo_device *device, const svo_tree *tree, svo_cast_params *params, picture *out)
 {
-    static const char *const keys[4] = {"", "-DSVO_COLOR", "-DSVO_NORMAL", "-DSVO_COLOR -DSVO_NORMAL"};
+    static const char *const keys[4] = {"", " -DSVO_COLOR", " -DSVO_NORMAL", " -DSVO_COLOR -DSVO_NORMAL"};
     const cl_mem colors = tree->buffers[SVO_TREE_COLORS];
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
     const int key = (colors != NULL ? 1 : 0) + (normals != NULL ? 2 : 0);

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "message.h"
 #include "svocl/tree.h"
 
 struct svo_tree {
@@ -15,6 +16,8 @@ struct svo_tree {
     bool downloaded; /* host[] is what the tree holds (an array of no element stays NULL) */
 };
 
+SVO_I_SHARED_BEGIN
+
 /* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
 svo_tree *svo_i_tree_new(void);
 
@@ -22,5 +25,7 @@ svo_tree *svo_i_tree_new(void);
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
+
+SVO_I_SHARED_END
 
 #endif

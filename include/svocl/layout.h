@@ -76,6 +76,8 @@ SVO_RECORD(svo_triangle_record)
 };
 /* The attributes are the same all over the triangle. */
 #define SVO_TRIANGLE_FLAT 1u
+/* Two bits from this one on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
+#define SVO_TRIANGLE_AXIS_SHIFT 1
 
 /* Arguments of the subdivision kernels. 16 bytes. */
 SVO_RECORD(svo_subdivide_params)

@@ -105,8 +105,18 @@ static void round_axis(draft *d, int axis, bool together)
 
 static void make_extreme(draft *d)
 {
-    const int64_t edges[] = {d->low,        d->low + 1,        d->high - 1, d->high, d->grid_units - 1, d->grid_units,
-                             d->grid_units - d->w, d->grid_units - d->w - 1, 0, 1, d->w - 1, d->w};
+    const int64_t edges[] = {d->low,
+                             d->low + 1,
+                             d->high - 1,
+                             d->high,
+                             d->grid_units - 1,
+                             d->grid_units,
+                             d->grid_units - d->w,
+                             d->grid_units - d->w - 1,
+                             0,
+                             1,
+                             d->w - 1,
+                             d->w};
     for (int i = 0; i < 3; ++i) {
         for (int axis = 0; axis < 3; ++axis) {
             d->corner[i][axis] = edges[between(d, 0, (int64_t)(sizeof edges / sizeof edges[0]) - 1)];
@@ -232,46 +242,53 @@ static void choose_voxel(draft *d, const int64_t first[3], const int64_t last[3]
     int64_t point[3];
     const bool near = find_point(d, point) && between(d, 0, 7) > 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const int64_t offset = between(d, 0, 2) == 0 ? between(d, -1, 1) : 0;
+        const int64_t offset = between(d, 0, 1) == 0 ? between(d, -1, 1) : 0;
         const int64_t wanted = near ? point[axis] / d->w + offset : between(d, first[axis], last[axis]);
         voxel[axis] = clamp(wanted, first[axis], last[axis]);
     }
 }
 
-void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out)
-{
-    draft d;
-    start(&d, width, seed, index);
-    const sample_kind kind = (sample_kind)(index % SAMPLE_KINDS);
-    const bool closed = between(&d, 0, 3) == 0;
-    int64_t first[3];
-    int64_t last[3];
-    int64_t voxel[3];
-    make_inside(&d, kind, closed, first, last);
-    choose_voxel(&d, first, last, voxel);
+/* A triangle with the voxels of its bounds and the one that is asked about. */
+typedef struct placed {
+    int64_t first[3], last[3], voxel[3];
+} placed;
 
-    const int longest = longest_axis(&d);
-    const int axis = between(&d, 0, 3) > 0 ? longest : (int)between(&d, 0, 2);
-    *out = (sample){.kind = kind,
-                    .coverage = closed ? ORACLE_CLOSED : ORACLE_HALF_OPEN,
-                    .axis_is_longest = axis == longest};
+/* Writes the record in coordinates from the first voxel's corner, turned so that axis comes last. */
+static void write_record(const draft *d, const placed *p, int axis, sample *out)
+{
     int32_t *words = out->record.words;
     int32_t extent = 0;
     for (int k = 0; k < 3; ++k) {
         const int from = (axis + 1 + k) % 3;
         for (int i = 0; i < 3; ++i) {
-            const int32_t local = (int32_t)(d.corner[i][from] - first[from] * d.w);
+            const int32_t local = (int32_t)(d->corner[i][from] - p->first[from] * d->w);
             const int32_t distance = local < 0 ? -local : local;
             extent = distance > extent ? distance : extent;
             words[3 * i + k] = local;
             out->triangle.vertex[i][k] = local;
         }
-        words[11 + k] = (int32_t)((voxel[from] - first[from]) * d.w);
+        words[11 + k] = (int32_t)((p->voxel[from] - p->first[from]) * d->w);
         out->box.corner[k] = words[11 + k];
     }
-    out->box.width = d.w;
-    words[9] = (int32_t)d.w;
-    words[10] = closed ? 0 : 1;
-    words[14] = (int32_t)(last[axis] - first[axis]);
+    out->box.width = d->w;
+    words[9] = (int32_t)d->w;
+    words[10] = out->coverage == ORACLE_CLOSED ? 0 : 1;
+    words[14] = (int32_t)(p->last[axis] - p->first[axis]);
     words[15] = extent;
+}
+
+void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out)
+{
+    draft d;
+    placed p;
+    start(&d, width, seed, index);
+    const sample_kind kind = (sample_kind)(index % SAMPLE_KINDS);
+    const bool closed = between(&d, 0, 3) == 0;
+    make_inside(&d, kind, closed, p.first, p.last);
+    choose_voxel(&d, p.first, p.last, p.voxel);
+    const int longest = longest_axis(&d);
+    const int axis = between(&d, 0, 3) > 0 ? longest : (int)between(&d, 0, 2);
+    *out = (sample){
+        .kind = kind, .coverage = closed ? ORACLE_CLOSED : ORACLE_HALF_OPEN, .axis_is_longest = axis == longest};
+    write_record(&d, &p, axis, out);
 }

@@ -37,7 +37,7 @@ static surface_point banner_point(const void *context, double u, double v)
     point.position = banner_position(cloth, u, v);
     const vector3 along_u = vector_subtract(banner_position(cloth, u + step, v), point.position);
     const vector3 along_v = vector_subtract(banner_position(cloth, u, v + step), point.position);
-    point.normal = vector_normalize(vector_cross(along_v, along_u));
+    point.normal = vector_normalize(vector_cross(along_u, along_v));
     point.color = banner_color(cloth, u, v);
     return point;
 }

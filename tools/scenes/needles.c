@@ -23,15 +23,15 @@ static void add_needle(scene_builder *builder, random_stream *stream)
     const double length = random_between(stream, 0.05, 0.7);
     /* The aspect is 2^e * f: logarithmically even enough from 100 to 1,000,000 without an exponential function. */
     double aspect = 100 * random_between(stream, 1, 2);
-    const double doublings = floor(random_between(stream, 0, 13));
-    for (double k = 0; k < doublings; k += 1) {
+    const uint32_t doublings = (uint32_t)floor(random_between(stream, 0, 13));
+    for (uint32_t k = 0; k < doublings; ++k) {
         aspect *= 2;
     }
     aspect = clamp_to(aspect, 1e2, 1e6);
     const vector3 half = vector_scale(along, 0.5 * length);
     surface_point point;
     point.normal = vector_normalize(vector_cross(along, across));
-    point.color = needle_color(doublings / 13);
+    point.color = needle_color(doublings / 13.0);
     point.position = vector_subtract(middle, half);
     const uint32_t tail = builder_vertex(builder, &point);
     point.position = vector_add(middle, half);

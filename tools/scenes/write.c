@@ -201,7 +201,7 @@ static void store_word(uint8_t bytes[4], uint32_t word)
 
 static void store_floats(uint8_t *bytes, const float values[3])
 {
-    for (int k = 0; k < 3; ++k) {
+    for (size_t k = 0; k < 3; ++k) {
         uint32_t word;
         memcpy(&word, &values[k], sizeof word);
         store_word(bytes + 4 * k, word);

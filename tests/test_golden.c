@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The golden counts through the GL front end: leaves are voxels, fragments are pairs, at every depth of the table that can
+ * be built.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "golden.h"
+
+/* A grid that leaves the table's coordinates as they are. */
+static const svo_plan_options table_grid = {.edge = 1u << GOLDEN_SNAP_BITS, .need = SVO_NEED_NONE};
+
+static void check_count(const fixture *opened, const svo_mesh *mesh, const char *name, const golden_count *count)
+{
+    built actual;
+    fixture_build(opened, mesh, count->depth, &table_grid, &actual);
+    if (actual.info.leaf_count != count->voxels || actual.info.fragments != count->pairs) {
+        fail_msg("%s at depth %u: %llu voxels and %llu pairs, not %llu and %llu", name, count->depth,
+                 (unsigned long long)actual.info.leaf_count, (unsigned long long)actual.info.fragments,
+                 (unsigned long long)count->voxels, (unsigned long long)count->pairs);
+    }
+    built_destroy(&actual);
+}
+
+/* Returns how many counts were compared. */
+static size_t check_scene(const fixture *opened, const golden_scene *scene)
+{
+    const size_t vertex_count = scene->triangle_count * 3;
+    float *positions = malloc(vertex_count * 3 * sizeof *positions);
+    assert_non_null(positions);
+    for (size_t i = 0; i < vertex_count * 3; ++i) {
+        positions[i] = (float)scene->vertices[i]; /* below 2^24: exact */
+    }
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions,
+                           .vertex_count = vertex_count,
+                           .triangle_count = scene->triangle_count};
+    size_t compared = 0;
+    for (size_t i = 0; i < scene->count_count; ++i) {
+        const golden_count *count = &scene->counts[i];
+        /* Closed coverage is for the oracles; a tree of depth 0 is not to be built. */
+        if (!count->is_closed && count->depth >= SVO_DEPTH_MIN) {
+            check_count(opened, &mesh, scene->name, count);
+            ++compared;
+        }
+    }
+    free(positions);
+    return compared;
+}
+
+static void golden_counts_are_reproduced(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    golden_table *table = golden_load(GOLDEN_COUNTS_PATH);
+    assert_non_null(table);
+    for (size_t i = 0; i < table->scene_count; ++i) {
+        const size_t compared = check_scene(opened, &table->scenes[i]);
+        print_message("%s: %zu depths\n", table->scenes[i].name, compared);
+        assert_in_range(compared, 1, GOLDEN_COUNTS_MAX);
+    }
+    golden_free(table);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(golden_counts_are_reproduced)};
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}
