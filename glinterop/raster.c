@@ -28,6 +28,7 @@ extern const char svo_i_source_raster_fragment[];
 
 typedef struct raster_program {
     GLuint name; /* 0: not compiled */
+    bool points; /* drawn as points, else as triangles */
     GLint depth, voxel_log2, first_item, chunk, capacity;
 } raster_program;
 
@@ -44,20 +45,17 @@ struct svo_i_raster {
 
 svo_i_conservative svo_i_raster_hardware(const svo_i_gl_functions *gl, const char **reason)
 {
-    if (svo_i_gl_has_extension(gl, "GL_NV_conservative_raster")) {
-        if (svo_i_gl_has_extension(gl, "GL_NV_conservative_raster_pre_snap_triangles") &&
-            gl->ConservativeRasterParameteriNV != NULL) {
-            *reason = "";
-            return SVO_I_CONSERVATIVE_NV;
-        }
-        *reason = "GL_NV_conservative_raster without GL_NV_conservative_raster_pre_snap_triangles";
-        return SVO_I_CONSERVATIVE_EXPAND;
+    const bool nv = svo_i_gl_has_extension(gl, "GL_NV_conservative_raster");
+    *reason = "";
+    if (nv && svo_i_gl_has_extension(gl, "GL_NV_conservative_raster_pre_snap_triangles") &&
+        gl->ConservativeRasterParameteriNV != NULL) {
+        return SVO_I_CONSERVATIVE_NV;
     }
     if (svo_i_gl_has_extension(gl, "GL_INTEL_conservative_rasterization")) {
-        *reason = "";
         return SVO_I_CONSERVATIVE_INTEL;
     }
-    *reason = "the context lists neither GL_NV_conservative_raster nor GL_INTEL_conservative_rasterization";
+    *reason = nv ? "GL_NV_conservative_raster without GL_NV_conservative_raster_pre_snap_triangles"
+                 : "the context lists neither GL_NV_conservative_raster nor GL_INTEL_conservative_rasterization";
     return SVO_I_CONSERVATIVE_EXPAND;
 }
 
@@ -204,6 +202,25 @@ static svo_status link_program(svo_i_raster *raster, GLuint vertex, GLuint fragm
     return SVO_OK;
 }
 
+/* Drivers compile a shader when something is first drawn with it: one item of zeros, nothing of which is rasterized. */
+static svo_status warm_program(svo_i_raster *raster, const raster_program *program)
+{
+    static const unsigned char zeros[256] = {0};
+    const svo_i_gl_functions *gl = raster->gl;
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[BINDING_VERTICES]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof zeros, zeros, GL_STATIC_DRAW);
+    for (GLuint binding = 0; binding <= SVO_I_RASTER_FRAGMENTS; ++binding) {
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, raster->buffers[BINDING_VERTICES]);
+    }
+    gl->UseProgram(program->name);
+    gl->Uniform1i(program->depth, 1);
+    gl->Uniform1ui(program->first_item, 0);
+    gl->Scissor(0, 0, 0, 0);
+    gl->DrawArrays(program->points ? GL_POINTS : GL_TRIANGLES, 0, program->points ? 1 : 3);
+    gl->Finish();
+    return check(raster, "drawing nothing");
+}
+
 static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, bool code48, raster_program *program)
 {
     const double start_ms = svo_i_now_ms();
@@ -218,45 +235,12 @@ static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, bo
     }
     raster->gl->DeleteShader(vertex);
     raster->gl->DeleteShader(fragment);
+    if (status == SVO_OK) {
+        program->points = class_id == SVO_I_CLASS_POINT;
+        status = warm_program(raster, program);
+    }
     raster->device->compile_ms += svo_i_now_ms() - start_ms;
     return status;
-}
-
-static bool uses_code48(const svo_plan *plan)
-{
-    return plan->info.depth > SVO_CODE30_DEPTH_MAX;
-}
-
-svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
-{
-    const bool code48 = uses_code48(plan);
-    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
-        raster_program *program = &raster->programs[class_id][code48];
-        if (plan->class_begin[class_id] == plan->class_begin[class_id + 1] || program->name != 0) {
-            continue;
-        }
-        const svo_status status = compile_program(raster, class_id, code48, program);
-        if (status != SVO_OK) {
-            return status;
-        }
-    }
-    return SVO_OK;
-}
-
-/* Fills one storage block. */
-static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char *name, const void *data, uint64_t bytes)
-{
-    const svo_i_gl_functions *gl = raster->gl;
-    if (bytes > (uint64_t)gl->limits.storage_block_bytes) {
-        return svo_i_device_fail(raster->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "%s: %s need %llu bytes, above the storage block limit of %lld of %s", FUNCTION, name,
-                                 (unsigned long long)bytes, (long long)gl->limits.storage_block_bytes, gl->renderer);
-    }
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[binding]);
-    gl->BufferData(GL_SHADER_STORAGE_BUFFER, bytes > 0 ? (GLsizeiptr)bytes : 4, bytes > 0 ? data : NULL,
-                   GL_STATIC_DRAW);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, raster->buffers[binding]);
-    return check(raster, name);
 }
 
 /* Everything that is not storage blocks: one viewport over the grid, nothing written to a framebuffer. */
@@ -290,6 +274,48 @@ static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
                                  pixels, pixels);
     }
     return check(raster, "setting up the framebuffer");
+}
+
+static bool uses_code48(const svo_plan *plan)
+{
+    return plan->info.depth > SVO_CODE30_DEPTH_MAX;
+}
+
+svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
+{
+    const bool code48 = uses_code48(plan);
+    svo_i_gl_clear_errors(raster->gl);
+    const svo_status ready = set_state(raster, plan);
+    if (ready != SVO_OK) {
+        return ready;
+    }
+    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        raster_program *program = &raster->programs[class_id][code48];
+        if (plan->class_begin[class_id] == plan->class_begin[class_id + 1] || program->name != 0) {
+            continue;
+        }
+        const svo_status status = compile_program(raster, class_id, code48, program);
+        if (status != SVO_OK) {
+            return status;
+        }
+    }
+    return SVO_OK;
+}
+
+/* Fills one storage block. */
+static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char *name, const void *data, uint64_t bytes)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    if (bytes > (uint64_t)gl->limits.storage_block_bytes) {
+        return svo_i_device_fail(raster->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "%s: %s need %llu bytes, above the storage block limit of %lld of %s", FUNCTION, name,
+                                 (unsigned long long)bytes, (long long)gl->limits.storage_block_bytes, gl->renderer);
+    }
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[binding]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, bytes > 0 ? (GLsizeiptr)bytes : 4, bytes > 0 ? data : NULL,
+                   GL_STATIC_DRAW);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, raster->buffers[binding]);
+    return check(raster, name);
 }
 
 svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count)
@@ -341,12 +367,11 @@ static void draw_items(const svo_i_raster *raster, const svo_plan *plan, const s
 {
     const svo_i_gl_functions *gl = raster->gl;
     const raster_program *program = &raster->programs[draw->class_id][uses_code48(plan)];
-    const bool points = draw->class_id == SVO_I_CLASS_POINT;
     for (uint32_t done = 0; done < draw->item_count; done += ITEMS_PER_CALL) {
         const uint32_t left = draw->item_count - done;
         const GLsizei items = (GLsizei)(left < ITEMS_PER_CALL ? left : ITEMS_PER_CALL);
         gl->Uniform1ui(program->first_item, draw->first_item + done);
-        gl->DrawArrays(points ? GL_POINTS : GL_TRIANGLES, 0, points ? items : items * 3);
+        gl->DrawArrays(program->points ? GL_POINTS : GL_TRIANGLES, 0, program->points ? items : items * 3);
     }
 }
 

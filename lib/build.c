@@ -431,6 +431,25 @@ static bool queue_profiles(cl_command_queue queue)
     return (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
 }
 
+/* Kernels and shaders, as far as this device and context have not compiled them before. */
+static svo_status compile(svo_i_build *build, svo_frontend *frontend)
+{
+    const double start_ms = svo_i_now_ms();
+    char keys[256];
+    bool fresh = false;
+    program_keys(build->plan, keys, sizeof keys);
+    svo_status status =
+        svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
+    if (status == SVO_OK && fresh) {
+        status = svo_i_build_warm(build);
+    }
+    if (status == SVO_OK) {
+        status = frontend->prepare(frontend->self, build->plan);
+    }
+    add_time(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    return status;
+}
+
 svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
                      svo_build_report *report)
 {
@@ -460,14 +479,7 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for the tree");
     }
     build.tree->device = plan->device;
-    char keys[256];
-    program_keys(plan, keys, sizeof keys);
-    const double start_ms = svo_i_now_ms();
-    svo_status status = svo_i_program_get(plan->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build.program);
-    if (status == SVO_OK) {
-        status = frontend->prepare(frontend->self, plan);
-    }
-    add_time(build.report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    svo_status status = compile(&build, frontend);
     if (status == SVO_OK) {
         status = run_stages(&build, frontend);
     }

@@ -57,6 +57,8 @@ svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *o
 void svo_i_build_stage_begin(svo_i_build *build);
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
 
+/* warm.c: launches every kernel the plan needs once on nothing, so that the driver compiles it now. */
+svo_status svo_i_build_warm(svo_i_build *build);
 /* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);

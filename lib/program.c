@@ -71,8 +71,11 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
 }
 
 svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
-                             cl_program *out)
+                             cl_program *out, bool *fresh)
 {
+    if (fresh != NULL) {
+        *fresh = false;
+    }
     for (svo_i_program_cache *entry = device->programs; entry != NULL; entry = entry->next) {
         if (entry->kind == kind && strcmp(entry->keys, keys) == 0) {
             *out = entry->program;
@@ -100,6 +103,9 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     entry->next = device->programs;
     device->programs = entry;
     *out = entry->program;
+    if (fresh != NULL) {
+        *fresh = true;
+    }
     return SVO_OK;
 }
 

@@ -17,12 +17,12 @@ typedef enum svo_i_program_kind {
 /*
  * The program with these keys (" -DSVO_COLOR -DSVO_NORMAL", a space before each, the same text for the same program),
  * compiled on first use.
- * Owned by the device; not to be released. function: for the message.
+ * Owned by the device; not to be released. function: for the message. fresh: whether this call compiled it; NULL allowed.
  * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log goes
  * to the log callback.
  */
 svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
-                             cl_program *out);
+                             cl_program *out, bool *fresh);
 
 /* A kernel of its own for the caller, who releases it. */
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,

@@ -288,7 +288,7 @@ static svo_status prepare(svo_device *device, const svo_tree *tree, svo_cast_par
     const int key = (colors != NULL ? 1 : 0) + (normals != NULL ? 2 : 0);
     const size_t pixel_bytes = (size_t)params->width * params->height * 4;
     cl_program program;
-    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys[key], &program);
+    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys[key], &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", &out->kernel);
     }
@@ -347,7 +347,7 @@ svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_r
     if (status != SVO_OK) {
         return status;
     }
-    svo_cast_params params;
+    svo_cast_params params = {.depth = 0};
     status = fill_params(device, tree, options, &params);
     if (status != SVO_OK) {
         return status;

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Drivers compile a kernel when it is first launched. So that this time is counted as compilation, and no stage of the
+ * first build looks slow, every kernel of a fresh program is launched once on nothing.
+ */
+#include <string.h>
+
+#include "build.h"
+
+/* What a kernel's launches are as large as. Drivers may compile small and large launches apart (PoCL: below and above
+   65535 work-items), so the launches on nothing have the sizes of the build. */
+typedef enum launch_size {
+    LAUNCH_SCAN, /* always a few thousand items */
+    LAUNCH_FRAGMENTS, /* one per fragment */
+    LAUNCH_LEVELS /* one per node: small for the upper levels, large for the lower */
+} launch_size;
+#define LARGE_ITEMS 131072
+
+/* Every kernel takes its buffers first, then its parameters, then local memory. */
+typedef struct kernel_shape {
+    const char *name;
+    cl_uint buffers;
+    size_t params_bytes;
+    cl_uint locals;
+    launch_size size;
+    uint32_t need; /* svo_need bits one of which makes the build launch it; 0: always */
+} kernel_shape;
+
+#define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+
+static const kernel_shape shapes[] = {
+    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
+    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
+    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
+    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
+    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
+    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
+    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
+    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
+    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
+    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
+    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
+    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS},
+    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, PAYLOAD},
+    {"svo_k_gather_level", 18, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
+    {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
+};
+
+#define ARGUMENTS_MAX 21
+/* Zeros that every buffer argument points to: counts of nothing, and room for the sums of nothing. */
+#define ZERO_BYTES  4096
+#define LOCAL_BYTES (SVO_DIGITS * SVO_GROUP_ITEMS * sizeof(cl_uint))
+
+static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, cl_mem zeros, uint64_t items)
+{
+    static const unsigned char no_params[sizeof(svo_filter_params)] = {0};
+    svo_i_argument arguments[ARGUMENTS_MAX];
+    cl_uint count = 0;
+    while (count < shape->buffers) {
+        arguments[count++] = SVO_I_ARGUMENT(zeros);
+    }
+    arguments[count++] = (svo_i_argument){shape->params_bytes, no_params};
+    for (cl_uint i = 0; i < shape->locals; ++i) {
+        arguments[count++] = SVO_I_LOCAL(LOCAL_BYTES);
+    }
+    cl_kernel kernel = NULL;
+    svo_status status = svo_i_build_kernel(build, shape->name, &kernel);
+    if (status == SVO_OK) {
+        status = svo_i_build_launch(build, kernel, arguments, count, items);
+        clReleaseKernel(kernel);
+    }
+    return status;
+}
+
+/* The launch sizes a build of this plan has. */
+static svo_status launch_sizes(svo_i_build *build, const kernel_shape *shape, cl_mem zeros)
+{
+    const bool large = build->plan->info.expected_fragments >= LARGE_ITEMS && shape->size != LAUNCH_SCAN;
+    svo_status status = SVO_OK;
+    if (!large || shape->size == LAUNCH_LEVELS) {
+        status = launch_on_nothing(build, shape, zeros, SVO_GROUP_ITEMS);
+    }
+    return status == SVO_OK && large ? launch_on_nothing(build, shape, zeros, LARGE_ITEMS) : status;
+}
+
+svo_status svo_i_build_warm(svo_i_build *build)
+{
+    cl_mem zeros = NULL;
+    svo_status status = svo_i_device_buffer(build->device, SVO_I_BUILD, "zeros", CL_MEM_READ_WRITE, ZERO_BYTES, &zeros);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const double start_ms = svo_i_now_ms();
+    status = svo_i_build_fill_zero(build, zeros, ZERO_BYTES);
+    for (size_t i = 0; i < sizeof shapes / sizeof shapes[0] && status == SVO_OK; ++i) {
+        if (shapes[i].need == 0 || (shapes[i].need & build->plan->info.need) != 0) {
+            status = launch_sizes(build, &shapes[i], zeros);
+        }
+    }
+    if (build->last != NULL) {
+        clWaitForEvents(1, &build->last);
+    }
+    build->device->compile_ms += svo_i_now_ms() - start_ms;
+    clReleaseMemObject(zeros);
+    return status;
+}

@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h), trees are
+ * compared with them, and nothing may depend on the order of the fragments or on the cut of the list.
+ *
+ * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
+ * through in seconds.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "compare_tree.h"
+#include "meshes.h"
+#include "walk_frontend.h"
+
+#define NEED_ALL ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
+/* The least there may be: 2048 fragments of short codes a chunk. */
+#define SMALL_CHUNK_BYTES 16384
+
+/* What all tests share. */
+static struct {
+    bool small;
+    svo_device *device;
+    cl_command_queue queue;
+} bench;
+
+static int open_bench(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    const svo_status status = svo_device_create_default(NULL, &bench.device, &message);
+    if (status != SVO_OK) {
+        print_message("%s\n", message.text);
+        return status == SVO_NO_DEVICE ? 0 : -1;
+    }
+    print_message("on %s\n", svo_device_name(bench.device));
+    cl_int error = CL_SUCCESS;
+    bench.queue =
+        clCreateCommandQueue(svo_device_cl_context(bench.device), svo_device_cl_device(bench.device), 0, &error);
+    return error == CL_SUCCESS ? 0 : -1;
+}
+
+static int close_bench(void **state)
+{
+    (void)state;
+    if (bench.queue != NULL) {
+        clReleaseCommandQueue(bench.queue);
+    }
+    svo_device_destroy(&bench.device);
+    return 0;
+}
+
+static int need_device(void **state)
+{
+    (void)state;
+    if (bench.device == NULL) {
+        print_message("skipped: no OpenCL device\n");
+        skip();
+    }
+    return 0;
+}
+
+/* How a tree is built; which way must not show. */
+typedef struct way {
+    uint64_t seed; /* of the fragments' order */
+    uint64_t chunk_bytes; /* 0: one chunk */
+    uint64_t fragment_capacity; /* 0: by the count law */
+} way;
+
+typedef struct request {
+    const svo_mesh *mesh;
+    unsigned depth;
+    uint32_t need;
+    double edge; /* of the grid at the origin; 0: fitted */
+} request;
+
+static svo_plan_options options_of(const request *asked, const way *by)
+{
+    return (svo_plan_options){.struct_size = sizeof(svo_plan_options),
+                              .need = asked->need,
+                              .edge = asked->edge,
+                              .fragment_capacity = by->fragment_capacity,
+                              .chunk_bytes = by->chunk_bytes};
+}
+
+static void build(const request *asked, const way *by, built *out)
+{
+    const svo_plan_options options = options_of(asked, by);
+    *out = (built){.report = {.struct_size = sizeof out->report}};
+    walk_frontend walk;
+    walk_frontend_init(bench.device, by->seed, &walk);
+    svo_plan *plan = NULL;
+    svo_status status = svo_plan_create(bench.device, asked->mesh, asked->depth, &options, &plan);
+    if (status == SVO_OK) {
+        status = svo_build(plan, &walk.frontend, bench.queue, &out->tree, &out->report);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_download(out->tree, bench.queue);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_hash(out->tree, SVO_HASH_ALL, out->hash);
+    }
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status), svo_device_message(bench.device));
+    }
+    svo_plan_destroy(&plan);
+    svo_tree_get_info(out->tree, &out->info);
+    svo_tree_get_arrays(out->tree, &out->arrays);
+}
+
+/* Builds, compares nodes, and lists where they are asked for, with the references, and releases the tree. */
+static void check_exact(const request *asked, const way *by, svo_build_report *report)
+{
+    built actual;
+    build(asked, by, &actual);
+    const svo_plan_options options = options_of(asked, by);
+    assert_build_is_exact(asked->mesh, &options, &actual);
+    *report = actual.report;
+    built_destroy(&actual);
+}
+
+static void assert_same_tree(const built *actual, const built *expected)
+{
+    const uint64_t nodes = expected->info.node_count;
+    assert_int_equal(actual->info.node_count, nodes);
+    if (expected->arrays.colors != NULL) {
+        assert_memory_equal(actual->arrays.colors, expected->arrays.colors, nodes * 4);
+    }
+    if (expected->arrays.normals != NULL) {
+        assert_memory_equal(actual->arrays.normals, expected->arrays.normals, nodes * 6);
+    }
+    assert_string_equal(actual->hash, expected->hash);
+}
+
+/* In one chunk, in another order, in many chunks, and drawn again because the list was too small. The reports are those of
+   the last two. */
+static void check_all_ways(const request *asked, svo_build_report *cut, svo_build_report *grown)
+{
+    const svo_plan_options options = options_of(asked, &(way){.seed = 1});
+    built expected;
+    build(asked, &(way){.seed = 1}, &expected);
+    assert_build_is_exact(asked->mesh, &options, &expected);
+    assert_int_equal(expected.report.list_chunks, expected.info.fragments > 0 ? 1 : 0);
+    const way others[] = {{.seed = 2},
+                          {.seed = 3, .chunk_bytes = SMALL_CHUNK_BYTES},
+                          {.seed = 4, .fragment_capacity = expected.info.fragments / 3 + 1}};
+    svo_build_report reports[3];
+    for (size_t i = 0; i < 3; ++i) {
+        built actual;
+        build(asked, &others[i], &actual);
+        assert_same_tree(&actual, &expected);
+        reports[i] = actual.report;
+        built_destroy(&actual);
+    }
+    *cut = reports[1];
+    *grown = reports[2];
+    built_destroy(&expected);
+}
+
+/* A mesh with every attribute: colours, normals, some of them not usable, two textures and a material without. */
+typedef struct painted {
+    owned_mesh owned;
+    svo_mesh mesh;
+    uint8_t *colors;
+    float *normals, *uvs;
+    uint16_t *triangle_materials;
+    uint8_t texels[2][5 * 3 * 4];
+    svo_texture textures[2];
+    svo_material materials[3];
+} painted;
+
+static void paint_textures(painted *out, uint64_t *state)
+{
+    static const svo_wrap wraps[2][2] = {{SVO_WRAP_REPEAT, SVO_WRAP_MIRROR}, {SVO_WRAP_CLAMP, SVO_WRAP_REPEAT}};
+    for (unsigned i = 0; i < 2; ++i) {
+        for (size_t k = 0; k < sizeof out->texels[i]; ++k) {
+            out->texels[i][k] = (uint8_t)random_word(state);
+        }
+        out->textures[i] = (svo_texture){out->texels[i], i == 0 ? 5 : 3, i == 0 ? 3 : 5, wraps[i][0], wraps[i][1]};
+        out->materials[i] = (svo_material){{255, 200, (uint8_t)(100 * i), 255}, i};
+    }
+    out->materials[2] = (svo_material){{10, 250, 130, 200}, SVO_NO_TEXTURE};
+}
+
+/* Takes the triangles over. */
+static void paint(uint64_t seed, const owned_mesh *owned, painted *out)
+{
+    uint64_t state = seed;
+    const size_t vertices = owned->mesh.vertex_count;
+    const size_t triangles = owned->mesh.triangle_count;
+    *out = (painted){.owned = *owned,
+                     .mesh = owned->mesh,
+                     .colors = malloc(vertices * 4),
+                     .normals = malloc(vertices * 3 * sizeof(float)),
+                     .uvs = malloc(vertices * 2 * sizeof(float)),
+                     .triangle_materials = malloc(triangles * sizeof(uint16_t))};
+    assert_true(out->colors != NULL && out->normals != NULL && out->uvs != NULL && out->triangle_materials != NULL);
+    for (size_t i = 0; i < vertices * 4; ++i) {
+        out->colors[i] = (uint8_t)random_word(&state);
+    }
+    for (size_t i = 0; i < vertices * 3; ++i) {
+        out->normals[i] = random_below(&state, 8) == 0 ? 0.0f : (float)(random_unit(&state) * 2.0 - 1.0);
+    }
+    for (size_t i = 0; i < vertices * 2; ++i) {
+        out->uvs[i] = (float)(random_unit(&state) * 6.0 - 3.0);
+    }
+    for (size_t i = 0; i < triangles; ++i) {
+        out->triangle_materials[i] = (uint16_t)random_below(&state, 3);
+    }
+    paint_textures(out, &state);
+    out->mesh.colors = out->colors;
+    out->mesh.normals = out->normals;
+    out->mesh.uvs = out->uvs;
+    out->mesh.triangle_materials = out->triangle_materials;
+    out->mesh.materials = out->materials;
+    out->mesh.material_count = 3;
+    out->mesh.textures = out->textures;
+    out->mesh.texture_count = 2;
+}
+
+static void painted_free(painted *made)
+{
+    owned_mesh_free(&made->owned);
+    free(made->colors);
+    free(made->normals);
+    free(made->uvs);
+    free(made->triangle_materials);
+}
+
+/* Some triangles of about voxels voxels across at that depth of the unit grid. */
+static void mesh_for_depth(uint64_t seed, size_t triangle_count, unsigned depth, double voxels, owned_mesh *out)
+{
+    static const double corner[3] = {0.493, 0.249, 0.121};
+    const double width = voxels / (double)(1u << depth);
+    random_dust(seed, triangle_count, corner, width < 0.5 ? width : 0.5, out);
+}
+
+static void trees_are_exact(void **state)
+{
+    static const unsigned depths[] = {1, 4, 10, 11, 2, 7, 12};
+    (void)state;
+    for (size_t i = 0; i < (bench.small ? 4 : 7); ++i) {
+        print_message("depth %u\n", depths[i]);
+        owned_mesh made;
+        mesh_for_depth(i, bench.small ? 12 : 150, depths[i], 24.0, &made);
+        const request asked = {&made.mesh, depths[i], SVO_NEED_RAYS, 1.0};
+        const request nodes_alone = {&made.mesh, depths[i], SVO_NEED_NONE, 1.0};
+        svo_build_report reports[2];
+        if (bench.small) {
+            check_exact(&asked, &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, reports);
+        } else {
+            check_all_ways(&asked, &reports[0], &reports[1]);
+            check_exact(&nodes_alone, &(way){.seed = i}, reports);
+        }
+        owned_mesh_free(&made);
+    }
+}
+
+/* All sorts of triangles at once, on the fitted grid and on one they reach out of. */
+static void random_meshes_are_exact(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= (bench.small ? 1 : 8); ++seed) {
+        print_message("seed %llu\n", (unsigned long long)seed);
+        const unsigned depth = bench.small ? 3 : 2 + (unsigned)seed % 6;
+        owned_mesh made;
+        random_mesh(seed, bench.small ? 30 : 300, seed % 2 == 0 ? 0.0 : 2.0, &made);
+        svo_build_report reports[2];
+        if (!bench.small) {
+            check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 0.0}, &reports[0], &reports[1]);
+        }
+        check_all_ways(&(request){&made.mesh, depth, NEED_ALL, 1.0}, &reports[0], &reports[1]);
+        owned_mesh_free(&made);
+    }
+}
+
+/* Every variant of the payload's kernels: attributes of the mesh taken away one by one. */
+static void payload_depends_on_neither_order_nor_cut(void **state)
+{
+    static const struct {
+        uint32_t need;
+        bool colors, normals, textures;
+    } cases[] = {
+        {SVO_NEED_COLOR | SVO_NEED_NORMAL, true, true, true},
+        {NEED_ALL, true, true, true},
+        {SVO_NEED_COLOR, false, false, false},
+        {SVO_NEED_COLOR, true, false, false},
+        {SVO_NEED_COLOR, false, true, true},
+        {SVO_NEED_NORMAL, true, false, false},
+        {SVO_NEED_NORMAL, false, true, false},
+    };
+    static const unsigned depths[] = {5, 1, 4, 10, 11};
+    (void)state;
+    for (size_t i = 0; i < (bench.small ? 1 : sizeof cases / sizeof cases[0]); ++i) {
+        for (size_t k = 0; k < (bench.small ? 1 : 5); ++k) {
+            print_message("case %zu at depth %u\n", i, depths[k]);
+            owned_mesh bare;
+            painted made;
+            mesh_for_depth(i * 10 + k, bench.small ? 30 : 100, depths[k], bench.small ? 16.0 : 24.0, &bare);
+            paint(i + k, &bare, &made);
+            made.mesh.colors = cases[i].colors ? made.mesh.colors : NULL;
+            made.mesh.normals = cases[i].normals ? made.mesh.normals : NULL;
+            made.mesh.texture_count = cases[i].textures ? 2 : 0;
+            svo_build_report cut;
+            svo_build_report grown;
+            check_all_ways(&(request){&made.mesh, depths[k], cases[i].need, 1.0}, &cut, &grown);
+            assert_true(depths[k] < 4 || cut.list_chunks > 1);
+            assert_true(depths[k] < 4 || grown.reruns > 0);
+            painted_free(&made);
+        }
+    }
+}
+
+/* What each node of a mesh of one colour and one normal must hold, whatever else is in the voxel. */
+static void a_mesh_of_one_colour_gives_it_to_every_node(void **state)
+{
+    static const uint8_t rgba[4] = {1, 254, 128, 77};
+    static const float upwards[3] = {0.0f, 0.0f, 7.5f};
+    (void)state;
+    owned_mesh bare;
+    painted made;
+    mesh_for_depth(5, 40, 4, 16.0, &bare);
+    paint(5, &bare, &made);
+    made.mesh.material_count = 0;
+    for (size_t v = 0; v < made.mesh.vertex_count; ++v) {
+        memcpy(made.colors + v * 4, rgba, sizeof rgba);
+        memcpy(made.normals + v * 3, upwards, sizeof upwards);
+    }
+    built actual;
+    build(&(request){&made.mesh, 4, SVO_NEED_COLOR | SVO_NEED_NORMAL, 1.0}, &(way){.seed = 1}, &actual);
+    assert_in_range(actual.info.node_count, 100, UINT32_MAX);
+    for (uint64_t node = 0; node < actual.info.node_count; ++node) {
+        assert_memory_equal(actual.arrays.colors + node * 4, rgba, sizeof rgba);
+        assert_int_equal(actual.arrays.normals[node * 3], 0);
+        assert_int_equal(actual.arrays.normals[node * 3 + 1], 0);
+        assert_int_equal(actual.arrays.normals[node * 3 + 2], 32767);
+    }
+    built_destroy(&actual);
+    painted_free(&made);
+}
+
+static void a_mesh_without_triangles_gives_a_root(void **state)
+{
+    static const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_RAYS, NEED_ALL};
+    (void)state;
+    for (size_t i = 0; i < 3; ++i) {
+        const svo_mesh mesh = {.struct_size = sizeof mesh};
+        const request asked = {&mesh, 1 + 5 * (unsigned)i, needs[i], 0.0};
+        built actual;
+        build(&asked, &(way){.seed = 1}, &actual);
+        assert_int_equal(actual.info.node_count, 1);
+        assert_int_equal(actual.info.leaf_count, 0);
+        assert_int_equal(actual.arrays.child_mask[0], 0);
+        assert_build_is_exact(&mesh, NULL, &actual);
+        built_destroy(&actual);
+    }
+}
+
+/* Long lists go another way than short ones; these have digits enough for two and for four passes of the sort. */
+static void one_leaf_holds_thousands_of_triangles(void **state)
+{
+    static const size_t counts[] = {200, 3000, 33, 32, 70000};
+    (void)state;
+    for (size_t i = 0; i < (bench.small ? 2 : 5); ++i) {
+        print_message("%zu triangles\n", counts[i]);
+        static const double corner[3] = {0.51, 0.51, 0.51};
+        owned_mesh made;
+        random_dust(i, counts[i], corner, 0.01, &made);
+        svo_build_report cut;
+        svo_build_report grown;
+        if (bench.small) {
+            check_exact(&(request){&made.mesh, 3, SVO_NEED_RAYS, 1.0},
+                        &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
+        } else {
+            check_all_ways(&(request){&made.mesh, 5, NEED_ALL, 1.0}, &cut, &grown);
+            assert_in_range(cut.list_chunks, counts[i] / 2048, counts[i] / 1024 + 1);
+        }
+        owned_mesh_free(&made);
+    }
+}
+
+/* Short and long lists in one tree. */
+static void lists_of_all_lengths_are_sorted(void **state)
+{
+    static const double corner[3] = {0.0, 0.0, 0.0};
+    (void)state;
+    owned_mesh made;
+    random_dust(9, bench.small ? 60 : 4000, corner, 1.0, &made);
+    for (size_t t = 0; t < made.mesh.triangle_count; ++t) {
+        for (unsigned k = 3; k < 9; ++k) { /* small ones, ever denser towards the corner */
+            const double first = made.positions[t * 9 + k % 3];
+            made.positions[t * 9 + k] = first * first + (made.positions[t * 9 + k] - 0.5) * 0.01;
+        }
+        for (unsigned k = 0; k < 3; ++k) {
+            made.positions[t * 9 + k] *= made.positions[t * 9 + k];
+        }
+    }
+    svo_build_report reports[2];
+    for (unsigned depth = 2; depth <= (bench.small ? 2 : 6); ++depth) {
+        check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 1.0}, &reports[0], &reports[1]);
+    }
+    owned_mesh_free(&made);
+}
+
+/* Triangles around the corners of voxels touch seven voxels each where the count law expects one: nodes and chunks need far
+   more room than planned, and chunks are halved until they fit. */
+static void a_scene_that_defies_the_count_law_is_built_again(void **state)
+{
+    (void)state;
+    owned_mesh made;
+    corner_mesh(bench.small ? 8 : 24, &made);
+    svo_build_report cut;
+    if (bench.small) {
+        check_exact(&(request){&made.mesh, 4, SVO_NEED_NONE, 1.0}, &(way){.seed = 1, .chunk_bytes = SMALL_CHUNK_BYTES},
+                    &cut);
+    } else {
+        svo_build_report grown;
+        check_all_ways(&(request){&made.mesh, 10, NEED_ALL, 1.0}, &cut, &grown);
+        assert_in_range(grown.reruns, 2, 32); /* the list, and the nodes */
+    }
+    assert_in_range(cut.reruns, 1, 32);
+    owned_mesh_free(&made);
+}
+
+int main(int argc, char **argv)
+{
+    bench.small = argc == 2 && strcmp(argv[1], "small") == 0;
+    if (argc > 1 && !bench.small) {
+        print_error("usage: test_kernels [small]\n");
+        return 2;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(trees_are_exact, need_device),
+        cmocka_unit_test_setup(random_meshes_are_exact, need_device),
+        cmocka_unit_test_setup(payload_depends_on_neither_order_nor_cut, need_device),
+        cmocka_unit_test_setup(a_mesh_of_one_colour_gives_it_to_every_node, need_device),
+        cmocka_unit_test_setup(a_mesh_without_triangles_gives_a_root, need_device),
+        cmocka_unit_test_setup(one_leaf_holds_thousands_of_triangles, need_device),
+        cmocka_unit_test_setup(lists_of_all_lengths_are_sorted, need_device),
+        cmocka_unit_test_setup(a_scene_that_defies_the_count_law_is_built_again, need_device),
+    };
+    return cmocka_run_group_tests(tests, open_bench, close_bench);
+}

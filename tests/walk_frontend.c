@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/* Fragment lists made on the host from the exact references' pairs. */
+#include "walk_frontend.h"
+
+#include <stdlib.h>
+
+#include "meshes.h"
+#include "oracle.h"
+
+/* All pairs of a plan, by triangle; fragment codes and kept triangles. */
+typedef struct walk {
+    const svo_plan *plan;
+    oracle_pairs pairs; /* by code */
+    size_t *triangle_begin; /* pair_of[triangle_begin[t] ..]: those of triangle t; triangle_count + 1 */
+    size_t *pair_of; /* pairs.count */
+} walk;
+
+/* The fragments of one chunk as they are found. */
+typedef struct gathered {
+    size_t *pairs; /* indices; room for all there are */
+    size_t count;
+} gathered;
+
+static svo_status no_memory(const svo_plan *plan)
+{
+    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "walk_frontend: no memory for the pairs");
+}
+
+static void walk_free(walk *w)
+{
+    oracle_pairs_free(&w->pairs);
+    free(w->triangle_begin);
+    free(w->pair_of);
+}
+
+static bool walk_make(const svo_plan *plan, walk *w)
+{
+    *w = (walk){.plan = plan};
+    const oracle_mesh mesh = {plan->vertices, plan->indices, NULL, plan->triangle_count};
+    const oracle_request request = {plan->info.depth, plan->info.snap_bits, ORACLE_HALF_OPEN, ORACLE_SAT};
+    w->triangle_begin = calloc((size_t)plan->triangle_count + 2, sizeof *w->triangle_begin);
+    if (w->triangle_begin == NULL || !oracle_enumerate(&mesh, &request, &w->pairs)) {
+        return false;
+    }
+    w->pair_of = calloc(w->pairs.count + 1, sizeof *w->pair_of);
+    if (w->pair_of == NULL) {
+        return false;
+    }
+    /* A counting sort. Counts stand two places on, begins one, so that placing the pairs leaves each begin in its place. */
+    for (size_t i = 0; i < w->pairs.count; ++i) {
+        ++w->triangle_begin[w->pairs.pairs[i].triangle + 2];
+    }
+    for (size_t t = 2; t <= plan->triangle_count; ++t) {
+        w->triangle_begin[t] += w->triangle_begin[t - 1];
+    }
+    for (size_t i = 0; i < w->pairs.count; ++i) {
+        w->pair_of[w->triangle_begin[w->pairs.pairs[i].triangle + 1]++] = i;
+    }
+    return true;
+}
+
+/* Every third bit of a code. */
+static uint32_t coordinate(uint64_t code, unsigned axis)
+{
+    uint32_t value = 0;
+    for (unsigned bit = 0; bit < SVO_DEPTH_MAX; ++bit) {
+        value |= (uint32_t)(code >> (3 * bit + axis) & 1u) << bit;
+    }
+    return value;
+}
+
+/* Any projection along the item's axis will do, if only every voxel lies in one pixel. */
+static bool in_tile(const svo_i_draw *draw, unsigned axis, uint64_t code)
+{
+    return coordinate(code, (axis + 1) % 3) - draw->tile_x < draw->tile_width &&
+           coordinate(code, (axis + 2) % 3) - draw->tile_y < draw->tile_height;
+}
+
+static void gather_draw(const walk *w, const svo_i_draw *draw, gathered *out)
+{
+    for (uint32_t k = 0; k < draw->item_count; ++k) {
+        const svo_draw_item *item = &w->plan->items[draw->first_item + k];
+        for (size_t i = w->triangle_begin[item->triangle]; i < w->triangle_begin[item->triangle + 1]; ++i) {
+            if (in_tile(draw, item->flags & SVO_DRAW_AXIS_MASK, w->pairs.pairs[w->pair_of[i]].code)) {
+                out->pairs[out->count++] = w->pair_of[i];
+            }
+        }
+    }
+}
+
+/* Fisher and Yates. */
+static void shuffle(gathered *fragments, uint64_t *state)
+{
+    for (size_t left = fragments->count; left > 1; --left) {
+        const size_t other = random_below(state, (uint32_t)left);
+        const size_t kept = fragments->pairs[left - 1];
+        fragments->pairs[left - 1] = fragments->pairs[other];
+        fragments->pairs[other] = kept;
+    }
+}
+
+/* Fragments in the form the kernels read; by malloc, NULL when out of memory. */
+static uint32_t *encode(const walk *w, const gathered *fragments, size_t count)
+{
+    const bool long_code = w->plan->info.depth > SVO_CODE30_DEPTH_MAX;
+    uint32_t *words = malloc(count * svo_i_plan_fragment_bytes(w->plan) + 1);
+    uint32_t *next = words;
+    for (size_t i = 0; words != NULL && i < count; ++i) {
+        const oracle_pair *pair = &w->pairs.pairs[fragments->pairs[i]];
+        *next++ = (uint32_t)pair->code;
+        if (long_code) {
+            *next++ = (uint32_t)(pair->code >> 32);
+        }
+        *next++ = pair->triangle;
+    }
+    return words;
+}
+
+/* What lies beyond the fragments in the buffer is never written, so that a reader of it can be found out. */
+static svo_status upload(const walk *w, const gathered *fragments, cl_command_queue queue, svo_i_fragments *chunk)
+{
+    const size_t fragment_bytes = svo_i_plan_fragment_bytes(w->plan);
+    svo_status status = svo_i_device_buffer(w->plan->device, "walk_frontend", "fragments", CL_MEM_READ_WRITE,
+                                            (size_t)chunk->capacity * fragment_bytes, &chunk->buffer);
+    const size_t held = chunk->needed < chunk->capacity ? (size_t)chunk->needed : (size_t)chunk->capacity;
+    if (status != SVO_OK || held == 0) {
+        return status;
+    }
+    uint32_t *words = encode(w, fragments, held);
+    if (words == NULL) {
+        return no_memory(w->plan);
+    }
+    const cl_int error =
+        clEnqueueWriteBuffer(queue, chunk->buffer, CL_TRUE, 0, held * fragment_bytes, words, 0, NULL, NULL);
+    free(words);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(w->plan->device, "walk_frontend", "clEnqueueWriteBuffer", error);
+}
+
+static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_t seed, cl_command_queue queue,
+                              svo_i_fragment_list *list)
+{
+    gathered fragments = {.pairs = malloc((w->pairs.count + 1) * sizeof *fragments.pairs)};
+    svo_status status = fragments.pairs != NULL ? SVO_OK : no_memory(w->plan);
+    for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
+        const svo_i_chunk *chunk = &layout->chunks[i];
+        fragments.count = 0;
+        for (uint32_t k = 0; k < chunk->draw_count; ++k) {
+            gather_draw(w, &layout->draws[chunk->first_draw + k], &fragments);
+        }
+        shuffle(&fragments, &seed);
+        list->chunks[i].needed = fragments.count;
+        list->chunks[i].capacity = chunk->capacity;
+        status = upload(w, &fragments, queue, &list->chunks[i]);
+    }
+    free(fragments.pairs);
+    return status;
+}
+
+static svo_status prepare(void *self, const svo_plan *plan)
+{
+    (void)self;
+    (void)plan;
+    return SVO_OK;
+}
+
+static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms)
+{
+    const double start_ms = svo_i_now_ms();
+    walk w;
+    svo_status status = walk_make(plan, &w) ? SVO_OK : no_memory(plan);
+    if (status == SVO_OK) {
+        status = make_chunks(&w, layout, ((const walk_frontend *)self)->seed, queue, list);
+    }
+    walk_free(&w);
+    *voxelize_ms = svo_i_now_ms() - start_ms;
+    *transfer_ms = 0.0;
+    return status;
+}
+
+static void release(void *self, svo_i_fragment_list *list)
+{
+    (void)self;
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        if (list->chunks[i].buffer != NULL) {
+            clReleaseMemObject(list->chunks[i].buffer);
+        }
+    }
+    list->chunk_count = 0;
+}
+
+void walk_frontend_init(svo_device *device, uint64_t seed, walk_frontend *out)
+{
+    *out = (walk_frontend){.frontend = {.name = "walk",
+                                        .share = "none",
+                                        .self = out,
+                                        .device = device,
+                                        .chunk_bytes_max = UINT64_MAX,
+                                        .prepare = prepare,
+                                        .voxelize = voxelize,
+                                        .release = release},
+                           .seed = seed};
+}
