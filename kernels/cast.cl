@@ -43,6 +43,13 @@ static float svo_away_from_zero(float component)
     return fabs(component) < SVO_CAST_DIRECTION_MIN ? SVO_CAST_DIRECTION_MIN : component;
 }
 
+/* The cell of a point, inside low .. high. Vector bounds and floor: oclgrind 21.10 gets scalar bounds of clamp and the
+   rounding suffixes of conversions wrong. */
+static int3 svo_cast_cell(float3 point, int3 low, int3 high)
+{
+    return clamp(convert_int3_sat(floor(point)), low, high);
+}
+
 /* Where the ray is inside the grid: distances of entry and exit, and the axis of the entry. */
 static bool svo_cast_clip(const svo_cast_ray *ray, float3 inverse, float width, float *entry, int *axis)
 {
@@ -93,7 +100,7 @@ static bool svo_cast(const svo_cast_tree *tree, const svo_cast_ray *ray, svo_cas
     if (!svo_cast_clip(ray, inverse, (float)cells, &t, &axis)) {
         return false;
     }
-    int3 cell = clamp(convert_int3_sat_rtn(ray->origin + t * direction), 0, cells - 1);
+    int3 cell = svo_cast_cell(ray->origin + t * direction, (int3)(0), (int3)(cells - 1));
     uint stack[SVO_CAST_LEVELS];
     stack[0] = 0u;
     uint level = 0u;
@@ -114,7 +121,7 @@ static bool svo_cast(const svo_cast_tree *tree, const svo_cast_ray *ray, svo_cas
         const float3 crossing = (convert_float3(exit) - ray->origin) * inverse;
         axis = crossing.x <= crossing.y ? (crossing.x <= crossing.z ? 0 : 2) : (crossing.y <= crossing.z ? 1 : 2);
         t = fmax(t, fmin(crossing.x, fmin(crossing.y, crossing.z)));
-        const int3 along = clamp(convert_int3_sat_rtn(ray->origin + t * direction), low, low + width - 1);
+        const int3 along = svo_cast_cell(ray->origin + t * direction, low, low + width - 1);
         int3 next = select(min(cell, along), max(cell, along), forward);
         const int3 outside = select(low - 1, low + width, forward);
         next.x = axis == 0 ? outside.x : next.x;
@@ -234,7 +241,7 @@ static uint svo_pack_color(float3 light)
 {
     /* Highlights roll off instead of clipping hard; the square root undoes the squares of svo_cast_albedo. */
     const float3 soft = light / (1.0f + 0.12f * light * light);
-    const uint3 bytes = convert_uint3(sqrt(clamp(soft, 0.0f, 1.0f)) * 255.0f + 0.5f);
+    const uint3 bytes = convert_uint3(sqrt(clamp(soft, (float3)(0.0f), (float3)(1.0f))) * 255.0f + 0.5f);
     return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
 }
 

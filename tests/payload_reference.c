@@ -101,9 +101,8 @@ static int64_t blend(const int64_t values[3], const int64_t weights[3])
 /* The triangle's material, or NULL for white. */
 static const svo_material *material_of(const svo_mesh *mesh, uint32_t triangle)
 {
-    const uint32_t index = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
-    return index < mesh->material_count ? &mesh->materials[index]
-                                        : (mesh->material_count > 0 ? &mesh->materials[0] : NULL);
+    const uint32_t given = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
+    return mesh->material_count > 0 ? &mesh->materials[given < mesh->material_count ? given : 0] : NULL;
 }
 
 static const svo_texture *texture_of(const svo_mesh *mesh, uint32_t triangle)
@@ -394,7 +393,7 @@ void payload_double_colors(const svo_mesh *mesh, const exact *expected, double *
             const int32_t *corners[3];
             int64_t middle[3];
             double weights[3];
-                    open_pair(expected, &pairs->pairs[end], indices, corners, middle);
+            open_pair(expected, &pairs->pairs[end], indices, corners, middle);
             double_weights(corners, middle, weights);
             add_double_color(mesh, pairs->pairs[end].triangle, indices, weights, color);
         }

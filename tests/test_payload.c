@@ -1,0 +1,492 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The payload: colour and normal of every leaf and every inner node equal the reference byte for byte, for every sort of
+ * attribute a mesh can have; colours are what doubles say; means over very many triangles are exact; and neither order nor
+ * the cut of the list matters.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "meshes.h"
+#include "payload_reference.h"
+#include "scenes.h"
+
+#define NEED_BOTH ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+
+enum { MATERIAL_COUNT = 8, TEXTURE_COUNT = 5 };
+
+/* A mesh with every attribute there is; tests take away what they do without. */
+typedef struct attributed_mesh {
+    owned_mesh base;
+    svo_mesh mesh;
+    uint8_t *colors;
+    float *normals, *uvs;
+    uint16_t *triangle_materials;
+    svo_material materials[MATERIAL_COUNT];
+    svo_texture textures[TEXTURE_COUNT];
+    uint8_t *texels;
+} attributed_mesh;
+
+/* Odd sizes, every way to wrap. */
+static void make_textures(uint64_t *state, attributed_mesh *out)
+{
+    static const uint32_t sizes[TEXTURE_COUNT][2] = {{1, 1}, {3, 5}, {64, 32}, {7, 1}, {2, 129}};
+    static const svo_wrap wraps[TEXTURE_COUNT][2] = {{SVO_WRAP_REPEAT, SVO_WRAP_CLAMP},
+                                                     {SVO_WRAP_REPEAT, SVO_WRAP_MIRROR},
+                                                     {SVO_WRAP_CLAMP, SVO_WRAP_REPEAT},
+                                                     {SVO_WRAP_MIRROR, SVO_WRAP_MIRROR},
+                                                     {SVO_WRAP_MIRROR, SVO_WRAP_CLAMP}};
+    size_t total = 0;
+    for (unsigned i = 0; i < TEXTURE_COUNT; ++i) {
+        total += (size_t)sizes[i][0] * sizes[i][1] * 4;
+    }
+    out->texels = malloc(total);
+    assert_non_null(out->texels);
+    for (size_t i = 0; i < total; ++i) {
+        out->texels[i] = (uint8_t)random_word(state);
+    }
+    const uint8_t *next = out->texels;
+    for (unsigned i = 0; i < TEXTURE_COUNT; ++i) {
+        out->textures[i] = (svo_texture){next, sizes[i][0], sizes[i][1], wraps[i][0], wraps[i][1]};
+        next += (size_t)sizes[i][0] * sizes[i][1] * 4;
+    }
+}
+
+/* The first is white without a texture; some have a texture that is not there. */
+static void make_materials(uint64_t *state, attributed_mesh *out)
+{
+    static const uint32_t texture_indices[MATERIAL_COUNT] = {SVO_NO_TEXTURE, 0, 1, 2, 3, 4, TEXTURE_COUNT, 77777};
+    for (unsigned i = 0; i < MATERIAL_COUNT; ++i) {
+        out->materials[i].texture_index = texture_indices[i];
+        for (unsigned channel = 0; channel < 4; ++channel) {
+            out->materials[i].rgba[channel] = i == 0 ? 255 : (uint8_t)random_word(state);
+        }
+    }
+    for (size_t t = 0; t < out->mesh.triangle_count; ++t) {
+        out->triangle_materials[t] = (uint16_t)random_below(state, MATERIAL_COUNT);
+    }
+}
+
+static float random_normal_part(uint64_t *state, uint32_t sort)
+{
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 0.0F, -0.0F, 1e-38F, 3e38F, -1e-45F};
+    return sort == 0 ? odd[random_below(state, 8)] : (float)(random_unit(state) * 2.0 - 1.0);
+}
+
+static float random_uv(uint64_t *state)
+{
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 1e30F, -1e30F, 32767.0F, -32766.75F, 1000.3F};
+    return random_below(state, 32) == 0 ? odd[random_below(state, 8)] : (float)(random_unit(state) * 7.0 - 3.0);
+}
+
+static void make_vertex_attributes(uint64_t *state, attributed_mesh *out)
+{
+    for (size_t v = 0; v < out->mesh.vertex_count; ++v) {
+        const uint32_t sort = random_below(state, 6);
+        const bool as_before = v > 0 && random_below(state, 3) != 0; /* many triangles of one colour, one normal */
+        for (unsigned k = 0; k < 4; ++k) {
+            out->colors[v * 4 + k] = as_before ? out->colors[v * 4 + k - 4] : (uint8_t)random_word(state);
+        }
+        for (unsigned k = 0; k < 3; ++k) {
+            const float part = random_normal_part(state, sort);
+            out->normals[v * 3 + k] = as_before ? out->normals[v * 3 + k - 3] : sort == 1 ? 0.0F : part;
+        }
+        out->uvs[v * 2] = random_uv(state);
+        out->uvs[v * 2 + 1] = random_uv(state);
+    }
+}
+
+static void attributed_mesh_create(uint64_t seed, size_t triangle_count, double reach, attributed_mesh *out)
+{
+    uint64_t state = seed * 7919;
+    *out = (attributed_mesh){0};
+    random_mesh(seed, triangle_count, reach, &out->base);
+    out->mesh = out->base.mesh;
+    const size_t vertex_count = out->mesh.vertex_count;
+    out->colors = malloc(vertex_count * 4);
+    out->normals = malloc(vertex_count * 3 * sizeof(float));
+    out->uvs = malloc(vertex_count * 2 * sizeof(float));
+    out->triangle_materials = malloc(triangle_count * sizeof(uint16_t));
+    assert_true(out->colors != NULL && out->normals != NULL && out->uvs != NULL && out->triangle_materials != NULL);
+    make_vertex_attributes(&state, out);
+    make_textures(&state, out);
+    make_materials(&state, out);
+    out->mesh.colors = out->colors;
+    out->mesh.normals = out->normals;
+    out->mesh.uvs = out->uvs;
+    out->mesh.triangle_materials = out->triangle_materials;
+    out->mesh.materials = out->materials;
+    out->mesh.material_count = MATERIAL_COUNT;
+    out->mesh.textures = out->textures;
+    out->mesh.texture_count = TEXTURE_COUNT;
+}
+
+static void attributed_mesh_destroy(attributed_mesh *made)
+{
+    free(made->texels);
+    free(made->triangle_materials);
+    free(made->uvs);
+    free(made->normals);
+    free(made->colors);
+    owned_mesh_free(&made->base);
+}
+
+static void assert_same_colors(const built *actual, const uint8_t *expected)
+{
+    for (size_t i = 0; i < actual->info.node_count * 4; ++i) {
+        if (actual->arrays.colors[i] != expected[i]) {
+            fail_msg("node %zu of %llu (%llu inner), channel %zu: %u, not %u", i / 4,
+                     (unsigned long long)actual->info.node_count, (unsigned long long)actual->info.inner_count, i % 4,
+                     actual->arrays.colors[i], expected[i]);
+        }
+    }
+}
+
+static void assert_same_normals(const built *actual, const int16_t *expected)
+{
+    for (size_t i = 0; i < actual->info.node_count * 3; ++i) {
+        if (actual->arrays.normals[i] != expected[i]) {
+            fail_msg("node %zu of %llu (%llu inner), normal's axis %zu: %d, not %d", i / 3,
+                     (unsigned long long)actual->info.node_count, (unsigned long long)actual->info.inner_count, i % 3,
+                     actual->arrays.normals[i], expected[i]);
+        }
+    }
+}
+
+static void check_payload(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options)
+{
+    built actual;
+    exact expected;
+    payload_reference payload;
+    fixture_build(opened, mesh, depth, options, &actual);
+    exact_create(mesh, depth, options, &expected);
+    assert_tree_is_exact(&actual, &expected);
+    payload_reference_create(mesh, &expected, &payload);
+    if ((options->need & SVO_NEED_COLOR) != 0) {
+        assert_same_colors(&actual, payload.colors);
+    }
+    if ((options->need & SVO_NEED_NORMAL) != 0) {
+        assert_same_normals(&actual, payload.normals);
+    }
+    payload_reference_destroy(&payload);
+    exact_destroy(&expected);
+    built_destroy(&actual);
+}
+
+static void payload_of_every_attribute_is_exact(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        const unsigned depth = 1 + (unsigned)seed % 7;
+        print_message("seed %llu at depth %u\n", (unsigned long long)seed, depth);
+        attributed_mesh made;
+        attributed_mesh_create(seed, seed % 4 == 0 ? 3 : 300, 0.0, &made);
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH});
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH | SVO_NEED_RAYS, .edge = 1.0});
+        attributed_mesh_destroy(&made);
+    }
+}
+
+/* What the mesh does not have falls back: white, the triangle's own normal, the first material, no texture. */
+static void payload_without_some_attributes_is_exact(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (unsigned without = 0; without < 64; ++without) {
+        attributed_mesh made;
+        attributed_mesh_create(1000 + without, 60, 0.0, &made);
+        svo_mesh mesh = made.mesh;
+        mesh.colors = (without & 1) != 0 ? NULL : mesh.colors;
+        mesh.normals = (without & 2) != 0 ? NULL : mesh.normals;
+        mesh.uvs = (without & 4) != 0 ? NULL : mesh.uvs;
+        mesh.triangle_materials = (without & 8) != 0 ? NULL : mesh.triangle_materials;
+        mesh.material_count = (without & 16) != 0 ? 0 : mesh.material_count;
+        mesh.texture_count = (without & 32) != 0 ? 0 : mesh.texture_count;
+        const uint32_t need = without % 3 == 0 ? NEED_BOTH : without % 3 == 1 ? SVO_NEED_COLOR : SVO_NEED_NORMAL;
+        check_payload(opened, &mesh, 5, &(svo_plan_options){.need = need});
+        attributed_mesh_destroy(&made);
+    }
+}
+
+/* Triangles that reach far outside the grid, so that weights come from areas of 61 bits. */
+static void payload_of_wide_triangles_is_exact(void **state)
+{
+    static const double reaches[] = {0.3, 5.0, 120.0, 510.0};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < 4; ++i) {
+        attributed_mesh made;
+        attributed_mesh_create(50 + i, 200, reaches[i], &made);
+        check_payload(opened, &made.mesh, 4 + (unsigned)i % 3, &(svo_plan_options){.need = NEED_BOTH, .edge = 1.0});
+        attributed_mesh_destroy(&made);
+    }
+}
+
+/* Fragments of three words, at depths where voxels are small. */
+static void payload_at_great_depths_is_exact(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(12, 3, 0.0, &made);
+    for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH});
+    }
+    attributed_mesh_destroy(&made);
+}
+
+static void payload_of_scenes_is_exact(void **state)
+{
+    static const char *const specs[] = {"atrium", "statue:20000", "knot:5000", "terrain:20000", "cornell", "cube"};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
+        svo_message message = {""};
+        scene *made = NULL;
+        if (scene_create(specs[i], &made, &message) != SVO_OK) {
+            fail_msg("%s", message.text);
+        }
+        check_payload(opened, scene_mesh(made), 8, &(svo_plan_options){.need = NEED_BOTH});
+        scene_destroy(&made);
+    }
+}
+
+/* The distance of built leaf colours from those in doubles. */
+static double largest_color_error(const fixture *opened, const svo_mesh *mesh, unsigned depth)
+{
+    built actual;
+    exact expected;
+    fixture_build(opened, mesh, depth, &(svo_plan_options){.need = SVO_NEED_COLOR}, &actual);
+    exact_create(mesh, depth, NULL, &expected);
+    assert_tree_is_exact(&actual, &expected);
+    double *rgba = malloc(actual.info.leaf_count * 4 * sizeof *rgba);
+    assert_non_null(rgba);
+    payload_double_colors(mesh, &expected, rgba);
+    double largest = 0.0;
+    for (size_t i = 0; i < actual.info.leaf_count * 4; ++i) {
+        largest = fmax(largest, fabs(rgba[i] - actual.arrays.colors[actual.info.inner_count * 4 + i]));
+    }
+    free(rgba);
+    exact_destroy(&expected);
+    built_destroy(&actual);
+    return largest;
+}
+
+/* Half a unit for each of the blend, the product and the mean; weights of 16 bits cost next to nothing. */
+static void colors_are_what_doubles_say(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        attributed_mesh made;
+        attributed_mesh_create(seed, 300, 0.0, &made);
+        made.mesh.texture_count = 0;
+        const double error = largest_color_error(opened, &made.mesh, 6);
+        print_message("colours and materials, seed %llu: %.3f units\n", (unsigned long long)seed, error);
+        assert_true(error <= 1.5);
+        attributed_mesh_destroy(&made);
+    }
+}
+
+/* Half a unit for each of the texel, its 256ths, the product and the mean, where coordinates do not jump by texels. */
+static void textures_are_what_doubles_say(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        attributed_mesh made;
+        attributed_mesh_create(seed, 300, 0.0, &made);
+        made.mesh.colors = NULL;
+        for (size_t i = 0; i < made.mesh.vertex_count * 2; ++i) {
+            made.uvs[i] = isfinite(made.uvs[i]) ? fmodf(made.uvs[i], 3.0F) : 0.0F;
+        }
+        const double error = largest_color_error(opened, &made.mesh, 6);
+        print_message("textures, seed %llu: %.3f units\n", (unsigned long long)seed, error);
+        assert_true(error <= 2.0);
+        attributed_mesh_destroy(&made);
+    }
+}
+
+/* Triangles in one voxel, each of one random colour and normal. */
+typedef struct crowd {
+    owned_mesh base;
+    svo_mesh mesh;
+    uint8_t *colors;
+    float *normals;
+} crowd;
+
+static void crowd_create(size_t triangle_count, crowd *out)
+{
+    static const double corner[3] = {0.3, 0.6, 0.9};
+    uint64_t state = triangle_count;
+    random_dust(triangle_count, triangle_count, corner, 0.001, &out->base);
+    out->mesh = out->base.mesh;
+    out->colors = malloc(triangle_count * 12);
+    out->normals = malloc(triangle_count * 9 * sizeof(float));
+    assert_true(out->colors != NULL && out->normals != NULL);
+    for (size_t t = 0; t < triangle_count; ++t) {
+        for (unsigned k = 0; k < 12; ++k) {
+            out->colors[t * 12 + k] = k < 4 ? (uint8_t)random_word(&state) : out->colors[t * 12 + k - 4];
+        }
+        for (unsigned k = 0; k < 9; ++k) {
+            out->normals[t * 9 + k] = k < 3 ? (float)(random_unit(&state) - 0.3) : out->normals[t * 9 + k - 3];
+        }
+    }
+    out->mesh.colors = out->colors;
+    out->mesh.normals = out->normals;
+}
+
+static void crowd_destroy(crowd *made)
+{
+    free(made->normals);
+    free(made->colors);
+    owned_mesh_free(&made->base);
+}
+
+/* Half a unit for the mean; normals another half for being integers. */
+static void assert_crowd_mean(const crowd *made, const built *actual)
+{
+    const size_t count = made->mesh.triangle_count;
+    assert_int_equal(actual->info.leaf_count, 1);
+    assert_int_equal(actual->info.fragments, count);
+    double color[4] = {0.0};
+    double normal[3] = {0.0};
+    for (size_t t = 0; t < count; ++t) {
+        const float *n = made->normals + t * 9;
+        const double length =
+            sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
+        for (unsigned k = 0; k < 4; ++k) {
+            color[k] += made->colors[t * 12 + k];
+        }
+        for (unsigned k = 0; k < 3; ++k) {
+            normal[k] += (double)n[k] / length * 32767.0;
+        }
+    }
+    for (size_t node = 0; node < actual->info.node_count; ++node) {
+        for (unsigned k = 0; k < 4; ++k) {
+            assert_true(fabs(actual->arrays.colors[node * 4 + k] - color[k] / (double)count) <= 0.5000001);
+        }
+        for (unsigned k = 0; k < 3; ++k) {
+            assert_true(fabs(actual->arrays.normals[node * 3 + k] - normal[k] / (double)count) <= 1.0);
+        }
+    }
+}
+
+static void shuffle(uint64_t seed, uint32_t *indices, size_t triangle_count)
+{
+    uint64_t state = seed;
+    for (size_t t = triangle_count; t-- > 1;) {
+        uint32_t kept[3];
+        const size_t other = random_below(&state, (uint32_t)t + 1);
+        memcpy(kept, indices + t * 3, sizeof kept);
+        memmove(indices + t * 3, indices + other * 3, sizeof kept);
+        memcpy(indices + other * 3, kept, sizeof kept);
+    }
+}
+
+static void means_over_many_triangles_are_exact(void **state)
+{
+    static const size_t counts[] = {1, 2, 15, 16, 17, 255, 256, 257, 16383, 16384, 100000};
+    const fixture *opened = fixture_of_group(state);
+    const svo_plan_options options = {.need = NEED_BOTH, .edge = 1.0};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        crowd made;
+        built actual;
+        built shuffled;
+        crowd_create(counts[i], &made);
+        fixture_build(opened, &made.mesh, 5, &options, &actual);
+        assert_crowd_mean(&made, &actual);
+        shuffle(i, made.base.indices, counts[i]);
+        fixture_build(opened, &made.mesh, 5, &options, &shuffled);
+        assert_string_equal(shuffled.hash, actual.hash);
+        built_destroy(&shuffled);
+        built_destroy(&actual);
+        crowd_destroy(&made);
+    }
+}
+
+/* Sums above 32 bits: more triangles than 2^22, in the colours of two materials. */
+static void means_over_millions_of_triangles_are_exact(void **state)
+{
+    enum { COUNT = (1 << 22) + 12345 };
+    static const float positions[9] = {0.5F, 0.5F, 0.5F, 0.51F, 0.5F, 0.5F, 0.5F, 0.51F, 0.5F};
+    static const svo_material materials[2] = {{{255, 255, 0, 9}, SVO_NO_TEXTURE}, {{255, 0, 3, 254}, SVO_NO_TEXTURE}};
+    uint32_t *indices = malloc((size_t)COUNT * 3 * sizeof *indices);
+    uint16_t *triangle_materials = malloc((size_t)COUNT * sizeof *triangle_materials);
+    assert_true(indices != NULL && triangle_materials != NULL);
+    uint64_t ones = 0;
+    for (size_t t = 0; t < COUNT; ++t) {
+        indices[t * 3] = 0;
+        indices[t * 3 + 1] = 1;
+        indices[t * 3 + 2] = 2;
+        triangle_materials[t] = t % 7 < 2 ? 1 : 0;
+        ones += triangle_materials[t];
+    }
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions,
+                           .vertex_count = 3,
+                           .indices = indices,
+                           .triangle_count = COUNT,
+                           .triangle_materials = triangle_materials,
+                           .materials = materials,
+                           .material_count = 2};
+    built actual;
+    fixture_build(fixture_of_group(state), &mesh, 2, &(svo_plan_options){.need = NEED_BOTH, .edge = 1.0}, &actual);
+    assert_int_equal(actual.info.node_count, 3);
+    for (unsigned node = 0; node < 3; ++node) {
+        for (unsigned k = 0; k < 4; ++k) {
+            const double mean = materials[0].rgba[k] +
+                                ((double)materials[1].rgba[k] - materials[0].rgba[k]) * (double)ones / (double)COUNT;
+            assert_int_equal(actual.arrays.colors[node * 4 + k], (int)floor(mean + 0.5));
+        }
+        assert_int_equal(actual.arrays.normals[node * 3], 0);
+        assert_int_equal(actual.arrays.normals[node * 3 + 1], 0);
+        assert_int_equal(actual.arrays.normals[node * 3 + 2], 32767);
+    }
+    built_destroy(&actual);
+    free(triangle_materials);
+    free(indices);
+}
+
+static void payload_does_not_depend_on_the_chunks(void **state)
+{
+    static const uint64_t sizes_bytes[] = {16384, 65536, 300000};
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(99, 400, 0.0, &made);
+    for (unsigned depth = 1; depth <= 7; depth += 3) {
+        built whole;
+        fixture_build(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH}, &whole);
+        assert_int_equal(whole.report.list_chunks, 1);
+        for (size_t i = 0; i < sizeof sizes_bytes / sizeof sizes_bytes[0]; ++i) {
+            const svo_plan_options options = {.need = NEED_BOTH, .chunk_bytes = sizes_bytes[i]};
+            built cut;
+            fixture_build(opened, &made.mesh, depth, &options, &cut);
+            assert_in_range(cut.report.list_chunks, depth == 7 ? 2 : 1, UINT32_MAX);
+            assert_string_equal(cut.hash, whole.hash);
+            built_destroy(&cut);
+        }
+        built_destroy(&whole);
+    }
+    check_payload(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_BOTH, .chunk_bytes = 16384});
+    attributed_mesh_destroy(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(payload_of_every_attribute_is_exact),
+        cmocka_unit_test(payload_without_some_attributes_is_exact),
+        cmocka_unit_test(payload_of_wide_triangles_is_exact),
+        cmocka_unit_test(payload_at_great_depths_is_exact),
+        cmocka_unit_test(payload_of_scenes_is_exact),
+        cmocka_unit_test(colors_are_what_doubles_say),
+        cmocka_unit_test(textures_are_what_doubles_say),
+        cmocka_unit_test(means_over_many_triangles_are_exact),
+        cmocka_unit_test(means_over_millions_of_triangles_are_exact),
+        cmocka_unit_test(payload_does_not_depend_on_the_chunks),
+    };
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}
