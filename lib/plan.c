@@ -140,7 +140,26 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-/* The sizes before a build: the same buffers the builder asks for, with expected counts in place of real ones. */
+/* What the filter needs: list heads, the sums of two levels, and the payload itself. */
+static void predict_payload(svo_plan *plan, uint64_t inner, uint64_t leaves)
+{
+    const uint32_t depth = plan->info.depth;
+    const uint64_t parents = svo_i_with_slack(svo_i_plan_expected(plan, depth - 1));
+    const uint64_t sums = parents + (depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, depth - 2)) : 1);
+    svo_i_plan_buffer_add(plan, "heads", leaves * 4);
+    svo_i_plan_buffer_add(plan, "weights", sums * 4);
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        svo_i_plan_buffer_add(plan, "color_sums", sums * 32);
+        svo_i_plan_buffer_add(plan, "colors", (inner + leaves) * 4);
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
+        svo_i_plan_buffer_add(plan, "normal_sums", sums * 24);
+        svo_i_plan_buffer_add(plan, "normals", (inner + leaves) * 6);
+    }
+}
+
+/* The sizes before a build: the same buffers the builder asks for, with expected counts in place of real ones, for a list
+   of one chunk. */
 static void predict_buffers(svo_plan *plan)
 {
     const double expected = svo_i_plan_expected(plan, plan->info.depth);
@@ -159,18 +178,10 @@ static void predict_buffers(svo_plan *plan)
         svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
         svo_i_plan_buffer_add(plan, "list", fragments * 4);
         svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
+        svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
     }
     if ((plan->info.need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
-        svo_i_plan_buffer_add(plan, "heads", leaves * 4);
-        svo_i_plan_buffer_add(plan, "weights", leaves * 4);
-    }
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "color_sums", leaves * 32);
-        svo_i_plan_buffer_add(plan, "colors", (inner + leaves) * 4);
-    }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normal_sums", leaves * 24);
-        svo_i_plan_buffer_add(plan, "normals", (inner + leaves) * 6);
+        predict_payload(plan, inner, leaves);
     }
 }
 

@@ -291,7 +291,8 @@ static void colors_are_what_doubles_say(void **state)
     }
 }
 
-/* Half a unit for each of the texel, its 256ths, the product and the mean, where coordinates do not jump by texels. */
+/* Half a unit for each of the texel, its 256ths on both axes, the product and the mean, and another half for weights of 16
+   bits where neighbouring texels differ by all they can. */
 static void textures_are_what_doubles_say(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -300,11 +301,11 @@ static void textures_are_what_doubles_say(void **state)
         attributed_mesh_create(seed, 300, 0.0, &made);
         made.mesh.colors = NULL;
         for (size_t i = 0; i < made.mesh.vertex_count * 2; ++i) {
-            made.uvs[i] = isfinite(made.uvs[i]) ? fmodf(made.uvs[i], 3.0F) : 0.0F;
+            made.uvs[i] = isfinite(made.uvs[i]) ? fmodf(made.uvs[i], 1.0F) : 0.0F;
         }
         const double error = largest_color_error(opened, &made.mesh, 6);
         print_message("textures, seed %llu: %.3f units\n", (unsigned long long)seed, error);
-        assert_true(error <= 2.0);
+        assert_true(error <= 3.0);
         attributed_mesh_destroy(&made);
     }
 }
