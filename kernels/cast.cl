@@ -12,6 +12,7 @@
  * Reads child_mask, first_child and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
  * No atomics, no local memory.
  */
+#include "svocl/layout.h"
 
 #define SVO_CAST_LEVELS 13 /* root to leaves at depth 12 */
 /* Directions closer to an axis than this are treated as this far from it: crossings stay finite. */
@@ -209,32 +210,51 @@ static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *col
 #endif
 }
 
-static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit,
-                             __global const uchar *colors, __global const short *normals,
+/* The light that falls on a point of a surface: sky, and the sun unless something is in its way. */
+static float3 svo_cast_light(const svo_cast_tree *tree, float3 point, float3 normal, float node_width,
                              __constant const svo_cast_params *params)
 {
-    const float3 normal = svo_cast_normal(hit, ray->direction, normals);
     const float3 sun = svo_params_vector(params->sun);
-    const float node_width = (float)(1u << (tree->depth - hit->level));
-    /* Off the staircase of voxels, so that a surface does not shade itself. */
-    const float3 point = ray->origin + ray->direction * hit->distance + normal * (1.75f * node_width) -
-                         ray->direction * (0.5f * node_width);
-    float light = dot(normal, sun);
-    if (light > 0.0f) {
+    float direct = dot(normal, sun);
+    if (direct > 0.0f) {
         svo_cast_ray to_sun;
         to_sun.origin = point;
         to_sun.direction = sun;
         to_sun.footprint = 0.0f;
         to_sun.range = SVO_CAST_FAR;
         svo_cast_hit blocker;
-        light = svo_cast(tree, &to_sun, &blocker) ? 0.0f : light;
+        direct = svo_cast(tree, &to_sun, &blocker) ? 0.0f : direct;
     }
     const float open = svo_cast_openness(tree, point, normal, fmax(params->occlusion_range, 6.0f * node_width));
     const float sky = 0.5f + 0.5f * dot(normal, svo_params_vector(params->up));
     const float3 ambient =
         mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) * mix(0.3f, 1.0f, open);
-    const float3 lit = ambient + fmax(light, 0.0f) * (float3)(1.05f, 0.98f, 0.86f);
-    return svo_cast_albedo(hit, colors) * lit;
+    return ambient + fmax(direct, 0.0f) * (float3)(1.05f, 0.98f, 0.86f);
+}
+
+/* The light of a pixel's last sample, for the next one to share: it costs most of a picture. */
+typedef struct svo_cast_lit {
+    float3 point;
+    float3 normal; /* zero before the first */
+    float3 light;
+} svo_cast_lit;
+
+static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit,
+                             svo_cast_lit *lit, __global const uchar *colors, __global const short *normals,
+                             __constant const svo_cast_params *params)
+{
+    const float3 normal = svo_cast_normal(hit, ray->direction, normals);
+    const float node_width = (float)(1u << (tree->depth - hit->level));
+    /* Off the staircase of voxels, so that a surface does not shade itself. */
+    const float3 point =
+        ray->origin + ray->direction * (hit->distance - 0.5f * node_width) + normal * (1.75f * node_width);
+    const float3 step = point - lit->point;
+    if (dot(normal, lit->normal) < 0.9f || dot(step, step) > 6.0f * node_width * node_width) {
+        lit->point = point;
+        lit->normal = normal;
+        lit->light = svo_cast_light(tree, point, normal, node_width, params);
+    }
+    return svo_cast_albedo(hit, colors) * lit->light;
 }
 
 static uint svo_pack_color(float3 light)
@@ -266,11 +286,10 @@ svo_k_cast(__global const uchar *child_mask, __global const uint *first_child, _
     ray.origin = svo_params_vector(params->eye);
     ray.range = SVO_CAST_FAR;
     ray.footprint = params->footprint / (float)params->samples;
-    /* Samples of one pixel that meet the same face of a voxel share its light. */
-    svo_cast_hit lit;
-    lit.node = UINT_MAX;
-    lit.axis = 0;
-    float3 light = (float3)(0.0f);
+    svo_cast_lit lit;
+    lit.point = (float3)(0.0f);
+    lit.normal = (float3)(0.0f);
+    lit.light = (float3)(0.0f);
     float3 sum = (float3)(0.0f);
     for (uint sample = 0u; sample < params->samples * params->samples; ++sample) {
         const float column = (float)x + ((float)(sample % params->samples) + 0.5f) / (float)params->samples;
@@ -278,15 +297,8 @@ svo_k_cast(__global const uchar *child_mask, __global const uint *first_child, _
         ray.direction = normalize(svo_params_vector(params->corner) + column * svo_params_vector(params->across) +
                                   row * svo_params_vector(params->down));
         svo_cast_hit hit;
-        if (!svo_cast(&tree, &ray, &hit)) {
-            sum += svo_cast_background(params, row);
-            continue;
-        }
-        if (hit.node != lit.node || hit.axis != lit.axis) {
-            light = svo_cast_shade(&tree, &ray, &hit, colors, normals, params);
-            lit = hit;
-        }
-        sum += light;
+        sum += svo_cast(&tree, &ray, &hit) ? svo_cast_shade(&tree, &ray, &hit, &lit, colors, normals, params)
+                                           : svo_cast_background(params, row);
     }
     picture[(size_t)y * params->width + x] = svo_pack_color(sum / (float)(params->samples * params->samples));
 }

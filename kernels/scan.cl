@@ -36,6 +36,19 @@ static uint svo_group_exclusive(uint value, __local uint *scratch, uint *total)
     return sum - value;
 }
 
+/* Sum over the group's items, for item 0; the others need not know. */
+static uint svo_group_sum(uint value, __local uint *scratch)
+{
+    const uint item = (uint)get_local_id(0);
+    scratch[item] = value;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint sum = 0;
+    for (uint k = 0; k < (item == 0u ? SVO_GROUP_ITEMS : 0u); ++k) {
+        sum += scratch[k];
+    }
+    return sum;
+}
+
 /* The tiles of this group: first and one past last element, of count elements in all. */
 static uint2 svo_group_range(uint count)
 {
@@ -111,8 +124,7 @@ svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __
     for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
         sum += svo_sum16(svo_mask_counts(masks + begin, i, range.y));
     }
-    uint total;
-    svo_group_exclusive(sum, scratch, &total);
+    const uint total = svo_group_sum(sum, scratch);
     if (get_local_id(0) == 0) {
         partials[get_group_id(0)] = total;
     }
@@ -175,8 +187,7 @@ svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, sv
     for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
         sum += svo_sum16(svo_list_counts(counts, i, range.y));
     }
-    uint total;
-    svo_group_exclusive(sum, scratch, &total);
+    const uint total = svo_group_sum(sum, scratch);
     if (get_local_id(0) == 0) {
         partials[get_group_id(0)] = total;
     }

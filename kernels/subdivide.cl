@@ -8,8 +8,9 @@
  *   svo_k_descend  per level: every fragment moves its cursor to the child and marks its octant there
  *
  * Launch: one work-item per fragment of a chunk, rounded up to whole groups.
- * Atomics: a mask only gains bits, so a bit that is seen set is set, and atomic_or for a missing one is enough. Four
- * masks share a 32-bit word, byte k of the word is the mask of node 4 w + k:
+ * Atomics: a mask only gains bits, so a bit that is seen set is set, and atomic_or for a missing one is enough. A mask is
+ * complete, and may be read for good, once the launch that marks its level has ended. Four masks share a 32-bit word, byte
+ * k of the word is the mask of node 4 w + k:
  *
  *   31      24 23      16 15       8 7        0
  *   [ node 3 ] [ node 2 ] [ node 1 ] [ node 0 ]
@@ -19,11 +20,22 @@
  */
 #include "fragment.clh"
 
+/* A word to which others may be adding bits. OpenCL C 1.2 has no atomic load, but a device that has atomics on aligned
+   words reads them whole; the detour by an atomic operation, which costs ten times as much, is for race detectors. */
+static uint svo_read_masks(volatile __global uint *word)
+{
+#ifdef SVO_ATOMIC_READS
+    return atomic_or(word, 0u);
+#else
+    return *word;
+#endif
+}
+
 static void svo_mark(volatile __global uint *masks, uint node, uint octant)
 {
     const uint bit = 1u << (8u * (node & 3u) + octant);
     volatile __global uint *word = masks + (node >> 2);
-    if ((*word & bit) == 0u) {
+    if ((svo_read_masks(word) & bit) == 0u) {
         atomic_or(word, bit);
     }
 }
@@ -47,7 +59,7 @@ svo_k_descend(__global const uint *fragments, __global uint *cursors, volatile _
     }
     const svo_code code = svo_fragment_code(fragments, index);
     const uint node = params.level == 0u ? 0u : cursors[index];
-    const uint mask = masks[node >> 2] >> (8u * (node & 3u)) & 255u;
+    const uint mask = svo_read_masks(masks + (node >> 2)) >> (8u * (node & 3u)) & 255u;
     const uint octant = svo_octant(code, params.depth, params.level);
     const uint child = first_child[node] + popcount(mask & ((1u << octant) - 1u));
     cursors[index] = child;

@@ -140,22 +140,76 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-/* What the filter needs: list heads, the sums of two levels, and the payload itself. */
-static void predict_payload(svo_plan *plan, uint64_t inner, uint64_t leaves)
+/* What is uploaded of the mesh itself, for the lists and for the filter. */
+static void predict_geometry(svo_plan *plan)
 {
-    const uint32_t depth = plan->info.depth;
-    const uint64_t parents = svo_i_with_slack(svo_i_plan_expected(plan, depth - 1));
-    const uint64_t sums = parents + (depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, depth - 2)) : 1);
-    svo_i_plan_buffer_add(plan, "heads", leaves * 4);
-    svo_i_plan_buffer_add(plan, "weights", sums * 4);
+    svo_i_plan_buffer_add(plan, "vertices", (uint64_t)plan->vertex_count * 12);
+    svo_i_plan_buffer_add(plan, "indices", (uint64_t)plan->triangle_count * 12);
+}
+
+/* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
+static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
+{
+    const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
+    predict_geometry(plan);
+    svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
+    svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
+    svo_i_plan_buffer_add(plan, "list", fragments * 4);
+    svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
+    svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
+    svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
+    svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
+}
+
+/* The attributes this mesh has and this request reads. */
+static void predict_attributes(svo_plan *plan)
+{
+    const uint64_t vertices = plan->vertex_count;
+    if ((plan->info.need & SVO_NEED_RAYS) == 0) {
+        predict_geometry(plan);
+    }
+    svo_i_plan_buffer_add(plan, "records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record));
+    if (plan->colors != NULL) {
+        svo_i_plan_buffer_add(plan, "vertex_colors", vertices * 4);
+    }
+    if (plan->normals != NULL) {
+        svo_i_plan_buffer_add(plan, "vertex_normals", vertices * 8);
+    }
+    if (plan->uvs != NULL) {
+        svo_i_plan_buffer_add(plan, "uvs", vertices * 8);
+    }
+    svo_i_plan_buffer_add(plan, "materials", plan->material_count * sizeof(svo_material_record));
+    if (plan->texels != NULL) {
+        svo_i_plan_buffer_add(plan, "texels", plan->texel_count * 4);
+    }
+}
+
+/* The sums of the nodes of one level. */
+static void predict_sums(svo_plan *plan, uint64_t nodes)
+{
+    svo_i_plan_buffer_add(plan, "weights", nodes * 4);
     if ((plan->info.need & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "color_sums", sums * 32);
-        svo_i_plan_buffer_add(plan, "colors", (inner + leaves) * 4);
+        svo_i_plan_buffer_add(plan, "color_sums", nodes * 32);
     }
     if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normal_sums", sums * 24);
-        svo_i_plan_buffer_add(plan, "normals", (inner + leaves) * 6);
+        svo_i_plan_buffer_add(plan, "normal_sums", nodes * 24);
     }
+}
+
+/* What the filter needs: list heads, the sums of two levels, the payload itself, and the attributes it comes from. */
+static void predict_payload(svo_plan *plan, uint64_t nodes, uint64_t leaves)
+{
+    const uint32_t depth = plan->info.depth;
+    svo_i_plan_buffer_add(plan, "heads", leaves * 4);
+    predict_sums(plan, depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, depth - 2)) : 1);
+    predict_sums(plan, svo_i_with_slack(svo_i_plan_expected(plan, depth - 1)));
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        svo_i_plan_buffer_add(plan, "colors", nodes * 4);
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
+        svo_i_plan_buffer_add(plan, "normals", nodes * 6);
+    }
+    predict_attributes(plan);
 }
 
 /* The sizes before a build: the same buffers the builder asks for, with expected counts in place of real ones, for a list
@@ -170,18 +224,15 @@ static void predict_buffers(svo_plan *plan)
     svo_i_plan_buffers_reset(plan);
     svo_i_plan_buffer_add(plan, "fragments", fragments * svo_i_plan_fragment_bytes(plan));
     svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * 4);
-    svo_i_plan_buffer_add(plan, "child_mask", inner);
+    svo_i_plan_buffer_add(plan, "child_mask", (inner + 3) / 4 * 4);
     svo_i_plan_buffer_add(plan, "first_child", inner * 4);
+    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
+    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
     if ((plan->info.need & SVO_NEED_RAYS) != 0) {
-        svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
-        svo_i_plan_buffer_add(plan, "list", fragments * 4);
-        svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
-        svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
+        predict_lists(plan, fragments, leaves);
     }
     if ((plan->info.need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
-        predict_payload(plan, inner, leaves);
+        predict_payload(plan, inner + leaves, leaves);
     }
 }
 

@@ -46,18 +46,20 @@ static const kernel_shape shapes[] = {
     {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
 };
 
-#define ARGUMENTS_MAX 21
-/* Zeros that every buffer argument points to: counts of nothing, and room for the sums of nothing. */
+#define BUFFERS_MAX   18
+#define ARGUMENTS_MAX (BUFFERS_MAX + 3)
+/* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing. */
 #define ZERO_BYTES  4096
 #define LOCAL_BYTES (SVO_DIGITS * SVO_GROUP_ITEMS * sizeof(cl_uint))
 
-static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, cl_mem zeros, uint64_t items)
+static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros, uint64_t items)
 {
     static const unsigned char no_params[sizeof(svo_filter_params)] = {0};
     svo_i_argument arguments[ARGUMENTS_MAX];
     cl_uint count = 0;
     while (count < shape->buffers) {
-        arguments[count++] = SVO_I_ARGUMENT(zeros);
+        arguments[count] = SVO_I_ARGUMENT(zeros[count]);
+        ++count;
     }
     arguments[count++] = (svo_i_argument){shape->params_bytes, no_params};
     for (cl_uint i = 0; i < shape->locals; ++i) {
@@ -73,7 +75,7 @@ static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shap
 }
 
 /* The launch sizes a build of this plan has. */
-static svo_status launch_sizes(svo_i_build *build, const kernel_shape *shape, cl_mem zeros)
+static svo_status launch_sizes(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros)
 {
     const bool large = build->plan->info.expected_fragments >= LARGE_ITEMS && shape->size != LAUNCH_SCAN;
     svo_status status = SVO_OK;
@@ -83,15 +85,33 @@ static svo_status launch_sizes(svo_i_build *build, const kernel_shape *shape, cl
     return status == SVO_OK && large ? launch_on_nothing(build, shape, zeros, LARGE_ITEMS) : status;
 }
 
+static void free_zeros(cl_mem *zeros)
+{
+    for (cl_uint i = 0; i < BUFFERS_MAX; ++i) {
+        if (zeros[i] != NULL) {
+            clReleaseMemObject(zeros[i]);
+        }
+    }
+}
+
+/* Buffers of their own for all arguments: what one work-item reads by one of them, another may write by another. */
+static svo_status make_zeros(svo_i_build *build, cl_mem *zeros)
+{
+    svo_status status = SVO_OK;
+    for (cl_uint i = 0; i < BUFFERS_MAX && status == SVO_OK; ++i) {
+        status = svo_i_device_buffer(build->device, SVO_I_BUILD, "zeros", CL_MEM_READ_WRITE, ZERO_BYTES, &zeros[i]);
+        if (status == SVO_OK) {
+            status = svo_i_build_fill_zero(build, zeros[i], ZERO_BYTES);
+        }
+    }
+    return status;
+}
+
 svo_status svo_i_build_warm(svo_i_build *build)
 {
-    cl_mem zeros = NULL;
-    svo_status status = svo_i_device_buffer(build->device, SVO_I_BUILD, "zeros", CL_MEM_READ_WRITE, ZERO_BYTES, &zeros);
-    if (status != SVO_OK) {
-        return status;
-    }
+    cl_mem zeros[BUFFERS_MAX] = {NULL};
     const double start_ms = svo_i_now_ms();
-    status = svo_i_build_fill_zero(build, zeros, ZERO_BYTES);
+    svo_status status = make_zeros(build, zeros);
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0] && status == SVO_OK; ++i) {
         if (shapes[i].need == 0 || (shapes[i].need & build->plan->info.need) != 0) {
             status = launch_sizes(build, &shapes[i], zeros);
@@ -101,6 +121,6 @@ svo_status svo_i_build_warm(svo_i_build *build)
         clWaitForEvents(1, &build->last);
     }
     build->device->compile_ms += svo_i_now_ms() - start_ms;
-    clReleaseMemObject(zeros);
+    free_zeros(zeros);
     return status;
 }

@@ -53,7 +53,9 @@ void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *
     out->vertices = calloc(mesh->vertex_count * 3 + 1, sizeof(int32_t));
     out->indices = calloc(mesh->triangle_count * 3 + 3, sizeof(uint32_t));
     out->triangle_ids = calloc(mesh->triangle_count + 1, sizeof(uint32_t));
-    assert_true(out->vertices != NULL && out->indices != NULL && out->triangle_ids != NULL);
+    assert_non_null(out->vertices);
+    assert_non_null(out->indices);
+    assert_non_null(out->triangle_ids);
     const bool has_grid = grid_options != NULL && grid_options->edge > 0.0
                               ? oracle_grid_given(grid_options->origin, grid_options->edge, SNAP_BITS, &out->grid)
                               : oracle_grid_fit(&positions, SNAP_BITS, &out->grid);

@@ -5,7 +5,6 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
 
@@ -32,7 +31,8 @@ static void allocate(size_t triangle_count, owned_mesh *out)
 {
     *out = (owned_mesh){.positions = calloc(triangle_count * 9 + 1, sizeof(double)),
                         .indices = calloc(triangle_count * 3 + 1, sizeof(uint32_t))};
-    assert_true(out->positions != NULL && out->indices != NULL);
+    assert_non_null(out->positions);
+    assert_non_null(out->indices);
     for (size_t i = 0; i < triangle_count * 3; ++i) {
         out->indices[i] = (uint32_t)i;
     }
@@ -75,16 +75,23 @@ static void align(double *corners, unsigned cells)
     }
 }
 
+static void copy_corner(double *corners, unsigned from, unsigned to)
+{
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        corners[to * 3 + axis] = corners[from * 3 + axis];
+    }
+}
+
 static void random_triangle(uint64_t *state, double reach, double *corners)
 {
     static const double extents[] = {1e-6, 1e-4, 1e-3, 1e-2, 0.05, 0.3, 1.0};
     const uint32_t sort = random_below(state, 16);
     around(state, reach, extents[random_below(state, 7)] * (1.0 + reach), corners);
     if (sort == 0) { /* a point */
-        memcpy(corners + 3, corners, 3 * sizeof(double));
-        memcpy(corners + 6, corners, 3 * sizeof(double));
+        copy_corner(corners, 0, 1);
+        copy_corner(corners, 0, 2);
     } else if (sort == 1) { /* a segment, by a corner twice */
-        memcpy(corners + 6, corners + 3 * random_below(state, 2), 3 * sizeof(double));
+        copy_corner(corners, random_below(state, 2), 2);
     } else if (sort == 2) { /* a segment, by a corner between the others */
         for (unsigned axis = 0; axis < 3; ++axis) {
             corners[6 + axis] = (corners[axis] + corners[3 + axis]) * 0.5;

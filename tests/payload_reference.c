@@ -311,7 +311,9 @@ void payload_reference_create(const svo_mesh *mesh, const exact *expected, paylo
     sums *nodes = calloc(node_count, sizeof *nodes);
     out->colors = calloc(node_count, 4);
     out->normals = calloc(node_count * 3, sizeof(int16_t));
-    assert_true(nodes != NULL && out->colors != NULL && out->normals != NULL);
+    assert_non_null(nodes);
+    assert_non_null(out->colors);
+    assert_non_null(out->normals);
     sum_nodes(&of, nodes);
     for (size_t node = 0; node < node_count; ++node) {
         const int64_t pair_count = nodes[node].pair_count > 0 ? nodes[node].pair_count : 1; /* an empty root: zeros */

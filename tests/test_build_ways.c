@@ -349,7 +349,9 @@ static void forms_of_the_same_mesh_give_the_same_tree(void **state)
     float *positions = malloc(corner_count * 3 * sizeof *positions);
     double *positions_double = malloc(corner_count * 3 * sizeof *positions_double);
     float *normals = malloc(corner_count * 3 * sizeof *normals);
-    assert_true(positions != NULL && positions_double != NULL && normals != NULL);
+    assert_non_null(positions);
+    assert_non_null(positions_double);
+    assert_non_null(normals);
     for (size_t i = 0; i < corner_count * 3; ++i) {
         positions[i] = mesh->positions[mesh->indices[i / 3] * 3 + i % 3];
         positions_double[i] = (double)positions[i];

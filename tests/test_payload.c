@@ -115,7 +115,10 @@ static void attributed_mesh_create(uint64_t seed, size_t triangle_count, double 
     out->normals = malloc(vertex_count * 3 * sizeof(float));
     out->uvs = malloc(vertex_count * 2 * sizeof(float));
     out->triangle_materials = malloc(triangle_count * sizeof(uint16_t));
-    assert_true(out->colors != NULL && out->normals != NULL && out->uvs != NULL && out->triangle_materials != NULL);
+    assert_non_null(out->colors);
+    assert_non_null(out->normals);
+    assert_non_null(out->uvs);
+    assert_non_null(out->triangle_materials);
     make_vertex_attributes(&state, out);
     make_textures(&state, out);
     make_materials(&state, out);
@@ -326,7 +329,8 @@ static void crowd_create(size_t triangle_count, crowd *out)
     out->mesh = out->base.mesh;
     out->colors = malloc(triangle_count * 12);
     out->normals = malloc(triangle_count * 9 * sizeof(float));
-    assert_true(out->colors != NULL && out->normals != NULL);
+    assert_non_null(out->colors);
+    assert_non_null(out->normals);
     for (size_t t = 0; t < triangle_count; ++t) {
         for (unsigned k = 0; k < 12; ++k) {
             out->colors[t * 12 + k] = k < 4 ? (uint8_t)random_word(&state) : out->colors[t * 12 + k - 4];
@@ -416,7 +420,8 @@ static void means_over_millions_of_triangles_are_exact(void **state)
     static const svo_material materials[2] = {{{255, 255, 0, 9}, SVO_NO_TEXTURE}, {{255, 0, 3, 254}, SVO_NO_TEXTURE}};
     uint32_t *indices = malloc((size_t)COUNT * 3 * sizeof *indices);
     uint16_t *triangle_materials = malloc((size_t)COUNT * sizeof *triangle_materials);
-    assert_true(indices != NULL && triangle_materials != NULL);
+    assert_non_null(indices);
+    assert_non_null(triangle_materials);
     uint64_t ones = 0;
     for (size_t t = 0; t < COUNT; ++t) {
         indices[t * 3] = 0;

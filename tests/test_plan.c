@@ -54,7 +54,7 @@ static void the_count_law_predicts_the_fragments(void **state)
             const double expected = actual.plan.expected_fragments;
             const double ratio = (double)actual.report.fragments / expected;
             print_message("%s at depth %u: %.0f expected, %.4f of it came\n", specs[i], depth, expected, ratio);
-            assert_true(ratio > 0.98 && ratio < 1.02);
+            assert_true(ratio > 0.97 && ratio < 1.03);
             assert_int_equal(actual.report.reruns, 0);
             built_destroy(&actual);
         }
@@ -259,6 +259,20 @@ static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, uin
     return count;
 }
 
+/* Where nothing had to grow: the same buffers in the same order, and room for what they came to hold. */
+static void assert_prediction_holds(const built *actual, const svo_buffer_info *predicted)
+{
+    assert_int_equal(actual->report.reruns, 0);
+    for (size_t i = 0; i < actual->buffer_count; ++i) {
+        assert_string_equal(predicted[i].name, actual->buffers[i].name);
+        assert_int_equal(predicted[i].count, actual->buffers[i].count);
+        if (predicted[i].bytes < actual->buffers[i].bytes) {
+            fail_msg("%s: %llu bytes, of which the plan had promised %llu", predicted[i].name,
+                     (unsigned long long)actual->buffers[i].bytes, (unsigned long long)predicted[i].bytes);
+        }
+    }
+}
+
 static void what_is_not_asked_for_is_not_there(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -271,16 +285,19 @@ static void what_is_not_asked_for_is_not_there(void **state)
         fixture_build(opened, &mesh, 7, &(svo_plan_options){.need = need}, &actual);
         assert_int_equal(actual.plan.need, bits);
         assert_int_equal(actual.info.need, bits);
-        assert_string_equal(actual.nodes_hash, bits == 0 ? actual.nodes_hash : nodes_hash);
-        memcpy(nodes_hash, actual.nodes_hash, sizeof nodes_hash);
+        if (bits == 0) {
+            memcpy(nodes_hash, actual.nodes_hash, sizeof nodes_hash);
+        }
+        assert_string_equal(actual.nodes_hash, nodes_hash);
         assert_tree_has_what_is_needed(&actual, bits);
         assert_plan_has_what_is_needed(actual.buffers, actual.buffer_count, bits);
         assert_int_equal(actual.report.stages[SVO_STAGE_PACK].clock != NULL, (bits & SVO_NEED_RAYS) != 0);
         assert_int_equal(actual.report.stages[SVO_STAGE_FILTER].clock != NULL, (bits & 3) != 0);
         assert_int_equal(actual.report.stages[SVO_STAGE_LINK].clock != NULL, (bits & 3) != 0);
-        svo_buffer_info predicted[FIXTURE_BUFFERS_MAX];
+        svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
         const size_t count = predicted_buffers(opened, &mesh, need, predicted);
         assert_plan_has_what_is_needed(predicted, count, bits);
+        assert_prediction_holds(&actual, predicted);
         built_destroy(&actual);
     }
     scene_destroy(&made);

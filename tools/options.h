@@ -27,7 +27,7 @@ enum option_group {
 };
 
 #define OPTION_DEFAULT_DEPTH 8
-#define OPTION_CONTEXT_AUTO  -1
+#define OPTION_CONTEXT_AUTO  (-1)
 
 typedef struct options {
     const char *input; /* the argument that is no option; NULL: none */

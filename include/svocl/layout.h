@@ -42,7 +42,7 @@
 #define SVO_SHORT_LIST_MAX 32
 /* Long lists are sorted by digits of this many bits. */
 #define SVO_DIGIT_BITS 4
-#define SVO_DIGITS (1 << SVO_DIGIT_BITS)
+#define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
 
 /* What svo_draw_item.flags holds. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
@@ -121,17 +121,17 @@ SVO_RECORD(svo_material_record)
    axes. 96 bytes. */
 SVO_RECORD(svo_cast_params)
 {
-    SVO_F32 eye[3];          /* 0 */
-    SVO_F32 footprint;       /* 12: width of a pixel at distance 1 */
-    SVO_F32 corner[3];       /* 16: from the eye to the picture's upper left corner, at any distance */
-    SVO_U32 width;           /* 28: pixels */
-    SVO_F32 across[3];       /* 32: from a pixel to its right neighbour, at that distance */
-    SVO_U32 height;          /* 44: pixels */
-    SVO_F32 down[3];         /* 48: from a pixel to the one below, at that distance */
-    SVO_U32 depth;           /* 60 */
-    SVO_F32 sun[3];          /* 64: unit, towards the light */
-    SVO_U32 samples;         /* 76: rays per pixel along each of its sides */
-    SVO_F32 up[3];           /* 80: unit, towards the sky */
+    SVO_F32 eye[3]; /* 0 */
+    SVO_F32 footprint; /* 12: width of a pixel at distance 1 */
+    SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
+    SVO_U32 width; /* 28: pixels */
+    SVO_F32 across[3]; /* 32: from a pixel to its right neighbour, at that distance */
+    SVO_U32 height; /* 44: pixels */
+    SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
+    SVO_U32 depth; /* 60 */
+    SVO_F32 sun[3]; /* 64: unit, towards the light */
+    SVO_U32 samples; /* 76: rays per pixel along each of its sides */
+    SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
 };
 

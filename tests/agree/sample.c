@@ -13,6 +13,8 @@ typedef struct draft {
     int64_t grid_units; /* voxels lie in [0, grid_units) */
     int64_t w; /* edge of a voxel */
     int64_t corner[3][3];
+    bool centered; /* the triangle was made around this point of the grid */
+    int64_t center[3];
 } draft;
 
 const char *sample_kind_name(sample_kind kind)
@@ -57,19 +59,28 @@ static void make_small(draft *d)
     }
 }
 
-/* Anywhere; where most of the range is outside the grid, around a point of the grid. */
-static void make_large(draft *d)
+static void make_anywhere(draft *d)
 {
-    const bool around = d->low < 0 && between(d, 0, 3) > 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < 3; ++i) {
+            d->corner[i][axis] = between(d, d->low, d->high);
+        }
+    }
+}
+
+/* Reaching out of the grid, with a point of it as its centre or, for those to be flattened, between the first two. */
+static void make_around(draft *d, bool mirrored)
+{
     const int64_t reach = (INT64_C(1) << between(d, 16, 28)) - 1;
+    d->centered = true;
     for (int axis = 0; axis < 3; ++axis) {
         const int64_t center = between(d, 0, d->grid_units - 1);
-        for (int i = 0; i < 3; ++i) {
-            d->corner[i][axis] = around ? center + between(d, -reach, reach) : between(d, d->low, d->high);
-        }
-        if (around) {
-            d->corner[2][axis] = 3 * center - d->corner[0][axis] - d->corner[1][axis];
-        }
+        const int64_t first = center + between(d, -reach, reach);
+        const int64_t second = mirrored ? 2 * center - first : center + between(d, -reach, reach);
+        d->center[axis] = center;
+        d->corner[0][axis] = first;
+        d->corner[1][axis] = second;
+        d->corner[2][axis] = 3 * center - first - second;
     }
 }
 
@@ -127,17 +138,21 @@ static void make_extreme(draft *d)
 static void make_triangle(draft *d, sample_kind kind)
 {
     const bool small = between(d, 0, 1) == 0;
+    const bool flat = kind == SAMPLE_SLIVER || kind == SAMPLE_SEGMENT;
+    d->centered = false;
     if (kind == SAMPLE_POINT) {
         make_point(d);
     } else if (kind == SAMPLE_EXTREME) {
         make_extreme(d);
     } else if (kind == SAMPLE_SMALL || (kind != SAMPLE_LARGE && small)) {
         make_small(d);
+    } else if (d->low < 0 && between(d, 0, 3) > 0) {
+        make_around(d, flat);
     } else {
-        make_large(d);
+        make_anywhere(d);
     }
-    if (kind == SAMPLE_SLIVER || kind == SAMPLE_SEGMENT) {
-        flatten(d, kind == SAMPLE_SLIVER ? 1 : 0);
+    if (flat) {
+        flatten(d, kind == SAMPLE_SLIVER ? INT64_C(1) << between(d, 0, 11) : 0);
     }
     const int face = (int)between(d, 0, 2);
     for (int axis = 0; axis < 3; ++axis) {
@@ -167,7 +182,7 @@ static bool find_bounds(const draft *d, int axis, bool closed, int64_t *first, i
     return meets;
 }
 
-/* A point of the triangle inside the grid, in a few attempts; false if none was found. */
+/* A point of the triangle, or close to it, inside the grid, in a few attempts; false if none was found. */
 static bool find_point(draft *d, int64_t point[3])
 {
     for (int attempt = 0; attempt < 32; ++attempt) {
@@ -177,18 +192,16 @@ static bool find_point(draft *d, int64_t point[3])
             s = 1.0 - s;
             r = 1.0 - r;
         }
-        if (attempt == 0) {
-            s = r = 1.0 / 3.0;
-        }
         bool inside = true;
         for (int axis = 0; axis < 3; ++axis) {
             const double a = (double)d->corner[0][axis];
             const double b = (double)d->corner[1][axis];
             const double c = (double)d->corner[2][axis];
-            point[axis] = (int64_t)(a + s * (b - a) + r * (c - a) + 0.5);
+            const int64_t on_triangle = (int64_t)(a + s * (b - a) + r * (c - a) + 0.5);
+            point[axis] = d->centered ? d->center[axis] : on_triangle;
             inside = inside && point[axis] >= 0 && point[axis] < d->grid_units;
         }
-        if (inside && (attempt > 0 || d->low < 0)) {
+        if (inside) {
             return true;
         }
     }
@@ -220,7 +233,9 @@ static void start(draft *d, sample_width width, uint64_t seed, uint32_t index)
     d->grid_units = width == SAMPLE_NARROW ? NARROW_UNITS : GRID_UNITS;
     d->low = width == SAMPLE_WIDE ? -WIDE_UNITS : 0;
     d->high = width == SAMPLE_WIDE ? WIDE_UNITS : d->grid_units - 1;
-    d->w = INT64_C(1) << between(d, 8, width == SAMPLE_NARROW ? 13 : 19);
+    /* Half of them the smallest voxels of the library: rounding is largest compared with them. */
+    const int64_t w_log2_max = width == SAMPLE_NARROW ? 13 : 19;
+    d->w = INT64_C(1) << (between(d, 0, 1) == 0 ? 8 : between(d, 8, w_log2_max));
 }
 
 /* Triangles that miss the grid are made anew. */

@@ -15,7 +15,7 @@ typedef enum sample_width { SAMPLE_NARROW, SAMPLE_REGULAR, SAMPLE_WIDE } sample_
 typedef enum sample_kind {
     SAMPLE_SMALL, /* a few voxels */
     SAMPLE_LARGE,
-    SAMPLE_SLIVER, /* less than a unit or so across */
+    SAMPLE_SLIVER, /* needles, down to a unit across */
     SAMPLE_SEGMENT, /* all corners on a line */
     SAMPLE_POINT,
     SAMPLE_FACE, /* in the plane of a voxel's face */
