@@ -135,6 +135,24 @@ void random_dust(uint64_t seed, size_t triangle_count, const double corner[3], d
     }
 }
 
+void random_needles(uint64_t seed, size_t triangle_count, owned_mesh *out)
+{
+    static const double widths[] = {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6};
+    uint64_t state = seed;
+    allocate(triangle_count, out);
+    for (size_t t = 0; t < triangle_count; ++t) {
+        double *corners = out->positions + t * 9;
+        const double along = random_unit(&state);
+        const double width = widths[random_below(&state, 9)];
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            corners[axis] = random_unit(&state);
+            corners[3 + axis] = random_unit(&state);
+            const double inside = corners[axis] + (corners[3 + axis] - corners[axis]) * along;
+            corners[6 + axis] = clamp_to(inside + (random_unit(&state) - 0.5) * width, 0.0, 1.0);
+        }
+    }
+}
+
 void corner_mesh(unsigned cells, owned_mesh *out)
 {
     /* The plane x + y + z = 3 eps cuts seven of the eight octants around the corner. */

@@ -36,6 +36,9 @@ void random_mesh(uint64_t seed, size_t triangle_count, double reach, owned_mesh 
 /* Small random triangles inside the box from corner to corner + width. */
 void random_dust(uint64_t seed, size_t triangle_count, const double corner[3], double width, owned_mesh *out);
 
+/* Long triangles in the unit cube, from a tenth of it down to a millionth wide, the third corner anywhere along them. */
+void random_needles(uint64_t seed, size_t triangle_count, owned_mesh *out);
+
 /* A tiny triangle around every corner of a lattice of cells^3 cells in the unit cube (not on its faces): each meets many
    voxels at any depth, where triangles of that size meet but one as a rule. */
 void corner_mesh(unsigned cells, owned_mesh *out);

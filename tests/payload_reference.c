@@ -60,14 +60,15 @@ static unsigned axis_of_view(const int32_t *const corners[3])
     return areas[2] > areas[best] ? 2 : best;
 }
 
-/* The parts of the triangle opposite each corner, seen from point; none negative. */
+/* The parts of the triangle opposite each corner, seen from point; none negative, all 0 for a triangle of no area. */
 static void corner_parts(const int32_t *const corners[3], const int64_t point[3], int64_t parts[3])
 {
     const unsigned axis = axis_of_view(corners);
     parts[0] = area_seen(point, corners[1], corners[2], axis);
     parts[1] = area_seen(point, corners[2], corners[0], axis);
     parts[2] = area_seen(point, corners[0], corners[1], axis);
-    const int64_t turn = parts[0] + parts[1] + parts[2] < 0 ? -1 : 1;
+    const int64_t area = parts[0] + parts[1] + parts[2];
+    const int64_t turn = area < 0 ? -1 : area > 0 ? 1 : 0;
     for (unsigned k = 0; k < 3; ++k) {
         parts[k] = parts[k] * turn > 0 ? parts[k] * turn : 0;
     }

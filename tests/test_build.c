@@ -89,6 +89,17 @@ static void random_meshes_are_exact(void **state)
     }
 }
 
+static void needles_are_exact(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (unsigned depth = 3; depth <= 10; ++depth) {
+        owned_mesh made;
+        random_needles(depth, 600, &made);
+        check_mesh(opened, &made.mesh, depth, &with_lists);
+        owned_mesh_free(&made);
+    }
+}
+
 /* Triangles that reach far outside the caller's grid, up to the last coordinate that is allowed, and beyond. */
 static void meshes_larger_than_the_grid_are_exact(void **state)
 {
@@ -397,6 +408,7 @@ int main(void)
         cmocka_unit_test(scenes_are_exact),
         cmocka_unit_test(all_depths_are_exact),
         cmocka_unit_test(random_meshes_are_exact),
+        cmocka_unit_test(needles_are_exact),
         cmocka_unit_test(meshes_larger_than_the_grid_are_exact),
         cmocka_unit_test(the_reach_of_the_caller_s_grid_ends_where_it_says),
         cmocka_unit_test(abutting_grids_partition_the_scene),

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Linked into test_kernels, where it stands in front of the OpenCL loader's function of the same name: new buffers are
+ * full of garbage, as on devices with a history, so that no kernel can live on memory that happens to be zero.
+ */
+#define _GNU_SOURCE /* RTLD_NEXT */
+#include <dlfcn.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "svocl/device.h"
+
+#define GARBAGE 0xa5
+
+typedef cl_mem(CL_API_CALL *create_buffer)(cl_context, cl_mem_flags, size_t, void *, cl_int *);
+
+/* The function that would have been called without this file. */
+static create_buffer real_create_buffer(void)
+{
+    /* POSIX lets dlsym's result be a function; ISO C has no cast for it, so the bytes are copied. */
+    void *symbol = dlsym(RTLD_NEXT, "clCreateBuffer");
+    create_buffer function = NULL;
+    memcpy(&function, &symbol, sizeof function);
+    return function;
+}
+
+CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host,
+                                               cl_int *error)
+{
+    const create_buffer create = real_create_buffer();
+    unsigned char *garbage = host == NULL && bytes > 0 ? malloc(bytes) : NULL;
+    if (garbage == NULL) {
+        return create(context, flags, bytes, host, error);
+    }
+    memset(garbage, GARBAGE, bytes);
+    const cl_mem buffer = create(context, flags | CL_MEM_COPY_HOST_PTR, bytes, garbage, error);
+    free(garbage);
+    return buffer;
+}
