@@ -254,7 +254,10 @@ static svo_status check_options(svo_device *device, const svo_gl_options *option
 svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_gl_options *options, svo_gl **out)
 {
     if (device == NULL || context == NULL || out == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: device, context or out is NULL");
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: %s is NULL",
+                                 device == NULL    ? "device"
+                                 : context == NULL ? "context"
+                                                   : "out");
     }
     const svo_gl_options asked = options != NULL ? *options : (svo_gl_options){.struct_size = sizeof asked};
     svo_status status = check_options(device, &asked);

@@ -55,7 +55,7 @@ static uint2 svo_group_range(uint count)
     const uint tiles = count / SVO_TILE_ELEMENTS + (count % SVO_TILE_ELEMENTS != 0u ? 1u : 0u);
     const uint tiles_per_group = (tiles + SVO_SCAN_GROUPS - 1u) / SVO_SCAN_GROUPS;
     const uint group = (uint)get_group_id(0);
-    /* A group's first tile may lie past the end, but never past 2^32: tiles is at most 2^22. */
+    /* The host keeps counts some tiles below 2^32 (SVO_I_FRAGMENTS_MAX), so nothing here wraps. */
     const uint first = min(group * tiles_per_group, tiles);
     const uint last = min(first + tiles_per_group, tiles);
     return (uint2)(first * SVO_TILE_ELEMENTS, last == tiles ? count : last * SVO_TILE_ELEMENTS);

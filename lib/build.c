@@ -83,9 +83,9 @@ void svo_i_build_free(svo_i_build *build, cl_mem *buffer)
 svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes)
 {
     const cl_uint zero = 0;
-    const size_t whole_words = ((size_t)bytes + 3) / 4 * 4;
+    const size_t pattern_bytes = bytes % sizeof zero == 0 ? sizeof zero : 1;
     cl_event event = NULL;
-    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, &zero, sizeof zero, 0, whole_words,
+    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, &zero, pattern_bytes, 0, (size_t)bytes,
                                              wait_count(build), wait_list(build), &event);
     return follow(build, "clEnqueueFillBuffer", error, event);
 }
@@ -250,10 +250,10 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
         status = draw_list(build, frontend, &layout, limit, &whole);
     }
     svo_i_layout_destroy(&layout);
-    if (status == SVO_OK && build->fragment_count >= UINT32_MAX) {
+    if (status == SVO_OK && build->fragment_count > SVO_I_FRAGMENTS_MAX) {
         return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene has %llu fragments, above 2^32 - 1; lower the depth",
-                                 (unsigned long long)build->fragment_count);
+                                 "svo_build: the scene has %llu fragments, above %u; lower the depth",
+                                 (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
     }
     for (uint32_t i = 0; status == SVO_OK && i < build->list.chunk_count; ++i) {
         svo_i_plan_buffer_add(build->plan, "fragments",
@@ -286,8 +286,7 @@ static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes
         return SVO_OK;
     }
     cl_mem exact = NULL;
-    svo_status status = svo_i_device_buffer(build->device, SVO_I_BUILD, svo_tree_buffer_name(which), CL_MEM_READ_WRITE,
-                                            (size_t)bytes, &exact);
+    svo_status status = svo_i_build_alloc(build, svo_tree_buffer_name(which), bytes, &exact);
     if (status != SVO_OK) {
         return status;
     }
@@ -297,10 +296,9 @@ static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes
     status = follow(build, "clEnqueueCopyBuffer", error, event);
     if (status == SVO_OK) {
         svo_i_build_free(build, buffer);
-        build->plan->live_bytes += bytes;
         *buffer = exact;
     } else {
-        clReleaseMemObject(exact);
+        svo_i_build_free(build, &exact);
     }
     return status;
 }
@@ -315,9 +313,9 @@ static svo_status make_nodes(svo_i_build *build)
         svo_i_build_free(build, &build->tree->buffers[SVO_TREE_FIRST_CHILD]);
         const uint64_t mask_bytes = (build->inner_capacity + 3) / 4 * 4;
         svo_status status =
-            svo_i_build_alloc(build, "child_mask", mask_bytes, &build->tree->buffers[SVO_TREE_CHILD_MASK]);
+            svo_i_build_alloc(build, "child_mask_pool", mask_bytes, &build->tree->buffers[SVO_TREE_CHILD_MASK]);
         if (status == SVO_OK) {
-            status = svo_i_build_alloc(build, "first_child", build->inner_capacity * 4,
+            status = svo_i_build_alloc(build, "first_child_pool", build->inner_capacity * 4,
                                        &build->tree->buffers[SVO_TREE_FIRST_CHILD]);
         }
         if (status == SVO_OK) {
@@ -424,6 +422,27 @@ static void finish(svo_i_build *build, svo_frontend *frontend)
     }
 }
 
+/* Which argument is wrong, or NULL. */
+static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue,
+                                  svo_tree *const *out)
+{
+    if (frontend == NULL) {
+        return "frontend is NULL";
+    }
+    if (frontend->device != plan->device) {
+        return "frontend is of another device than plan";
+    }
+    if (queue == NULL) {
+        return "queue is NULL";
+    }
+    cl_context context = NULL;
+    clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
+    if (context != plan->device->context) {
+        return "queue is of another context than the device";
+    }
+    return out == NULL ? "out is NULL" : NULL;
+}
+
 static bool queue_profiles(cl_command_queue queue)
 {
     cl_command_queue_properties properties = 0;
@@ -456,9 +475,9 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (frontend == NULL || queue == NULL || out == NULL || frontend->device != plan->device) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
-                                 "svo_build: frontend, queue or out is NULL, or frontend is of another device");
+    const char *wrong = wrong_argument(plan, frontend, queue, out);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
     }
     if (report != NULL && report->struct_size != sizeof *report) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: report.struct_size is %zu, not %zu",

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "program.h"
+#include "svocl/layout.h"
 
 /* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
 #define CL_ERROR_LIST(X)                            \
@@ -161,7 +162,7 @@ static char *full_name(cl_device_id device)
     return name;
 }
 
-/* Whether the device can run the kernels: OpenCL 1.2, little-endian, work-groups and local memory of the baseline. */
+/* Whether the device can run the kernels: OpenCL 1.2, little-endian, work-groups of SVO_GROUP_ITEMS. */
 static svo_status check_device(cl_device_id device, const char *name, svo_message *message)
 {
     cl_bool little = CL_FALSE;
@@ -180,10 +181,40 @@ static svo_status check_device(cl_device_id device, const char *name, svo_messag
         return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s is big-endian", name);
     }
     clGetDeviceInfo(device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof group_items, &group_items, NULL);
-    if (group_items < 64) {
-        return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s has work-groups of %zu items, below 64",
-                          name, group_items);
+    if (group_items < SVO_GROUP_ITEMS) {
+        return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s has work-groups of %zu items, below %d",
+                          name, group_items, SVO_GROUP_ITEMS);
     }
+    return SVO_OK;
+}
+
+/* Whether the context has the device, and what the builder must know of it. */
+static svo_status query_limits(svo_device *handle, cl_context context, cl_device_id device, svo_message *message)
+{
+    cl_device_id devices[64];
+    size_t bytes = 0;
+    cl_int error = clGetContextInfo(context, CL_CONTEXT_DEVICES, sizeof devices, devices, &bytes);
+    bool found = false;
+    for (size_t i = 0; error == CL_SUCCESS && i < bytes / sizeof devices[0]; ++i) {
+        found = found || devices[i] == device;
+    }
+    if (!found) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_device_create: device does not belong to context");
+    }
+    cl_device_type type = 0;
+    error = clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    if (error == CL_SUCCESS) {
+        error = clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong), &handle->max_allocation_bytes,
+                                NULL);
+    }
+    if (error == CL_SUCCESS) {
+        error = clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, NULL);
+    }
+    if (error != CL_SUCCESS) {
+        return svo_i_fail(message, SVO_CL_ERROR, "svo_device_create: clGetDeviceInfo failed with %s (%d)",
+                          svo_i_cl_error_name(error), error);
+    }
+    handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     return SVO_OK;
 }
 
@@ -204,18 +235,15 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
         free(name);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_device_create: no memory for the handle");
     }
-    const svo_status status = check_device(device, name, message);
+    svo_status status = check_device(device, name, message);
+    if (status == SVO_OK) {
+        status = query_limits(handle, context, device, message);
+    }
     if (status != SVO_OK) {
         free(handle);
         free(name);
         return status;
     }
-    cl_device_type type = 0;
-    clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong), &handle->max_allocation_bytes, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof(cl_uint), &handle->compute_units, NULL);
-    handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     handle->name = name;
     handle->log = options != NULL ? options->log : NULL;
     handle->log_user = options != NULL ? options->log_user : NULL;

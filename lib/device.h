@@ -18,7 +18,6 @@ struct svo_device {
     char *name;
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
-    cl_uint compute_units;
     bool is_cpu;
     svo_i_program_cache *programs;
     double compile_ms;

@@ -247,9 +247,7 @@ static svo_status clear_payload(filterer *f)
         status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_COLORS], 4);
     }
     if (status == SVO_OK && f->normal) {
-        const int16_t zero[3] = {0, 0, 0};
-        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_NORMALS]);
-        status = svo_i_build_upload(build, "normals", zero, sizeof zero, &build->tree->buffers[SVO_TREE_NORMALS]);
+        status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_NORMALS], 6);
     }
     return status;
 }

@@ -233,30 +233,6 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
     return axis | (needle || class_id == SVO_I_CLASS_WIDE ? SVO_DRAW_RECTANGLE : 0u);
 }
 
-/* Adds the triangle to the count law, as far as its bounds lie inside the grid; returns its own expected fragments. */
-static float add_to_law(svo_plan *plan, const placed *p, const int64_t normal[3])
-{
-    const int32_t last_unit = (int32_t)(1u << plan->info.snap_bits) - 1;
-    double width[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        const int32_t low = p->low[axis] < 0 ? 0 : p->low[axis];
-        const int32_t high = p->high[axis] > last_unit ? last_unit : p->high[axis];
-        width[axis] = (double)high - low;
-    }
-    double area = 0.0;
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        const double projected = (double)llabs(normal[axis]) * 0.5;
-        const double bound = width[(axis + 1) % 3] * width[(axis + 2) % 3];
-        area += projected < bound ? projected : bound;
-    }
-    const double voxel = (double)(1u << plan->voxel_log2);
-    const double widths = width[0] + width[1] + width[2];
-    plan->law[0] += 1.0;
-    plan->law[1] += widths;
-    plan->law[2] += area;
-    return (float)(1.0 + widths / voxel + area / (voxel * voxel));
-}
-
 /* Keeps accepted triangles that meet the grid, counts the others. Items come in the order of the mesh; classes[] says
    where each belongs. */
 static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
@@ -283,7 +259,21 @@ static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *
         memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
         plan->triangle_ids[kept] = (uint32_t)t;
         plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal, class_id)};
-        plan->item_fragments[kept] = add_to_law(plan, &p, normal);
+        plan->item_fragments[kept] = svo_i_law_add(plan, corners);
+    }
+}
+
+/* Vertices that no kept triangle uses become 0: those far outside may not even be in range. */
+static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
+{
+    memset(flags, 0, plan->vertex_count);
+    for (size_t i = 0; i < (size_t)plan->triangle_count * 3; ++i) {
+        flags[plan->indices[i]] = VERTEX_USED;
+    }
+    for (size_t v = 0; v < plan->vertex_count; ++v) {
+        if (flags[v] == 0) {
+            memset(plan->vertices + v * 3, 0, 3 * sizeof *plan->vertices);
+        }
     }
 }
 
@@ -347,6 +337,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     }
     snap_vertices(plan, mesh, flags);
     keep_triangles(plan, mesh, flags, classes);
+    clear_unused_vertices(plan, flags);
     status = sort_items(plan, classes);
 cleanup:
     free(flags);

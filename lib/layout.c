@@ -178,24 +178,20 @@ static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
     return true;
 }
 
-/* A chunk that turned out too small: larger, or, above the limit, every draw in two halves with a chunk each. */
+/* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two halves
+   where it can be split. */
 static bool regrow_chunk(const svo_i_layout *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
                          svo_i_layout *layout)
 {
     const svo_i_chunk *chunk = &old->chunks[chunk_index];
     const uint32_t first_draw = layout->draw_count;
+    const uint64_t capacity = needed < limit ? needed : limit;
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
-        const svo_i_draw *draw = &old->draws[chunk->first_draw + i];
-        svo_i_draw halves[2];
-        if (needed <= limit || !split_draw(draw, halves)) {
-            if (!add_draw(layout, *draw)) {
-                return false;
-            }
-            continue;
-        }
-        for (unsigned half = 0; half < 2; ++half) {
+        svo_i_draw parts[2] = {old->draws[chunk->first_draw + i]};
+        const unsigned part_count = needed > limit && split_draw(&old->draws[chunk->first_draw + i], parts) ? 2 : 1;
+        for (unsigned part = 0; part < part_count; ++part) {
             const uint32_t begin = layout->draw_count;
-            if (!add_draw(layout, halves[half]) || !add_chunk(layout, begin, limit)) {
+            if (!add_draw(layout, parts[part]) || (needed > limit && !add_chunk(layout, begin, capacity))) {
                 return false;
             }
         }

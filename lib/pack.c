@@ -108,7 +108,7 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_ARGUMENT(p->long_leaves),
                                          SVO_I_ARGUMENT(build->state),
                                          SVO_I_ARGUMENT(p->params),
-                                         SVO_I_LOCAL(SVO_DIGITS * SVO_GROUP_ITEMS * sizeof(cl_uint)),
+                                         SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
     if (status == SVO_OK) {
         status = run(p, "svo_k_sort_long", long_lists, 8, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);

@@ -30,6 +30,11 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_plan_create: options.edge %g is not finite and at least 0", options->edge);
     }
+    if (options->fragment_capacity > SVO_I_FRAGMENTS_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.fragment_capacity %llu is above %u",
+                                 (unsigned long long)options->fragment_capacity, SVO_I_FRAGMENTS_MAX);
+    }
     if (options->chunk_bytes != 0 && options->chunk_bytes < CHUNK_BYTES_MIN) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.chunk_bytes %llu is below %d",
                                  (unsigned long long)options->chunk_bytes, CHUNK_BYTES_MIN);
@@ -82,17 +87,6 @@ static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
             mesh->material_count, mesh->texture_count);
     }
     return check_textures(device, mesh);
-}
-
-double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
-{
-    const double voxel = (double)(1u << (plan->info.snap_bits - level));
-    return plan->law[0] + plan->law[1] / voxel + plan->law[2] / (voxel * voxel);
-}
-
-uint64_t svo_i_with_slack(double expected)
-{
-    return (uint64_t)(expected * 1.125) + 1024u;
 }
 
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
@@ -224,8 +218,12 @@ static void predict_buffers(svo_plan *plan)
     svo_i_plan_buffers_reset(plan);
     svo_i_plan_buffer_add(plan, "fragments", fragments * svo_i_plan_fragment_bytes(plan));
     svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "child_mask", (inner + 3) / 4 * 4);
+    svo_i_plan_buffer_add(plan, "child_mask_pool", (inner + 3) / 4 * 4);
+    svo_i_plan_buffer_add(plan, "first_child_pool", inner * 4);
+    svo_i_plan_buffer_add(plan, "child_mask", inner);
+    svo_i_plan_buffer_remove(plan, (inner + 3) / 4 * 4);
     svo_i_plan_buffer_add(plan, "first_child", inner * 4);
+    svo_i_plan_buffer_remove(plan, inner * 4);
     svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
     svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
     if ((plan->info.need & SVO_NEED_RAYS) != 0) {
@@ -240,7 +238,10 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
                            svo_plan **out)
 {
     if (device == NULL || mesh == NULL || out == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: device, mesh or out is NULL");
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: %s is NULL",
+                                 device == NULL ? "device"
+                                 : mesh == NULL ? "mesh"
+                                                : "out");
     }
     if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,

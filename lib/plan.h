@@ -42,6 +42,9 @@ typedef struct svo_i_layout {
     uint32_t chunk_count, chunk_capacity;
 } svo_i_layout;
 
+/* Fragments and nodes are counted in 32 bits, and scans run over whole tiles of them. */
+#define SVO_I_FRAGMENTS_MAX (UINT32_MAX - 65536u)
+
 #define SVO_I_BUFFERS_MAX 40
 
 struct svo_plan {
@@ -88,9 +91,11 @@ void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t 
 /* attributes.c: resolves need and fills the payload inputs. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
 
-/* Fragments expected at a level by the count law. */
+/* law.c: adds a kept triangle to the count law; returns the fragments expected of it alone. */
+float svo_i_law_add(svo_plan *plan, const uint32_t corners[3]);
+/* law.c: fragments expected at a level. */
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
-/* Room for that many expected fragments: some slack for scenes that do not lie at random. */
+/* law.c: room for that many expected fragments: some slack for scenes that do not lie at random. */
 uint64_t svo_i_with_slack(double expected);
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
 /* Inner nodes the tree may have, given the number of fragments: the count law with slack, or what cannot be exceeded. */

@@ -170,6 +170,7 @@ static void center_target(const view *camera_view, const seen_corner corners[8],
 
 void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
 {
+    const double shape = isfinite(aspect) && aspect > 0.0f ? (double)aspect : 1.0;
     const double half_fov = 0.28;
     const double margin = 1.04;
     double low[3];
@@ -189,7 +190,7 @@ void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
     for (int pass = 0; pass < 4; ++pass) {
         seen_corner corners[8];
         see_corners(&looking, target, low, high, corners);
-        distance = framing_distance(corners, tangent_up * (double)aspect, tangent_up);
+        distance = framing_distance(corners, tangent_up * shape, tangent_up);
         if (pass < 3) {
             center_target(&looking, corners, distance, target);
         }
@@ -205,9 +206,13 @@ void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
 
 static svo_status check_options(svo_device *device, const svo_tree *tree, const svo_render_options *options)
 {
-    if (options == NULL || options->struct_size != sizeof *options) {
+    if (tree == NULL || options == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %s is NULL",
+                                 tree == NULL ? "tree" : "options");
+    }
+    if (options->struct_size != sizeof *options) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: options.struct_size is %zu, not %zu",
-                                 options == NULL ? (size_t)0 : options->struct_size, sizeof *options);
+                                 options->struct_size, sizeof *options);
     }
     if (options->width < 1 || options->width > PICTURE_EDGE_MAX || options->height < 1 ||
         options->height > PICTURE_EDGE_MAX) {
@@ -218,6 +223,9 @@ static svo_status check_options(svo_device *device, const svo_tree *tree, const 
     if (!(fov > 0) || !(fov < 3.14159265358979)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: camera.vertical_fov %g is not between 0 and pi", fov);
+    }
+    if (tree->device != NULL && tree->device != device) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: the tree is on another device");
     }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -343,6 +351,13 @@ static svo_status draw(svo_device *device, cl_command_queue queue, const picture
 svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                            cl_command_queue queue, uint8_t *rgba)
 {
+    if (device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (queue == NULL || rgba == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %s is NULL",
+                                 queue == NULL ? "queue" : "rgba");
+    }
     svo_status status = check_options(device, tree, options);
     if (status != SVO_OK) {
         return status;

@@ -130,6 +130,12 @@ static size_t array_bytes(const svo_tree *tree, svo_tree_buffer buffer)
 
 svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 {
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_download: queue is NULL");
+    }
     if (tree->downloaded) {
         return SVO_OK;
     }
@@ -164,6 +170,16 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
+    if (tree == NULL || device == NULL || queue == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: %s is NULL",
+                                 tree == NULL     ? "tree"
+                                 : device == NULL ? "device"
+                                                  : "queue");
+    }
+    if (tree->device != NULL && tree->device != device) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: the tree is on %s already",
+                                 tree->device->name);
+    }
     if (tree->device != NULL) {
         return SVO_OK;
     }
@@ -209,6 +225,9 @@ static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffe
 
 svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES])
 {
+    if (tree == NULL || text == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
     if (!tree->downloaded) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_hash: the tree has no host arrays; call svo_tree_download first");

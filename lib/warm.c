@@ -50,7 +50,7 @@ static const kernel_shape shapes[] = {
 #define ARGUMENTS_MAX (BUFFERS_MAX + 3)
 /* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing. */
 #define ZERO_BYTES  4096
-#define LOCAL_BYTES (SVO_DIGITS * SVO_GROUP_ITEMS * sizeof(cl_uint))
+#define LOCAL_BYTES (sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS)
 
 static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros, uint64_t items)
 {

@@ -25,16 +25,16 @@ static create_buffer real_create_buffer(void)
     return function;
 }
 
-CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host,
-                                               cl_int *error)
+CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void *host_ptr,
+                                               cl_int *errcode_ret)
 {
     const create_buffer create = real_create_buffer();
-    unsigned char *garbage = host == NULL && bytes > 0 ? malloc(bytes) : NULL;
+    unsigned char *garbage = host_ptr == NULL && size > 0 ? malloc(size) : NULL;
     if (garbage == NULL) {
-        return create(context, flags, bytes, host, error);
+        return create(context, flags, size, host_ptr, errcode_ret);
     }
-    memset(garbage, GARBAGE, bytes);
-    const cl_mem buffer = create(context, flags | CL_MEM_COPY_HOST_PTR, bytes, garbage, error);
+    memset(garbage, GARBAGE, size);
+    const cl_mem buffer = create(context, flags | CL_MEM_COPY_HOST_PTR, size, garbage, errcode_ret);
     free(garbage);
     return buffer;
 }

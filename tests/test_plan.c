@@ -190,7 +190,8 @@ static const struct {
 
 static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_t count, uint32_t need)
 {
-    static const char *const always[] = {"fragments", "cursors", "state", "partials", "child_mask", "first_child"};
+    static const char *const always[] = {"fragments",       "cursors",          "state",      "partials",
+                                         "child_mask_pool", "first_child_pool", "child_mask", "first_child"};
     size_t expected_count = sizeof always / sizeof always[0];
     for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
         assert_true(has_buffer(buffers, count, always[i]));

@@ -521,7 +521,7 @@ static void bad_arguments_are_refused(void **unused)
     voxels->leaves[0] = true;
     svo_tree *tree = make_tree(voxels, false);
     const svo_render_options good = {sizeof good, WIDTH, HEIGHT, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}};
-    expect_refusal(tree, NULL, "struct_size");
+    expect_refusal(tree, NULL, "options is NULL");
     svo_render_options bad = good;
     bad.struct_size = 1;
     expect_refusal(tree, &bad, "struct_size is 1");

@@ -7,17 +7,17 @@
 #include "meshes.h"
 #include "oracle.h"
 
-/* All pairs of a plan, by triangle; fragment codes and kept triangles. */
+/* All pairs of a plan, of its kept triangles. */
 typedef struct walk {
     const svo_plan *plan;
     oracle_pairs pairs; /* by code */
-    size_t *triangle_begin; /* pair_of[triangle_begin[t] ..]: those of triangle t; triangle_count + 1 */
-    size_t *pair_of; /* pairs.count */
+    const oracle_pair **by_triangle;
+    size_t *triangle_begin; /* where each triangle's pairs begin in by_triangle; triangle_count + 1 are of use */
 } walk;
 
 /* The fragments of one chunk as they are found. */
 typedef struct gathered {
-    size_t *pairs; /* indices; room for all there are */
+    oracle_pair *pairs; /* room for all there are */
     size_t count;
 } gathered;
 
@@ -30,7 +30,7 @@ static void walk_free(walk *w)
 {
     oracle_pairs_free(&w->pairs);
     free(w->triangle_begin);
-    free(w->pair_of);
+    free(w->by_triangle);
 }
 
 static bool walk_make(const svo_plan *plan, walk *w)
@@ -42,8 +42,8 @@ static bool walk_make(const svo_plan *plan, walk *w)
     if (w->triangle_begin == NULL || !oracle_enumerate(&mesh, &request, &w->pairs)) {
         return false;
     }
-    w->pair_of = calloc(w->pairs.count + 1, sizeof *w->pair_of);
-    if (w->pair_of == NULL) {
+    w->by_triangle = calloc(w->pairs.count + 1, sizeof *w->by_triangle);
+    if (w->by_triangle == NULL) {
         return false;
     }
     /* A counting sort. Counts stand two places on, begins one, so that placing the pairs leaves each begin in its place. */
@@ -54,7 +54,7 @@ static bool walk_make(const svo_plan *plan, walk *w)
         w->triangle_begin[t] += w->triangle_begin[t - 1];
     }
     for (size_t i = 0; i < w->pairs.count; ++i) {
-        w->pair_of[w->triangle_begin[w->pairs.pairs[i].triangle + 1]++] = i;
+        w->by_triangle[w->triangle_begin[w->pairs.pairs[i].triangle + 1]++] = &w->pairs.pairs[i];
     }
     return true;
 }
@@ -81,8 +81,9 @@ static void gather_draw(const walk *w, const svo_i_draw *draw, gathered *out)
     for (uint32_t k = 0; k < draw->item_count; ++k) {
         const svo_draw_item *item = &w->plan->items[draw->first_item + k];
         for (size_t i = w->triangle_begin[item->triangle]; i < w->triangle_begin[item->triangle + 1]; ++i) {
-            if (in_tile(draw, item->flags & SVO_DRAW_AXIS_MASK, w->pairs.pairs[w->pair_of[i]].code)) {
-                out->pairs[out->count++] = w->pair_of[i];
+            const oracle_pair *pair = w->by_triangle[i];
+            if (in_tile(draw, item->flags & SVO_DRAW_AXIS_MASK, pair->code)) {
+                out->pairs[out->count++] = *pair;
             }
         }
     }
@@ -93,7 +94,7 @@ static void shuffle(gathered *fragments, uint64_t *state)
 {
     for (size_t left = fragments->count; left > 1; --left) {
         const size_t other = random_below(state, (uint32_t)left);
-        const size_t kept = fragments->pairs[left - 1];
+        const oracle_pair kept = fragments->pairs[left - 1];
         fragments->pairs[left - 1] = fragments->pairs[other];
         fragments->pairs[other] = kept;
     }
@@ -106,7 +107,7 @@ static uint32_t *encode(const walk *w, const gathered *fragments, size_t count)
     uint32_t *words = malloc(count * svo_i_plan_fragment_bytes(w->plan) + 1);
     uint32_t *next = words;
     for (size_t i = 0; words != NULL && i < count; ++i) {
-        const oracle_pair *pair = &w->pairs.pairs[fragments->pairs[i]];
+        const oracle_pair *pair = &fragments->pairs[i];
         *next++ = (uint32_t)pair->code;
         if (long_code) {
             *next++ = (uint32_t)(pair->code >> 32);
@@ -137,23 +138,31 @@ static svo_status upload(const walk *w, const gathered *fragments, cl_command_qu
                                : svo_i_device_fail_cl(w->plan->device, "walk_frontend", "clEnqueueWriteBuffer", error);
 }
 
+static svo_status make_chunk(const walk *w, const svo_i_layout *layout, const svo_i_chunk *drawn, uint64_t *state,
+                             cl_command_queue queue, svo_i_fragments *chunk)
+{
+    gathered fragments = {.pairs = calloc(w->pairs.count + 1, sizeof *fragments.pairs)};
+    if (fragments.pairs == NULL) {
+        return no_memory(w->plan);
+    }
+    for (uint32_t i = 0; i < drawn->draw_count; ++i) {
+        gather_draw(w, &layout->draws[drawn->first_draw + i], &fragments);
+    }
+    shuffle(&fragments, state);
+    chunk->needed = fragments.count;
+    chunk->capacity = drawn->capacity;
+    const svo_status status = upload(w, &fragments, queue, chunk);
+    free(fragments.pairs);
+    return status;
+}
+
 static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_t seed, cl_command_queue queue,
                               svo_i_fragment_list *list)
 {
-    gathered fragments = {.pairs = malloc((w->pairs.count + 1) * sizeof *fragments.pairs)};
-    svo_status status = fragments.pairs != NULL ? SVO_OK : no_memory(w->plan);
+    svo_status status = SVO_OK;
     for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
-        const svo_i_chunk *chunk = &layout->chunks[i];
-        fragments.count = 0;
-        for (uint32_t k = 0; k < chunk->draw_count; ++k) {
-            gather_draw(w, &layout->draws[chunk->first_draw + k], &fragments);
-        }
-        shuffle(&fragments, &seed);
-        list->chunks[i].needed = fragments.count;
-        list->chunks[i].capacity = chunk->capacity;
-        status = upload(w, &fragments, queue, &list->chunks[i]);
+        status = make_chunk(w, layout, &layout->chunks[i], &seed, queue, &list->chunks[i]);
     }
-    free(fragments.pairs);
     return status;
 }
 

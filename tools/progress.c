@@ -74,7 +74,7 @@ static void *keep_drawing(void *user)
             until.tv_nsec -= 1000000000L;
             ++until.tv_sec;
         }
-        if (pthread_cond_timedwait(&bar->changed, &bar->lock, &until) == ETIMEDOUT) {
+        if (pthread_cond_timedwait(&bar->changed, &bar->lock, &until) == ETIMEDOUT && !bar->ending) {
             draw(bar);
         }
     }

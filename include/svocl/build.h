@@ -49,14 +49,16 @@ typedef struct svo_build_report {
 } svo_build_report;
 
 /*
- * Builds the tree of a plan and waits for it. Grows capacities and reruns when they were too small, and reports that.
+ * Builds the tree of a plan and waits for it. Grows capacities and reruns when they were too small, and reports that; a
+ * second build of the plan starts with the first capacities again.
  *
- * plan: of the same device as frontend and queue; its capacities and its list of buffers are updated.
+ * plan: of the same device as frontend and queue; its list of buffers becomes what this build allocated.
  * queue: the caller's, on the device's context, in-order or out-of-order; stage times come from events if it has
  *        CL_QUEUE_PROFILING_ENABLE, else from the wall clock.
  * report: NULL allowed.
  * Returns SVO_OUT_OF_DEVICE_MEMORY with the needed bytes in the message, SVO_COMPILE_FAILED, SVO_CL_ERROR,
- * SVO_GL_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ * SVO_GL_ERROR, SVO_NO_GL (the context cannot be made current), SVO_UNSUPPORTED (a limit of the context),
+ * SVO_OUT_OF_HOST_MEMORY, SVO_INVALID_ARGUMENT, SVO_INTERNAL.
  */
 SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
                              svo_build_report *report);

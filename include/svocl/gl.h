@@ -3,10 +3,11 @@
  * The OpenGL front end (svocl::gl): the rasterizer proposes voxels, an exact integer test in the fragment shader decides.
  *
  * Needs desktop OpenGL 4.3 (compute-era: shader storage buffers, framebuffers without attachments), and 4.4 or
- * ARB_buffer_storage for the host share. Entry points are a table per context, filled through the context's own loader.
+ * ARB_buffer_storage for the host share. Vertices (12 bytes each) and triangles (12 bytes each) must each fit one shader
+ * storage block of the context (128 MiB on llvmpipe: 11 million). Entry points are a table per context, filled through the context's own loader.
  *
  * Thread-safety: a handle belongs to the thread on which its context is current; contexts that svocl made are made
- * current by the calls that need them and left unbound afterwards.
+ * current by the calls that need them; what was current before is current again afterwards.
  */
 #ifndef SVOCL_GL_H
 #define SVOCL_GL_H
@@ -71,7 +72,7 @@ typedef struct svo_gl_options {
 typedef struct svo_gl svo_gl;
 
 /*
- * The GL side of a pair of device and context: probes front ends and share paths, compiles nothing yet.
+ * The GL side of a pair of device and context: probes front ends and share paths.
  *
  * device and context must outlive it. options: NULL means all defaults.
  * Returns SVO_UNSUPPORTED with the reason (in svo_device_message) when the forced choice does not work.

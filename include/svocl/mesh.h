@@ -33,7 +33,7 @@ typedef struct svo_texture {
 /* A triangle's colour is vertex colour * base colour * texel, each in [0, 255] / 255, rounded half up. */
 typedef struct svo_material {
     uint8_t rgba[4]; /* base colour */
-    uint32_t texture_index; /* into svo_mesh.textures, or SVO_NO_TEXTURE */
+    uint32_t texture_index; /* into svo_mesh.textures; SVO_NO_TEXTURE, or any other value out of range: none */
 } svo_material;
 
 typedef struct svo_mesh {
@@ -42,15 +42,15 @@ typedef struct svo_mesh {
     /* Exactly one of the two, unless vertex_count is 0: x, y, z per vertex, any unit. */
     const float *positions;
     const double *positions_double;
-    size_t vertex_count; /* below 2^32 */
+    size_t vertex_count; /* below 2^32 - 1 */
 
     const uint32_t *indices; /* three per triangle; NULL: vertices 3t, 3t + 1, 3t + 2 */
-    size_t triangle_count; /* below 2^32; the triangle ids of fragments and lists are positions in this array */
+    size_t triangle_count; /* below 2^32 - 1; the triangle ids of fragments and lists are positions in this array */
 
     /* Optional attributes, NULL where absent. */
     const float *normals; /* three per vertex, any length; not finite or zero: the triangle's own normal */
     const uint8_t *colors; /* RGBA8 per vertex */
-    const float *uvs; /* two per vertex; not finite: 0 */
+    const float *uvs; /* two per vertex; not finite: 0; limited to -32767 .. 32767 */
     const uint16_t *triangle_materials; /* per triangle, below material_count; NULL: material 0 */
     const svo_material *materials;
     size_t material_count; /* 0: white, no texture; at most 65535 */

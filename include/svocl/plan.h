@@ -41,7 +41,7 @@ typedef struct svo_plan_options {
        finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie up to 512 edges away. */
     double origin[3];
     double edge;
-    /* Fragments the list has room for at first; 0: by the count law. The blocking build grows it when it was too small. */
+    /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the count law. The blocking build grows it when it was too small. */
     uint64_t fragment_capacity;
     /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
     uint64_t chunk_bytes;
@@ -73,7 +73,8 @@ typedef struct svo_buffer_info {
  *
  * depth: SVO_DEPTH_MIN .. SVO_DEPTH_MAX; the grid has 2^depth voxels per axis.
  * options: NULL means all defaults.
- * Returns SVO_INVALID_ARGUMENT (depth, options, arrays missing), SVO_OUT_OF_HOST_MEMORY.
+ * Returns SVO_INVALID_ARGUMENT (depth, options, arrays missing, a grid that cannot be scaled),
+ * SVO_OUT_OF_DEVICE_MEMORY (2^32 texels and more), SVO_OUT_OF_HOST_MEMORY.
  */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
@@ -81,7 +82,8 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
 
 SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
-/* The buffers a build of this plan allocates on the device, in order of allocation; exact after a build, predicted before.
+/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
+   attempts that were too small included. Memory of OpenGL (the mesh; with share "copy" its side of the list) is apart.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time. */

@@ -23,7 +23,7 @@ typedef struct svo_camera {
 } svo_camera;
 
 /* A camera that looks at the occupied part of the tree from the front, a little to the right and above, and frames it.
-   aspect: width / height, above 0. Needs the host arrays (svo_tree_download). */
+   aspect: width / height, above 0; anything else counts as 1. Needs the host arrays (svo_tree_download). */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
 
 typedef struct svo_render_options {

@@ -7,7 +7,7 @@
 #include "file.h"
 #include "svocl/plan.h"
 
-#define SNAPPED_MAX (1 << 29) /* vertices of accepted triangles lie below this, DESIGN 3 */
+#define SNAPPED_MAX (1 << 29) /* vertices of accepted triangles lie below this (lib/grid.c) */
 
 typedef struct check {
     const svo_tree_info *info;

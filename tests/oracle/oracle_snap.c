@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reference for the grid and the snap of section 3 of the design. The definition is in doubles; this file computes what
+ * Reference for the grid and the snap. The definition is in doubles; this file computes what
  * it says without double arithmetic, with integers of 128 bits that are rounded where the definition rounds. So neither
  * the compiler's contraction, nor the rounding mode, nor a slip in the library's order of operations is shared.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The octree that follows from a sorted list of voxels, in the canonical order of section 5 of the design, so that tests
+ * The octree that follows from a sorted list of voxels, in its canonical order, so that tests
  * can compare the library's arrays element by element; and back from an octree's masks to its voxels.
  */
 #include "oracle.h"
