@@ -220,12 +220,13 @@ static void predict_buffers(svo_plan *plan)
     svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
     svo_i_plan_buffer_add(plan, "child_mask_pool", (inner + 3) / 4 * 4);
     svo_i_plan_buffer_add(plan, "first_child_pool", inner * 4);
+    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
+    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
+    /* The nodes move to buffers of their size, one after the other. */
     svo_i_plan_buffer_add(plan, "child_mask", inner);
     svo_i_plan_buffer_remove(plan, (inner + 3) / 4 * 4);
     svo_i_plan_buffer_add(plan, "first_child", inner * 4);
     svo_i_plan_buffer_remove(plan, inner * 4);
-    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
     if ((plan->info.need & SVO_NEED_RAYS) != 0) {
         predict_lists(plan, fragments, leaves);
     }
