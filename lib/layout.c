@@ -10,6 +10,8 @@
 
 /* Tiles are halved down to one pixel; a column gives at most four fragments per triangle, so that always fits. */
 #define TILE_PIXELS_MIN 1u
+/* Tiles along an axis that one triangle is cut into at first; where they turn out too large they are split later. */
+#define TILES_MAX 1024u
 
 static svo_status no_memory(const svo_plan *plan)
 {
@@ -88,7 +90,8 @@ static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
 {
     const uint32_t pixels = 1u << c->plan->info.depth;
     uint32_t tiles = 2;
-    while (tiles < pixels && (double)c->plan->item_fragments[item] / ((double)tiles * tiles) * 4.0 > c->room) {
+    while (tiles < pixels && tiles < TILES_MAX &&
+           (double)c->plan->item_fragments[item] / ((double)tiles * tiles) * 4.0 > c->room) {
         tiles *= 2;
     }
     const uint32_t edge = pixels / tiles;
