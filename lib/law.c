@@ -56,8 +56,14 @@ static polygon clip_to_grid(const svo_plan *plan, const uint32_t corners[3])
     }
     const double units = (double)(1u << plan->info.snap_bits);
     for (unsigned axis = 0; axis < 3; ++axis) {
-        p = cut(&p, axis, 1.0, units);
-        p = cut(&p, axis, -1.0, 0.0);
+        bool above = false;
+        bool below = false;
+        for (unsigned corner = 0; corner < p.count; ++corner) {
+            above = above || p.corners[corner][axis] > units;
+            below = below || p.corners[corner][axis] < 0.0;
+        }
+        p = above ? cut(&p, axis, 1.0, units) : p;
+        p = below ? cut(&p, axis, -1.0, 0.0) : p;
     }
     return p;
 }
