@@ -113,6 +113,24 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
     }
 }
 
+/* Exclusive sums of the groups' partials on top of base, in place; returns the sum of all. One group. */
+static uint svo_scan_partials(__global uint *partials, uint base, __local uint *scratch)
+{
+    const uint item = (uint)get_local_id(0);
+    uint sums[SVO_ITEM_PARTIALS];
+    uint sum = 0;
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        sums[k] = sum;
+        sum += partials[item * SVO_ITEM_PARTIALS + k];
+    }
+    uint total;
+    const uint before = svo_group_exclusive(sum, scratch, &total);
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
+    }
+    return total;
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
                         svo_subdivide_params params, __local uint *scratch)
@@ -135,20 +153,9 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params,
                           __local uint *scratch)
 {
-    const uint item = (uint)get_local_id(0);
-    uint sums[SVO_ITEM_PARTIALS];
-    uint sum = 0;
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        sums[k] = sum;
-        sum += partials[item * SVO_ITEM_PARTIALS + k];
-    }
-    uint total;
-    const uint before = svo_group_exclusive(sum, scratch, &total);
     const uint child_begin = state->level_begin[params.level + 1u];
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        partials[item * SVO_ITEM_PARTIALS + k] = child_begin + before + sums[k];
-    }
-    if (item == 0u && state->overflow == 0u) {
+    const uint total = svo_scan_partials(partials, child_begin, scratch);
+    if (get_local_id(0) == 0u && state->overflow == 0u) {
         const uint child_end = child_begin + total;
         state->level_begin[params.level + 2u] = child_end;
         const bool inner = params.level + 1u < params.depth;
@@ -197,19 +204,8 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, svo_filter_params params,
                           __local uint *scratch)
 {
-    const uint item = (uint)get_local_id(0);
-    uint sums[SVO_ITEM_PARTIALS];
-    uint sum = 0;
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        sums[k] = sum;
-        sum += partials[item * SVO_ITEM_PARTIALS + k];
-    }
-    uint total;
-    const uint before = svo_group_exclusive(sum, scratch, &total);
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        partials[item * SVO_ITEM_PARTIALS + k] = before + sums[k];
-    }
-    if (item == 0u) {
+    const uint total = svo_scan_partials(partials, 0u, scratch);
+    if (get_local_id(0) == 0u) {
         list_begin[params.leaf_count] = total;
     }
 }
