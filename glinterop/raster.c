@@ -29,8 +29,19 @@ extern const char svo_i_source_raster_fragment[];
 typedef struct raster_program {
     GLuint name; /* 0: not compiled */
     bool points; /* drawn as points, else as triangles */
-    GLint depth, voxel_log2, first_item, chunk, capacity;
+    GLint depth, voxel_log2, open, view_origin, view_log2, first_item, chunk, capacity;
 } raster_program;
+
+/* What of a plan the shaders are compiled for, besides the class of triangles. */
+typedef struct variant {
+    bool code48, thin;
+} variant;
+
+static variant variant_of(const svo_plan *plan)
+{
+    return (variant){.code48 = plan->info.depth > SVO_CODE30_DEPTH_MAX,
+                     .thin = plan->info.coverage == SVO_COVERAGE_THIN};
+}
 
 struct svo_i_raster {
     svo_device *device;
@@ -38,7 +49,7 @@ struct svo_i_raster {
     const svo_i_gl_functions *gl;
     svo_i_conservative conservative;
     bool int64;
-    raster_program programs[SVO_I_CLASS_COUNT][2]; /* by class; codes of 30 and 48 bits */
+    raster_program programs[SVO_I_CLASS_COUNT][2][2]; /* by class; codes of 30 and 48 bits; thin */
     GLuint vertex_array, framebuffer;
     GLuint buffers[4]; /* by binding */
 };
@@ -117,8 +128,8 @@ void svo_i_raster_destroy(svo_i_raster **raster)
         return;
     }
     if (svo_i_gl_context_make_current(r->context, NULL) == SVO_OK) {
-        for (unsigned i = 0; i < SVO_I_CLASS_COUNT * 2u; ++i) {
-            r->gl->DeleteProgram(r->programs[i / 2][i % 2].name);
+        for (unsigned i = 0; i < SVO_I_CLASS_COUNT * 4u; ++i) {
+            r->gl->DeleteProgram(r->programs[i / 4][i / 2 % 2][i % 2].name);
         }
         r->gl->DeleteVertexArrays(1, &r->vertex_array);
         r->gl->DeleteFramebuffers(1, &r->framebuffer);
@@ -149,7 +160,7 @@ static const char *reach_of(svo_i_conservative conservative)
     }
 }
 
-static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class class_id, bool code48, GLuint *out)
+static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class class_id, variant v, GLuint *out)
 {
     static const char *const class_keys[SVO_I_CLASS_COUNT] = {"#define SVO_POINT\n", "#define SVO_NARROW\n", "",
                                                               "#define SVO_WIDE\n"};
@@ -158,7 +169,8 @@ static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class
         "#version 430 core\n",
         raster->int64 ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
         class_keys[class_id],
-        code48 ? "#define SVO_CODE48\n" : "",
+        v.code48 ? "#define SVO_CODE48\n" : "",
+        v.thin ? "#define SVO_THIN\n" : "",
         reach_of(raster->conservative),
         svo_i_source_raster_common,
         stage == GL_VERTEX_SHADER ? svo_i_source_raster_vertex : svo_i_source_raster_fragment,
@@ -196,6 +208,9 @@ static svo_status link_program(svo_i_raster *raster, GLuint vertex, GLuint fragm
     program->name = name;
     program->depth = gl->GetUniformLocation(name, "depth");
     program->voxel_log2 = gl->GetUniformLocation(name, "voxel_log2");
+    program->open = gl->GetUniformLocation(name, "open");
+    program->view_origin = gl->GetUniformLocation(name, "view_origin");
+    program->view_log2 = gl->GetUniformLocation(name, "view_log2");
     program->first_item = gl->GetUniformLocation(name, "first_item");
     program->chunk = gl->GetUniformLocation(name, "chunk");
     program->capacity = gl->GetUniformLocation(name, "capacity");
@@ -214,6 +229,7 @@ static svo_status warm_program(svo_i_raster *raster, const raster_program *progr
     }
     gl->UseProgram(program->name);
     gl->Uniform1i(program->depth, 1);
+    gl->Uniform1i(program->view_log2, 1);
     gl->Uniform1ui(program->first_item, 0);
     gl->Scissor(0, 0, 0, 0);
     gl->DrawArrays(program->points ? GL_POINTS : GL_TRIANGLES, 0, program->points ? 1 : 3);
@@ -221,14 +237,14 @@ static svo_status warm_program(svo_i_raster *raster, const raster_program *progr
     return check(raster, "drawing nothing");
 }
 
-static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, bool code48, raster_program *program)
+static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, variant v, raster_program *program)
 {
     const double start_ms = svo_i_now_ms();
     GLuint vertex = 0;
     GLuint fragment = 0;
-    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, code48, &vertex);
+    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, v, &vertex);
     if (status == SVO_OK) {
-        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, code48, &fragment);
+        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, v, &fragment);
     }
     if (status == SVO_OK) {
         status = link_program(raster, vertex, fragment, program);
@@ -243,11 +259,16 @@ static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, bo
     return status;
 }
 
-/* Everything that is not storage blocks: one viewport over the grid, nothing written to a framebuffer. */
+static GLuint view_log2_of(const svo_plan *plan)
+{
+    return plan->info.depth < SVO_I_VIEW_LOG2 ? plan->info.depth : SVO_I_VIEW_LOG2;
+}
+
+/* Everything that is not storage blocks: one viewport over the grid or a part of it, nothing written to a framebuffer. */
 static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
 {
     const svo_i_gl_functions *gl = raster->gl;
-    const GLint pixels = 1 << plan->info.depth;
+    const GLint pixels = 1 << view_log2_of(plan);
     if (pixels > gl->limits.framebuffer_width || pixels > gl->limits.framebuffer_height ||
         pixels > gl->limits.viewport_width || pixels > gl->limits.viewport_height) {
         return svo_i_device_fail(raster->device, SVO_UNSUPPORTED,
@@ -276,25 +297,20 @@ static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
     return check(raster, "setting up the framebuffer");
 }
 
-static bool uses_code48(const svo_plan *plan)
-{
-    return plan->info.depth > SVO_CODE30_DEPTH_MAX;
-}
-
 svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
 {
-    const bool code48 = uses_code48(plan);
+    const variant v = variant_of(plan);
     svo_i_gl_clear_errors(raster->gl);
     const svo_status ready = set_state(raster, plan);
     if (ready != SVO_OK) {
         return ready;
     }
     for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
-        raster_program *program = &raster->programs[class_id][code48];
+        raster_program *program = &raster->programs[class_id][v.code48][v.thin];
         if (plan->class_begin[class_id] == plan->class_begin[class_id + 1] || program->name != 0) {
             continue;
         }
-        const svo_status status = compile_program(raster, class_id, code48, program);
+        const svo_status status = compile_program(raster, class_id, v, program);
         if (status != SVO_OK) {
             return status;
         }
@@ -363,10 +379,16 @@ static void set_conservative(const svo_i_raster *raster, bool on)
 /* Items of one draw call: vertex numbers must stay below 2^31. */
 #define ITEMS_PER_CALL (1u << 28)
 
+static const raster_program *program_of(const svo_i_raster *raster, const svo_plan *plan, svo_i_class class_id)
+{
+    const variant v = variant_of(plan);
+    return &raster->programs[class_id][v.code48][v.thin];
+}
+
 static void draw_items(const svo_i_raster *raster, const svo_plan *plan, const svo_i_draw *draw)
 {
     const svo_i_gl_functions *gl = raster->gl;
-    const raster_program *program = &raster->programs[draw->class_id][uses_code48(plan)];
+    const raster_program *program = program_of(raster, plan, draw->class_id);
     for (uint32_t done = 0; done < draw->item_count; done += ITEMS_PER_CALL) {
         const uint32_t left = draw->item_count - done;
         const GLsizei items = (GLsizei)(left < ITEMS_PER_CALL ? left : ITEMS_PER_CALL);
@@ -379,16 +401,23 @@ svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const s
 {
     const svo_i_gl_functions *gl = raster->gl;
     const svo_i_chunk *target = &layout->chunks[chunk];
+    const GLuint view_log2 = view_log2_of(plan);
     set_conservative(raster, true);
     for (uint32_t i = 0; i < target->draw_count; ++i) {
         const svo_i_draw *draw = &layout->draws[target->first_draw + i];
-        const raster_program *program = &raster->programs[draw->class_id][uses_code48(plan)];
+        const raster_program *program = program_of(raster, plan, draw->class_id);
         gl->UseProgram(program->name);
         gl->Uniform1i(program->depth, (GLint)plan->info.depth);
         gl->Uniform1i(program->voxel_log2, (GLint)plan->voxel_log2);
+        const GLint view_x = (GLint)(draw->tile_x >> view_log2 << view_log2);
+        const GLint view_y = (GLint)(draw->tile_y >> view_log2 << view_log2);
+        gl->Uniform1i(program->open, plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1);
+        gl->Uniform1i(program->view_log2, (GLint)view_log2);
+        gl->Uniform2i(program->view_origin, view_x, view_y);
         gl->Uniform1ui(program->chunk, chunk);
         gl->Uniform1ui(program->capacity, (GLuint)target->capacity);
-        gl->Scissor((GLint)draw->tile_x, (GLint)draw->tile_y, (GLsizei)draw->tile_width, (GLsizei)draw->tile_height);
+        gl->Scissor((GLint)draw->tile_x - view_x, (GLint)draw->tile_y - view_y, (GLsizei)draw->tile_width,
+                    (GLsizei)draw->tile_height);
         draw_items(raster, plan, draw);
     }
     set_conservative(raster, false);

@@ -97,7 +97,7 @@ static bool walk_triangle(walk *w, uint32_t triangle)
     const int32_t *c = w->plan->vertices + (size_t)corners[2] * 3;
     const uint32_t shift = w->plan->voxel_log2;
     const svo_overlap overlap = svo_make_overlap(svo_make_point(a[0], a[1], a[2]), svo_make_point(b[0], b[1], b[2]),
-                                                 svo_make_point(c[0], c[1], c[2]), 1 << shift, 1);
+                                                 svo_make_point(c[0], c[1], c[2]), 1 << shift, 1, 2);
     int32_t low[3];
     int32_t high[3];
     for (unsigned axis = 0; axis < 3; ++axis) {

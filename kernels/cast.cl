@@ -14,7 +14,7 @@
  */
 #include "svocl/layout.h"
 
-#define SVO_CAST_LEVELS 13 /* root to leaves at depth 12 */
+#define SVO_CAST_LEVELS 17 /* root to leaves at depth 16 */
 /* Directions closer to an axis than this are treated as this far from it: crossings stay finite. */
 #define SVO_CAST_DIRECTION_MIN 1e-20f
 #define SVO_CAST_FAR           1e30f

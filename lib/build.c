@@ -362,7 +362,7 @@ static void fill_info(svo_i_build *build)
     svo_tree_info *to = &build->tree->info;
     to->depth = from->depth;
     to->snap_bits = from->snap_bits;
-    to->coverage = 0;
+    to->coverage = from->coverage;
     to->need = from->need;
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
@@ -373,10 +373,31 @@ static void fill_info(svo_i_build *build)
     to->fragments = build->fragment_count;
 }
 
+/* Refuses what the count law says cannot fit, before anything is allocated. */
+static svo_status check_size(svo_i_build *build)
+{
+    const svo_plan *plan = build->plan;
+    if (plan->info.expected_fragments >= (double)UINT32_MAX) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: the scene needs about %.0f fragments at depth %u, above 2^32 - 1",
+                                 plan->info.expected_fragments, plan->info.depth);
+    }
+    if (plan->predicted_bytes > build->device->global_bytes) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: the scene needs about %llu bytes at depth %u, above the device's %llu",
+                                 (unsigned long long)plan->predicted_bytes, plan->info.depth,
+                                 (unsigned long long)build->device->global_bytes);
+    }
+    return SVO_OK;
+}
+
 static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
 {
     const uint32_t need = build->plan->info.need;
-    svo_status status = make_list(build, frontend);
+    svo_status status = check_size(build);
+    if (status == SVO_OK) {
+        status = make_list(build, frontend);
+    }
     if (status == SVO_OK) {
         fill_info(build);
         status = alloc_cursors(build);

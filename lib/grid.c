@@ -20,6 +20,11 @@
 #define UNITS_FAR (1 << 30)
 /* Largest bounding box, in grid units, whose lines fit 32 bits. */
 #define NARROW_UNITS (1 << 14)
+/* Largest grid, as a power of two of its units, whose planes fit 64 bits. */
+#define REGULAR_BITS 20u
+/* A triangle this many times as long as high is drawn as a rectangle: the corners of its expanded form lie too far out for
+   float arithmetic. */
+#define NEEDLE_RATIO 4096.0
 
 static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
 {
@@ -151,6 +156,8 @@ typedef struct placed {
 static placed place(const svo_plan *plan, const uint32_t corners[3])
 {
     const int32_t units = (int32_t)(1u << plan->info.snap_bits);
+    /* A closed voxel owns its far faces: a face on the border of two voxels touches both. */
+    const int32_t closed = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
     placed p = {.far = false, .outside = false};
     for (unsigned axis = 0; axis < 3; ++axis) {
         int32_t low = INT32_MAX;
@@ -161,29 +168,42 @@ static placed place(const svo_plan *plan, const uint32_t corners[3])
             high = q > high ? q : high;
         }
         p.far = p.far || low <= -UNITS_FAR || high >= UNITS_FAR;
-        p.outside = p.outside || high < 0 || low >= units;
+        p.outside = p.outside || high < 0 || low >= units + closed;
         p.low[axis] = low;
         p.high[axis] = high;
-        p.first[axis] = (low < 0 ? 0 : low) >> plan->voxel_log2;
+        p.first[axis] = (low < closed ? 0 : low - closed) >> plan->voxel_log2;
         p.last[axis] = (high >= units ? units - 1 : high) >> plan->voxel_log2;
     }
     return p;
+}
+
+static bool inside_grid(const svo_plan *plan, const placed *p)
+{
+    bool inside = true;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        inside = inside && p->low[axis] >= 0 && p->high[axis] < (int32_t)(1u << plan->info.snap_bits);
+    }
+    return inside;
 }
 
 static svo_i_class classify(const svo_plan *plan, const placed *p)
 {
     bool one_voxel = true;
     bool narrow = plan->voxel_log2 < 14;
-    bool inside = true;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        inside = inside && p->low[axis] >= 0 && p->high[axis] < (int32_t)(1u << plan->info.snap_bits);
         one_voxel = one_voxel && p->first[axis] == p->last[axis];
         narrow = narrow && (p->last[axis] - p->first[axis] + 1) <= (NARROW_UNITS >> plan->voxel_log2);
     }
-    if (!inside) {
+    if (!inside_grid(plan, p)) {
         return SVO_I_CLASS_WIDE;
     }
-    return one_voxel ? SVO_I_CLASS_POINT : narrow ? SVO_I_CLASS_NARROW : SVO_I_CLASS_REGULAR;
+    if (one_voxel && plan->info.coverage != SVO_COVERAGE_THIN) {
+        return SVO_I_CLASS_POINT;
+    }
+    if (narrow) {
+        return SVO_I_CLASS_NARROW;
+    }
+    return plan->info.snap_bits <= REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
 }
 
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])
@@ -216,8 +236,7 @@ static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsi
 
 /* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent, so
    that columns are short. Needles (altitude under a pixel) and what reaches outside are drawn as rectangles. */
-static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3],
-                           svo_i_class class_id)
+static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
 {
     unsigned axis = 0;
     unsigned shortest = 0;
@@ -229,8 +248,10 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
         return shortest | SVO_DRAW_RECTANGLE;
     }
     const double voxel = (double)(1u << plan->voxel_log2);
-    const bool needle = (double)llabs(normal[axis]) < voxel * longest_edge(plan, corners, axis);
-    return axis | (needle || class_id == SVO_I_CLASS_WIDE ? SVO_DRAW_RECTANGLE : 0u);
+    const double area = (double)llabs(normal[axis]);
+    const double longest = longest_edge(plan, corners, axis);
+    const bool needle = area < voxel * longest || area * NEEDLE_RATIO < longest * longest;
+    return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_RECTANGLE : 0u);
 }
 
 /* Keeps accepted triangles that meet the grid, counts the others. Items come in the order of the mesh; classes[] says
@@ -258,7 +279,7 @@ static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *
         classes[kept] = (uint8_t)class_id;
         memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
         plan->triangle_ids[kept] = (uint32_t)t;
-        plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal, class_id)};
+        plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
         plan->item_fragments[kept] = svo_i_law_add(plan, corners);
     }
 }

@@ -56,10 +56,21 @@ static bool add_chunk(svo_i_layout *layout, uint32_t first_draw, uint64_t capaci
     return true;
 }
 
-static svo_i_draw whole_screen(const svo_plan *plan, svo_i_class class_id, uint32_t first_item, uint32_t item_count)
+/* Draws a run of items over the whole grid, viewport by viewport. */
+static bool add_items(const svo_plan *plan, svo_i_layout *layout, svo_i_class class_id, uint32_t first_item,
+                      uint32_t item_count)
 {
-    const uint32_t pixels = 1u << plan->info.depth;
-    return (svo_i_draw){class_id, first_item, item_count, 0, 0, pixels, pixels};
+    const uint32_t depth = plan->info.depth;
+    const uint32_t views_log2 = depth > SVO_I_VIEW_LOG2 ? depth - SVO_I_VIEW_LOG2 : 0;
+    const uint32_t edge = 1u << (depth - views_log2);
+    for (uint32_t k = 0; k < 1u << (2 * views_log2); ++k) {
+        const uint32_t x = (k & ((1u << views_log2) - 1u)) * edge;
+        const uint32_t y = (k >> views_log2) * edge;
+        if (!add_draw(layout, (svo_i_draw){class_id, first_item, item_count, x, y, edge, edge})) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* What the walk over the items has gathered for the chunk that is open. */
@@ -89,7 +100,7 @@ static bool close_chunk(cutter *c)
 static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
 {
     const uint32_t pixels = 1u << c->plan->info.depth;
-    uint32_t tiles = 2;
+    uint32_t tiles = c->plan->info.depth > SVO_I_VIEW_LOG2 ? pixels >> SVO_I_VIEW_LOG2 : 2;
     while (tiles < pixels && tiles < TILES_MAX &&
            (double)c->plan->item_fragments[item] / ((double)tiles * tiles) * 4.0 > c->room) {
         tiles *= 2;
@@ -114,8 +125,7 @@ static bool cut_class(cutter *c, svo_i_class class_id)
         const double expected = (double)c->plan->item_fragments[item];
         const bool huge = expected > c->room;
         if (huge || c->held + expected > c->room) {
-            if ((item > first && !add_draw(c->layout, whole_screen(c->plan, class_id, first, item - first))) ||
-                !close_chunk(c)) {
+            if ((item > first && !add_items(c->plan, c->layout, class_id, first, item - first)) || !close_chunk(c)) {
                 return false;
             }
             first = item;
@@ -129,7 +139,7 @@ static bool cut_class(cutter *c, svo_i_class class_id)
         }
         c->held += expected;
     }
-    return first == end || add_draw(c->layout, whole_screen(c->plan, class_id, first, end - first));
+    return first == end || add_items(c->plan, c->layout, class_id, first, end - first);
 }
 
 svo_status svo_i_layout_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_layout *layout)

@@ -9,11 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Grid units per axis as a power of two, whatever the depth, so that trees of different depths nest. */
-#define SNAP_BITS 20u
+/* Grid units per axis as a power of two: the same for all depths up to 12, so that their trees nest; above, 2^8 units to
+   a voxel. */
+#define SNAP_BITS           20u
+#define SNAP_BITS_DEPTH_MAX 12u
+#define DEEP_VOXEL_LOG2     8u
 /* A chunk holds at least the fragments of one column of one triangle, with a lot to spare. */
 #define CHUNK_BYTES_MIN 16384
 #define NEED_BITS       ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
+
+const char *svo_coverage_name(svo_coverage coverage)
+{
+    static const char *const names[] = {"half-open", "closed", "thin"};
+    return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
+}
 
 static svo_status check_options(svo_device *device, const svo_plan_options *options)
 {
@@ -25,6 +34,10 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
         ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_plan_create: options.need 0x%x is not a combination of svo_need", options->need);
+    }
+    if ((unsigned)options->coverage > SVO_COVERAGE_THIN) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.coverage %d is not in 0 .. %d",
+                                 (int)options->coverage, (int)SVO_COVERAGE_THIN);
     }
     if (!isfinite(options->edge) || options->edge < 0.0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -263,8 +276,9 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
     plan->device = device;
     plan->options = options != NULL ? *options : (svo_plan_options){.struct_size = sizeof *options};
     plan->info.depth = depth;
-    plan->info.snap_bits = SNAP_BITS;
-    plan->voxel_log2 = SNAP_BITS - depth;
+    plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+    plan->info.coverage = plan->options.coverage;
+    plan->voxel_log2 = plan->info.snap_bits - depth;
     status = svo_i_plan_grid(plan, mesh);
     if (status == SVO_OK) {
         status = svo_i_plan_attributes(plan, mesh);
@@ -276,6 +290,7 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
     predict_buffers(plan);
+    plan->predicted_bytes = plan->peak_bytes;
     *out = plan;
     return SVO_OK;
 }

@@ -16,13 +16,17 @@
 typedef enum svo_i_class {
     SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
     SVO_I_CLASS_NARROW, /* bounding box of voxels up to 2^14 units: lines in 32 bits */
-    SVO_I_CLASS_REGULAR, /* inside the grid: 64 bits */
-    SVO_I_CLASS_WIDE, /* reaching outside the grid: the plane in 93 bits */
+    SVO_I_CLASS_REGULAR, /* inside a grid of 2^20 units: 64 bits */
+    SVO_I_CLASS_WIDE, /* reaching outside, or on a finer grid: the plane in 93 bits */
     SVO_I_CLASS_COUNT
 } svo_i_class;
 
+/* Pixels of a viewport, both ways, as a power of two: grids of more voxels are drawn viewport by viewport. Positions in a
+   viewport of this size are exact enough in float. */
+#define SVO_I_VIEW_LOG2 13u
+
 /* A part of the drawing that goes to one chunk of the list: consecutive items of one class, in a tile of the grid's
-   projection (all of it, but for single triangles too large for a chunk). */
+   projection (a viewport, or less for single triangles too large for a chunk). */
 typedef struct svo_i_draw {
     svo_i_class class_id;
     uint32_t first_item, item_count;
@@ -80,6 +84,7 @@ struct svo_plan {
     svo_buffer_info buffers[SVO_I_BUFFERS_MAX];
     size_t buffer_count;
     uint64_t live_bytes, peak_bytes;
+    uint64_t predicted_bytes; /* peak_bytes before the first build */
 };
 
 SVO_I_SHARED_BEGIN

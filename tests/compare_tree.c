@@ -9,7 +9,10 @@
 
 #include <cmocka.h>
 
-#define SNAP_BITS 20
+static unsigned snap_bits_of(unsigned depth)
+{
+    return depth <= 12 ? 20 : depth + 8;
+}
 
 /* The vertices in double, by malloc. */
 static double *positions_of(const svo_mesh *mesh)
@@ -45,9 +48,17 @@ static void snap_triangles(const oracle_positions *mesh, exact *out)
     }
 }
 
+static void enumerate(const exact *made, unsigned depth, oracle_method method, oracle_pairs *out)
+{
+    const oracle_mesh snapped = {made->vertices, made->indices, made->triangle_ids, made->triangle_count};
+    const oracle_request request = {depth, snap_bits_of(depth), made->coverage, method};
+    assert_true(oracle_enumerate(&snapped, &request, out));
+}
+
 void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out)
 {
-    *out = (exact){0};
+    const unsigned snap_bits = snap_bits_of(depth);
+    *out = (exact){.coverage = grid_options != NULL ? (oracle_coverage)grid_options->coverage : ORACLE_HALF_OPEN};
     double *values = positions_of(mesh);
     const oracle_positions positions = {values, mesh->vertex_count, mesh->indices, mesh->triangle_count};
     out->vertices = calloc(mesh->vertex_count * 3 + 1, sizeof(int32_t));
@@ -57,15 +68,13 @@ void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *
     assert_non_null(out->indices);
     assert_non_null(out->triangle_ids);
     const bool has_grid = grid_options != NULL && grid_options->edge > 0.0
-                              ? oracle_grid_given(grid_options->origin, grid_options->edge, SNAP_BITS, &out->grid)
-                              : oracle_grid_fit(&positions, SNAP_BITS, &out->grid);
+                              ? oracle_grid_given(grid_options->origin, grid_options->edge, snap_bits, &out->grid)
+                              : oracle_grid_fit(&positions, snap_bits, &out->grid);
     if (has_grid) {
         snap_triangles(&positions, out);
     }
     free(values);
-    const oracle_mesh snapped = {out->vertices, out->indices, out->triangle_ids, out->triangle_count};
-    const oracle_request request = {depth, SNAP_BITS, ORACLE_HALF_OPEN, ORACLE_SAT};
-    assert_true(oracle_enumerate(&snapped, &request, &out->pairs));
+    enumerate(out, depth, ORACLE_SAT, &out->pairs);
     assert_true(oracle_tree_make(&out->pairs, depth, &out->tree));
 }
 
@@ -77,6 +86,17 @@ void exact_destroy(exact *made)
     free(made->indices);
     free(made->vertices);
     *made = (exact){0};
+}
+
+void assert_references_agree(const exact *made)
+{
+    oracle_pairs other;
+    oracle_difference difference;
+    enumerate(made, made->tree.depth, ORACLE_CLIP, &other);
+    oracle_compare(&made->pairs, &other, &difference);
+    oracle_pairs_free(&other);
+    assert_int_equal(difference.missed_pairs, 0);
+    assert_int_equal(difference.surplus_pairs, 0);
 }
 
 static void assert_nodes(const built *actual, const oracle_tree *expected)
@@ -127,11 +147,13 @@ static void assert_geometry(const built *actual, const exact *expected)
 
 void assert_tree_is_exact(const built *actual, const exact *expected)
 {
+    assert_int_equal(actual->info.coverage, expected->coverage);
     assert_int_equal(actual->info.fragments, expected->pairs.count);
     if (expected->triangle_count > 0) {
         for (unsigned axis = 0; axis < 3; ++axis) {
             assert_true(actual->info.origin[axis] == expected->grid.origin[axis]); /* -0 is 0 */
         }
+        assert_int_equal(actual->info.snap_bits, expected->grid.snap_bits);
         assert_true(actual->info.edge == expected->grid.edge);
         assert_true(actual->info.scale == expected->grid.scale);
     }

@@ -11,6 +11,7 @@
 
 /* What the references make of a mesh. The arrays are by malloc, released by exact_destroy. */
 typedef struct exact {
+    oracle_coverage coverage;
     oracle_grid grid;
     int32_t *vertices; /* vertex_count * 3; vertices that no accepted triangle has are undefined */
     uint32_t *indices; /* of the accepted triangles */
@@ -20,9 +21,12 @@ typedef struct exact {
     oracle_tree tree;
 } exact;
 
-/* grid_options: origin and edge as for the build; NULL or edge 0: the default grid. */
+/* grid_options: coverage, origin and edge as for the build; NULL: half-open; NULL or edge 0: the default grid. */
 void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out);
 void exact_destroy(exact *made);
+
+/* The second reference finds the same pairs. */
+void assert_references_agree(const exact *made);
 
 /* Nodes and, where the tree has them, lists and geometry. */
 void assert_tree_is_exact(const built *actual, const exact *expected);

@@ -433,10 +433,10 @@ static void test_broken_headers_are_named(void **unused)
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     expect_word_refused(bytes, byte_count, 8, 2, "version 2 is not known");
     expect_word_refused(bytes, byte_count, 32, 10, "10 chunks, at most 9");
-    expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 12");
-    expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 12");
+    expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");
+    expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
-    expect_word_refused(bytes, byte_count, 44, 1, "coverage 1 is not known");
+    expect_word_refused(bytes, byte_count, 44, 3, "coverage 3 is not known");
     expect_word_refused(bytes, byte_count, 48, 8, "unknown bits");
     expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~SVO_NEED_COLOR, "chunk 2: kind is 2, 3 (normals) expected");
     expect_word_refused(bytes, byte_count, 52, 1, "bytes 52 .. 56");

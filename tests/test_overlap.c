@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit for bit, and with the exact references.
+ * T4 pairs, in the shared text itself: one definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit for bit, and with the exact references.
  *
  * kernels/integer.clh and kernels/overlap.clh are asked, in each language, about thousands of random and hard records in
- * each of their three widths (agree/sample.h makes them, agree/probe.clh asks). GLSL is asked twice: with 64-bit integers
+ * each of their three widths, half-open, closed and thin (agree/sample.h makes them, agree/probe.clh asks). GLSL is asked twice: with 64-bit integers
  * of the language, and with those made of two words. Only the spans may differ, which float arithmetic estimates: they
  * must hold every voxel that the integers let pass.
  */
@@ -21,6 +21,7 @@
 #include "agree/probe.h"
 #include "agree/sample.h"
 #include "machine.h"
+#include "predicate.h"
 
 enum { RECORDS = 16384, TEXT_BYTES = 400 };
 
@@ -36,6 +37,7 @@ typedef struct variant {
     probe_function *in_c;
     probe_column_function *column; /* overlap variants only */
     sample_width width;
+    bool thin;
     sample *samples;
     probe_input *given;
     probe_output *expected;
@@ -60,6 +62,27 @@ static variant variants[] = {
      .in_c = probe_wide,
      .column = probe_column_wide,
      .width = SAMPLE_WIDE},
+    {.name = "thin narrow",
+     .options = "-cl-std=CL1.2 -DSVO_NARROW -DSVO_THIN",
+     .prologue = "#define SVO_NARROW\n#define SVO_THIN\n",
+     .in_c = probe_thin_narrow,
+     .column = probe_column_thin_narrow,
+     .width = SAMPLE_NARROW,
+     .thin = true},
+    {.name = "thin regular",
+     .options = "-cl-std=CL1.2 -DSVO_THIN",
+     .prologue = "#define SVO_THIN\n",
+     .in_c = probe_thin_regular,
+     .column = probe_column_thin_regular,
+     .width = SAMPLE_REGULAR,
+     .thin = true},
+    {.name = "thin wide",
+     .options = "-cl-std=CL1.2 -DSVO_WIDE -DSVO_THIN",
+     .prologue = "#define SVO_WIDE\n#define SVO_THIN\n",
+     .in_c = probe_thin_wide,
+     .column = probe_column_thin_wide,
+     .width = SAMPLE_WIDE,
+     .thin = true},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
@@ -82,7 +105,7 @@ static int make_variants(void **state)
         v->given = allocate(RECORDS * sizeof *v->given);
         v->expected = allocate(RECORDS * sizeof *v->expected);
         for (uint32_t record = 0; record < RECORDS; ++record) {
-            sample_make(v->width, SEED, record, &v->samples[record]);
+            (v->thin ? sample_make_thin : sample_make)(v->width, SEED, record, &v->samples[record]);
             v->given[record] = v->samples[record].record;
         }
         v->in_c(v->given, v->expected, RECORDS);
@@ -125,13 +148,20 @@ static void c_agrees_with_the_exact_references(void **state)
     unsigned touched[SAMPLE_KINDS] = {0};
     for (uint32_t i = 0; i < RECORDS; ++i) {
         const sample *s = &v->samples[i];
-        const bool by_axes = oracle_sat_touches(&s->triangle, &s->box, s->coverage);
-        const bool by_clipping = oracle_clip_touches(&s->triangle, &s->box, s->coverage);
-        if (touches(&v->expected[i]) != by_axes || by_axes != by_clipping) {
-            fail_msg("%s: C %d, axes %d, clipping %d", describe(v, i, text), touches(&v->expected[i]), by_axes,
-                     by_clipping);
+        const bool first = v->thin ? oracle_thin_by_extents(&s->triangle, &s->box)
+                                   : oracle_sat_touches(&s->triangle, &s->box, s->coverage);
+        const bool second = v->thin ? oracle_thin_by_vertices(&s->triangle, &s->box)
+                                    : oracle_clip_touches(&s->triangle, &s->box, s->coverage);
+        if (touches(&v->expected[i]) != first || first != second) {
+            fail_msg("%s: C %d, references %d and %d", describe(v, i, text), touches(&v->expected[i]), first, second);
         }
-        touched[s->kind] += by_axes;
+        /* Thin is never more than half-open, which is never more than closed. */
+        const bool half_open = oracle_sat_touches(&s->triangle, &s->box, ORACLE_HALF_OPEN);
+        if ((v->thin && first && !half_open) ||
+            (half_open && !oracle_sat_touches(&s->triangle, &s->box, ORACLE_CLOSED))) {
+            fail_msg("%s: coverages do not nest", describe(v, i, text));
+        }
+        touched[s->kind] += first;
     }
     /* The records ask something: each kind has hits and misses in numbers (a point meets all voxels of its bounds). */
     const unsigned kind_count = RECORDS / SAMPLE_KINDS;
@@ -449,6 +479,9 @@ int main(void)
         VARIANT_TESTS(0),
         VARIANT_TESTS(1),
         VARIANT_TESTS(2),
+        VARIANT_TESTS(3),
+        VARIANT_TESTS(4),
+        VARIANT_TESTS(5),
         cmocka_unit_test(integers_in_c),
         cmocka_unit_test(integers_in_opencl),
         cmocka_unit_test(integers_in_glsl_with_int64),

@@ -335,10 +335,9 @@ static const svo_mesh small_mesh = {
 static void depths_out_of_range_are_refused(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    assert_refused(opened, &small_mesh, 0, NULL, WORDS("depth 0", "1 .. 12"));
-    assert_refused(opened, &small_mesh, 13, NULL, WORDS("depth 13", "1 .. 12"));
-    assert_refused(opened, &small_mesh, 17, NULL, WORDS("depth 17", "1 .. 12"));
-    assert_refused(opened, &small_mesh, UINT32_MAX, NULL, WORDS("depth 4294967295", "1 .. 12"));
+    assert_refused(opened, &small_mesh, 0, NULL, WORDS("depth 0", "1 .. 16"));
+    assert_refused(opened, &small_mesh, 17, NULL, WORDS("depth 17", "1 .. 16"));
+    assert_refused(opened, &small_mesh, UINT32_MAX, NULL, WORDS("depth 4294967295", "1 .. 16"));
 }
 
 static void options_out_of_range_are_refused(void **state)
@@ -370,6 +369,13 @@ static void options_out_of_range_are_refused(void **state)
         options = (svo_plan_options){.struct_size = sizeof options, .chunk_bytes = bad_chunks[i]};
         assert_refused(opened, &small_mesh, 5, &options, WORDS("options.chunk_bytes", "16384"));
     }
+    static const int bad_coverages[] = {-1, 3, 1 << 20};
+    for (size_t i = 0; i < 3; ++i) {
+        options = (svo_plan_options){.struct_size = sizeof options, .coverage = (svo_coverage)bad_coverages[i]};
+        assert_refused(opened, &small_mesh, 5, &options, WORDS("options.coverage", "0 .. 2"));
+    }
+    options = (svo_plan_options){.struct_size = sizeof options, .fragment_capacity = UINT64_C(1) << 32};
+    assert_refused(opened, &small_mesh, 5, &options, WORDS("options.fragment_capacity 4294967296", "above 4294901759"));
     options = (svo_plan_options){.struct_size = sizeof options, .edge = 1e-320};
     assert_refused(opened, &small_mesh, 5, &options, WORDS("edge"));
 }

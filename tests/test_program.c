@@ -178,7 +178,7 @@ static void wrong_usage_is_exit_code_2(void **state)
     run_badly("$SVOCL voxelize x", 2, "'voxelize'");
     run_badly("$SVOCL build", 2, "INPUT");
     run_badly("$SVOCL build scene:cube -d 0", 2, "depth 0 is below 1");
-    run_badly("$SVOCL build scene:cube -d 17", 2, "depth 17 is above 12");
+    run_badly("$SVOCL build scene:cube -d 17", 2, "depth 17 is above 16");
     run_badly("$SVOCL build scene:cube -d nine", 2, "'nine'");
     run_badly("$SVOCL build scene:cube -d", 2, "needs a value");
     run_badly("$SVOCL build scene:cube --size 3x3", 2, "--size");
@@ -206,8 +206,7 @@ static void names_of_later_versions_are_refused(void **state)
     run_badly("$SVOCL build scene:cube --frontend cl", 1, "--frontend cl: not in this version");
     run_badly("$SVOCL build scene:cube --builder sorted", 1, "--builder sorted");
     run_badly("$SVOCL build scene:cube --builder gl-compute", 1, "--builder gl-compute");
-    run_badly("$SVOCL build scene:cube --coverage closed", 1, "--coverage closed");
-    run_badly("$SVOCL build scene:cube --coverage thin", 1, "--coverage thin");
+    run_badly("$SVOCL build scene:cube --coverage thick", 2, "--coverage");
 }
 
 static void help_goes_to_standard_output(void **state)

@@ -37,7 +37,8 @@ static bool walk_make(const svo_plan *plan, walk *w)
 {
     *w = (walk){.plan = plan};
     const oracle_mesh mesh = {plan->vertices, plan->indices, NULL, plan->triangle_count};
-    const oracle_request request = {plan->info.depth, plan->info.snap_bits, ORACLE_HALF_OPEN, ORACLE_SAT};
+    const oracle_request request = {plan->info.depth, plan->info.snap_bits, (oracle_coverage)plan->info.coverage,
+                                    ORACLE_SAT};
     w->triangle_begin = calloc((size_t)plan->triangle_count + 2, sizeof *w->triangle_begin);
     if (w->triangle_begin == NULL || !oracle_enumerate(&mesh, &request, &w->pairs)) {
         return false;

@@ -33,7 +33,7 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     cJSON_AddBoolToObject(document, "checksum_ok", 1);
     json_add_count(document, "depth", info->depth);
     json_add_count(document, "snap_bits", info->snap_bits);
-    json_add_text(document, "coverage", "half-open");
+    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
     cJSON *need = cJSON_AddArrayToObject(document, "need");
     for (size_t i = 0; i < NEED_COUNT; ++i) {
         if ((info->need & needs[i].bit) != 0) {
@@ -68,7 +68,8 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "file");
     table_cell(rows, "%s, checksums good", figure_bytes(facts->file_bytes).text);
     table_cell(rows, "grid");
-    table_cell(rows, "depth %u, %lu voxels per axis, half-open", info->depth, 1UL << info->depth);
+    table_cell(rows, "depth %u, %lu voxels per axis, %s", info->depth, 1UL << info->depth,
+               svo_coverage_name((svo_coverage)info->coverage));
     table_cell(rows, "origin");
     table_cell(rows, "%.9g, %.9g, %.9g", info->origin[0], info->origin[1], info->origin[2]);
     table_cell(rows, "edge");

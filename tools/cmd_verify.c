@@ -1,101 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl verify: a tree against the exact reference (tests/oracle), voxel by voxel, pair by pair and vertex by vertex. */
 #include <inttypes.h>
-#include <stdlib.h>
 
 #include "commands.h"
-#include "oracle.h"
 #include "report.h"
 #include "snap_check.h"
 #include "table.h"
+#include "tree_check.h"
 
 /* Everything that must be 0, and how much was compared. */
 typedef struct verdict {
-    oracle_difference difference;
-    uint64_t node_differences; /* child masks, first children and level begins that differ */
-    uint64_t expected_voxels, expected_pairs;
-    uint64_t built_voxels, built_pairs;
+    tree_differences tree;
     bool snap_compared; /* not for a tree from a file, which has no unsnapped mesh */
     snap_differences snap;
 } verdict;
 
-/* The tree's voxel-triangle pairs out of its masks and leaf lists; leaves without any triangle are only counted. */
-static bool list_tree_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out,
-                            uint64_t *empty_leaf_count)
-{
-    uint64_t *codes = malloc((size_t)info->leaf_count * sizeof *codes + 1);
-    out->pairs = malloc((size_t)info->list_count * sizeof *out->pairs + 1);
-    out->count = 0;
-    *empty_leaf_count = 0;
-    bool good = codes != NULL && out->pairs != NULL;
-    good = good && oracle_leaf_codes(arrays->child_mask, info->inner_count, info->depth, info->leaf_count, codes);
-    for (uint64_t leaf = 0; good && leaf < info->leaf_count; ++leaf) {
-        const uint32_t begin = arrays->list_begin[leaf];
-        const uint32_t end = arrays->list_begin[leaf + 1];
-        good = begin <= end && end <= info->list_count && out->count + (end - begin) <= info->list_count;
-        *empty_leaf_count += begin == end;
-        for (uint32_t i = begin; good && i < end; ++i) {
-            good = arrays->list[i] < info->list_triangle_count;
-            if (good) {
-                out->pairs[out->count++] = (oracle_pair){codes[leaf], arrays->triangle_ids[arrays->list[i]]};
-            }
-        }
-    }
-    free(codes);
-    good = good && oracle_pairs_sort(out->pairs, out->count);
-    if (!good) {
-        oracle_pairs_free(out);
-    }
-    return good;
-}
-
-static bool count_node_differences(const oracle_pairs *expected, const svo_tree_info *info,
-                                   const svo_tree_arrays *arrays, uint64_t *count)
-{
-    oracle_tree tree;
-    if (!oracle_tree_make(expected, info->depth, &tree)) {
-        return false;
-    }
-    *count = 0;
-    for (unsigned level = 0; level <= info->depth + 1; ++level) {
-        *count += tree.level_begin[level] != info->level_begin[level];
-    }
-    for (uint64_t i = 0; i < tree.inner_count && i < info->inner_count; ++i) {
-        *count += tree.child_mask[i] != arrays->child_mask[i] || tree.first_child[i] != arrays->first_child[i];
-    }
-    oracle_tree_free(&tree);
-    return true;
-}
-
-static bool compare_tree(const svo_tree_info *info, const svo_tree_arrays *arrays, verdict *found)
-{
-    const oracle_mesh mesh = {arrays->vertices, arrays->indices, arrays->triangle_ids,
-                              (size_t)info->list_triangle_count};
-    const oracle_request request = {info->depth, info->snap_bits, ORACLE_HALF_OPEN, ORACLE_SAT};
-    oracle_pairs expected = {0};
-    oracle_pairs actual = {0};
-    uint64_t empty_leaf_count = 0;
-    bool good = oracle_enumerate(&mesh, &request, &expected) &&
-                list_tree_pairs(info, arrays, &actual, &empty_leaf_count) &&
-                count_node_differences(&expected, info, arrays, &found->node_differences);
-    if (good) {
-        oracle_compare(&expected, &actual, &found->difference);
-        found->difference.surplus_voxels += empty_leaf_count;
-        found->expected_voxels = oracle_pairs_voxel_count(&expected);
-        found->expected_pairs = expected.count;
-        found->built_voxels = info->leaf_count;
-        found->built_pairs = actual.count;
-    }
-    oracle_pairs_free(&expected);
-    oracle_pairs_free(&actual);
-    return good;
-}
-
 static bool is_exact(const verdict *found)
 {
-    const oracle_difference *d = &found->difference;
-    return d->missed_voxels == 0 && d->surplus_voxels == 0 && d->missed_pairs == 0 && d->surplus_pairs == 0 &&
-           found->node_differences == 0 && found->snap.grid_values == 0 && found->snap.triangles == 0;
+    return tree_check_is_exact(&found->tree) && found->snap.grid_values == 0 && found->snap.triangles == 0;
 }
 
 static void print_row(table *rows, const char *name, uint64_t voxels, uint64_t pairs)
@@ -112,12 +34,12 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
     table_cell(rows, "%s", "");
     table_cell(rows, "voxels");
     table_cell(rows, "pairs");
-    print_row(rows, "expected", found->expected_voxels, found->expected_pairs);
-    print_row(rows, "built", found->built_voxels, found->built_pairs);
-    print_row(rows, "missed", found->difference.missed_voxels, found->difference.missed_pairs);
-    print_row(rows, "surplus", found->difference.surplus_voxels, found->difference.surplus_pairs);
+    print_row(rows, "expected", found->tree.expected_voxels, found->tree.expected_pairs);
+    print_row(rows, "built", found->tree.built_voxels, found->tree.built_pairs);
+    print_row(rows, "missed", found->tree.difference.missed_voxels, found->tree.difference.missed_pairs);
+    print_row(rows, "surplus", found->tree.difference.surplus_voxels, found->tree.difference.surplus_pairs);
     table_print(rows);
-    table_line("%s nodes differ", figure_count(found->node_differences).text);
+    table_line("%s nodes differ", figure_count(found->tree.node_differences).text);
     if (found->snap_compared) {
         table_line("%s triangles are snapped otherwise, %u values of the grid differ",
                    figure_count(found->snap.triangles).text, found->snap.grid_values);
@@ -131,17 +53,17 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
 {
     cJSON *document = cJSON_CreateObject();
     json_add_text(document, "input", state->options.input);
-    json_add_count(document, "missed_voxels", found->difference.missed_voxels);
-    json_add_count(document, "surplus_voxels", found->difference.surplus_voxels);
-    json_add_count(document, "missed_pairs", found->difference.missed_pairs);
-    json_add_count(document, "surplus_pairs", found->difference.surplus_pairs);
-    json_add_count(document, "node_differences", found->node_differences);
+    json_add_count(document, "missed_voxels", found->tree.difference.missed_voxels);
+    json_add_count(document, "surplus_voxels", found->tree.difference.surplus_voxels);
+    json_add_count(document, "missed_pairs", found->tree.difference.missed_pairs);
+    json_add_count(document, "surplus_pairs", found->tree.difference.surplus_pairs);
+    json_add_count(document, "node_differences", found->tree.node_differences);
     if (found->snap_compared) {
         json_add_count(document, "grid_differences", found->snap.grid_values);
         json_add_count(document, "snap_differences", found->snap.triangles);
     }
-    json_add_count(document, "expected_voxels", found->expected_voxels);
-    json_add_count(document, "expected_pairs", found->expected_pairs);
+    json_add_count(document, "expected_voxels", found->tree.expected_voxels);
+    json_add_count(document, "expected_pairs", found->tree.expected_pairs);
     cJSON_AddBoolToObject(document, "exact", is_exact(found));
     if (done != NULL) {
         report_add_refused(document, done);
@@ -169,13 +91,13 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
     if (is_exact(found)) {
         return PROGRAM_DONE;
     }
-    const oracle_difference *d = &found->difference;
+    const oracle_difference *d = &found->tree.difference;
     return program_fail(state, PROGRAM_FAILED,
                         "%s: the tree is not exact: %" PRIu64 " missed and %" PRIu64 " surplus voxels, %" PRIu64
                         " missed and %" PRIu64 " surplus pairs, %" PRIu64 " nodes and %" PRIu64
                         " snapped triangles differ",
                         state->options.input, d->missed_voxels, d->surplus_voxels, d->missed_pairs, d->surplus_pairs,
-                        found->node_differences, found->snap.triangles);
+                        found->tree.node_differences, found->snap.triangles);
 }
 
 /* done: NULL for a tree from a file. */
@@ -197,7 +119,7 @@ static int verify(program *state, const svo_tree *tree, const job *done)
         good = snap_check(done->source.mesh, &state->options, &info, &arrays, &found.snap);
     }
     progress_step(state->progress, "comparing voxels with the reference");
-    if (!good || !compare_tree(&info, &arrays, &found)) {
+    if (!good || !tree_check(&info, &arrays, &found.tree)) {
         return program_fail(state, PROGRAM_FAILED, "%s: the comparison ran out of memory or the tree is malformed",
                             state->options.input);
     }

@@ -21,7 +21,10 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
 static int build_once(program *state, const session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
 {
     const options *given = &state->options;
-    svo_plan_options plan_options = {.struct_size = sizeof plan_options, .need = need, .edge = given->edge};
+    svo_plan_options plan_options = {.struct_size = sizeof plan_options,
+                                     .need = need,
+                                     .coverage = (svo_coverage)given->coverage,
+                                     .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
     progress_step(state->progress, "snapping to the grid");
@@ -119,7 +122,7 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "frontend", done->result.report.frontend);
     json_add_text(document, "share", done->result.report.share);
     json_add_text(document, "builder", "cl");
-    json_add_text(document, "coverage", "half-open");
+    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
     json_add_text(document, "context", svo_gl_context_kind_name(done->opened.gl_info.kind));
     json_add_text(document, "device", svo_device_name(done->opened.device));
     json_add_text(document, "renderer", done->opened.gl_info.renderer);

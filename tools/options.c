@@ -44,7 +44,10 @@ static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"copy", SVO_GL_SHARE_COPY, false},
                                 {NULL, 0, false}};
 static const choice builders[] = {{"cl", 0, false}, {"sorted", 0, true}, {"gl-compute", 0, true}, {NULL, 0, false}};
-static const choice coverages[] = {{"half-open", 0, false}, {"closed", 0, true}, {"thin", 0, true}, {NULL, 0, false}};
+static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
+                                   {"closed", SVO_COVERAGE_CLOSED, false},
+                                   {"thin", SVO_COVERAGE_THIN, false},
+                                   {NULL, 0, false}};
 static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"surfaceless", SVO_GL_SURFACELESS, false},
                                   {"egl-device", SVO_GL_EGL_DEVICE, false},
@@ -228,20 +231,22 @@ static int read_pixels(program *state, const rule *option, const char *value)
 
 static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_count, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
-     "levels below the root: 2^D voxels per axis, 1 to 12 (8)"},
+     "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
      "color,normal,rays or none (colours and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, with --edge (fitted)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
-    {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages, "half-open"},
-    {"frontend", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
+    {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
+     "half-open, closed, thin (half-open)"},
+    {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
      "auto, gl-expand, gl-hw (auto)"},
-    {"share", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(share), 0, 0, shares, "auto, sharing, host, copy (auto)"},
+    {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
+     "auto, sharing, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
-    {"context", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(context), 0, 0, contexts,
+    {"context", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
-    {"gl-device", '\0', OPTION_BUILD, "N", read_gl_device, FIELD(gl_device), 0, 1023, NULL,
+    {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "N", read_gl_device, FIELD(gl_device), 0, 1023, NULL,
      "which EGL device, with --context egl-device (0)"},
     {"device", '\0', OPTION_DEVICE, "NAME", read_text, FIELD(device_name), 0, 0, NULL,
      "OpenCL device: part of its name, or P.D indices"},
@@ -250,7 +255,10 @@ static const rule rules[] = {
     {"output", 'o', OPTION_OUTPUT, "FILE", read_text, FIELD(output_path), 0, 0, NULL, "file to write"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_triangles, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
      "about how many triangles (the scene's own)"},
-    {"seed", '\0', OPTION_SCENE_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL, "random seed (1)"},
+    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL,
+     "random seed (1)"},
+    {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 1, 1000, NULL,
+     "how much work: triangles per case grow with it (8)"},
     {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
@@ -362,7 +370,8 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .repeat = 1,
                                .seed = 1,
                                .width = 1024,
-                               .height = 768};
+                               .height = 768,
+                               .count = 8};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

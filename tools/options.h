@@ -23,7 +23,9 @@ enum option_group {
     OPTION_BUILD_COMMAND = 32, /* repeat, compress */
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
-    OPTION_RENDER_COMMAND = 256
+    OPTION_RENDER_COMMAND = 256,
+    OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
+    OPTION_STRESS_COMMAND = 1024 /* count, seed */
 };
 
 #define OPTION_DEFAULT_DEPTH 8
@@ -40,7 +42,8 @@ typedef struct options {
     uint64_t depth;
     int frontend; /* svo_gl_raster */
     int share; /* svo_gl_share */
-    int builder, coverage; /* one value each in this version */
+    int builder; /* one value in this version */
+    int coverage; /* svo_coverage */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     uint64_t gl_device; /* EGL device index + 1; 0: not given */
     double origin[3];
@@ -54,6 +57,7 @@ typedef struct options {
     uint64_t triangles, seed;
     bool has_triangles, has_seed;
     uint32_t width, height; /* pixels */
+    uint64_t count; /* stress: how much work */
 } options;
 
 typedef struct command {

@@ -54,8 +54,8 @@ static void print_what_ran(const job *done)
     table_cell(rows, "%s triangles, %s vertices", figure_count(result->info.triangles).text,
                figure_count(done->source.mesh->vertex_count).text);
     table_cell(rows, "grid");
-    table_cell(rows, "depth %u, %lu voxels per axis, half-open, snap error %.3g", result->info.depth, width,
-               result->info.snap_error);
+    table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
+               svo_coverage_name((svo_coverage)result->info.coverage), result->info.snap_error);
     table_cell(rows, "opencl");
     table_cell(rows, "%s", svo_device_name(done->opened.device));
     table_cell(rows, "opengl");

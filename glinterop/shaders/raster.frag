@@ -66,14 +66,14 @@ void main()
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_FragCoord.xy) - first_voxel.xy;
+    ivec2 pixel = ivec2(gl_FragCoord.xy) + view_origin - first_voxel.xy;
     int w = 1 << voxel_log2;
     int u = pixel.x << voxel_log2;
     int v = pixel.y << voxel_log2;
     svo_point a = svo_make_point(corner_a.x, corner_a.y, corner_a.z);
     svo_point b = svo_make_point(corner_b.x, corner_b.y, corner_b.z);
     svo_point c = svo_make_point(corner_c.x, corner_c.y, corner_c.z);
-    svo_overlap overlap = svo_make_overlap(a, b, c, w, 1);
+    svo_overlap overlap = svo_make_overlap(a, b, c, w, open, corner_a.w);
 
     int first = 0;
     uint count = 0u;

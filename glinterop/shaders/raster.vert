@@ -27,6 +27,7 @@ layout(std430, binding = 2) readonly buffer Items
 };
 
 uniform uint first_item;
+uniform int view_log2; /* log2 of the viewport's pixels per axis */
 
 flat out ivec4 corner_a;    /* u, v, t in grid units from the first voxel's corner; w: the axis of projection */
 flat out ivec4 corner_b;    /* w: the triangle */
@@ -72,7 +73,7 @@ void main()
     ivec3 b = fetch(item.triangle, 1u);
     ivec3 c = fetch(item.triangle, 2u);
     ivec3 limit = ivec3((1 << depth) - 1);
-    ivec3 first = clamp(min(a, min(b, c)) >> voxel_log2, ivec3(0), limit);
+    ivec3 first = clamp((min(a, min(b, c)) - (1 - open)) >> voxel_log2, ivec3(0), limit);
     ivec3 last = clamp(max(a, max(b, c)) >> voxel_log2, ivec3(0), limit) - first;
     ivec3 base = first << voxel_log2;
     svo_point local[3] = svo_point[3](turn(a - base, axis), turn(b - base, axis), turn(c - base, axis));
@@ -97,6 +98,6 @@ void main()
     vec2 drawn = corner == 0u ? expand(r, p, q) : corner == 1u ? expand(p, q, r) : expand(q, r, p);
     position = (item.flags & SVO_DRAW_RECTANGLE) != 0u ? rectangle : drawn;
 #endif
-    vec2 ndc = (position + vec2(start.u, start.v)) * (2.0 / float(1 << depth)) - 1.0;
+    vec2 ndc = (position + vec2(ivec2(start.u, start.v) - view_origin)) * (2.0 / float(1 << view_log2)) - 1.0;
     gl_Position = vec4(ndc, 0.0, 1.0);
 }

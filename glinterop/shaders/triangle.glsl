@@ -5,10 +5,13 @@
  *
  *   axis 2: (u, v, t) = (x, y, z)     axis 0: (y, z, x)     axis 1: (z, x, y)
  *
- * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel).
+ * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel), open (1 where a voxel's far
+ * faces belong to its neighbours, 0 where coverage is closed), view_origin (the first pixel of this viewport).
  */
 uniform int depth;
 uniform int voxel_log2;
+uniform int open;
+uniform ivec2 view_origin;
 
 /* Component k of p after the turn: 0 u, 1 v, 2 t. */
 int turned(ivec3 p, uint axis, int k)

@@ -13,7 +13,7 @@
  *   32     4     u32 chunk_count
  *   36     4     u32 depth
  *   40     4     u32 snap_bits
- *   44     4     u32 coverage: 0 half-open
+ *   44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
  *   48     4     u32 need: bit 0 colour, bit 1 normal, bit 2 lists and geometry
  *   52     4     u32 zero
  *   56     24    f64 origin[3]

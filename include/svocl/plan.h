@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 #define SVO_DEPTH_MIN 1
-#define SVO_DEPTH_MAX 12
+#define SVO_DEPTH_MAX 16
 
 typedef struct svo_plan svo_plan;
 
@@ -34,14 +34,30 @@ typedef enum svo_need {
     SVO_NEED_NONE = 0x40000000 /* occupancy alone */
 } svo_need;
 
+/* Which voxels a triangle touches; the triangle is closed, and a voxel covers w grid units. */
+typedef enum svo_coverage {
+    /* [x, x + 1)^3: every surface point lies in exactly one voxel. 6-separating. */
+    SVO_COVERAGE_HALF_OPEN = 0,
+    /* [x, x + 1]^3: a superset, 26-separating. */
+    SVO_COVERAGE_CLOSED = 1,
+    /* 6-separating and never more than half-open: the separating axis test with a reach of w / 2 * max |n_i| around the
+       voxel's centre on each axis n, after Laine, "A Topological Approach to Voxelization", 2013. Upper levels are the
+       ancestors of the leaves. */
+    SVO_COVERAGE_THIN = 2
+} svo_coverage;
+SVO_API const char *svo_coverage_name(svo_coverage coverage); /* "half-open", "closed", "thin"; static string */
+
 typedef struct svo_plan_options {
     size_t struct_size; /* sizeof(svo_plan_options) */
     uint32_t need; /* svo_need bits */
+    svo_coverage coverage;
     /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge is
-       finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie up to 512 edges away. */
+       finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie less than 2^29 grid units away (512 edges;
+       32 at depth 16). */
     double origin[3];
     double edge;
-    /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the count law. The blocking build grows it when it was too small. */
+    /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the count law. The blocking build grows it
+       when it was too small. */
     uint64_t fragment_capacity;
     /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
     uint64_t chunk_bytes;
@@ -49,7 +65,8 @@ typedef struct svo_plan_options {
 
 typedef struct svo_plan_info {
     uint32_t depth;
-    uint32_t snap_bits; /* G: the grid is 2^G units wide */
+    uint32_t snap_bits; /* G: the grid is 2^G units wide; 20 up to depth 12, depth + 8 above */
+    uint32_t coverage; /* svo_coverage */
     uint32_t need; /* resolved: never SVO_NEED_DEFAULT; 0 means occupancy alone */
     uint64_t triangles; /* given */
     uint64_t refused_triangles; /* of those: an index out of range, not finite, or 2^29 units and more from the grid */

@@ -30,7 +30,7 @@ typedef struct svo_tree svo_tree;
 typedef struct svo_tree_info {
     uint32_t depth;
     uint32_t snap_bits; /* G */
-    uint32_t coverage; /* 0: half-open */
+    uint32_t coverage; /* svo_coverage */
     uint32_t need; /* svo_need bits the tree holds */
     double origin[3], edge, scale; /* world; q = rint((v - origin) * scale) */
     double snap_error; /* world */

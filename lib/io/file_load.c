@@ -138,7 +138,7 @@ static svo_status check_values(const load_state *state)
         return damaged(state, "header: snap_bits %" PRIu32 " is outside %" PRIu32 " .. 24", header->snap_bits,
                        header->depth);
     }
-    if (header->coverage != 0) {
+    if (header->coverage > SVO_COVERAGE_THIN) {
         return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
     }
     if ((header->need & ~(uint32_t)(SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)) != 0) {

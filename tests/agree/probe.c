@@ -9,14 +9,14 @@ void PROBE_ALL(const probe_input *given, probe_output *found, size_t record_coun
     }
 }
 
-#ifdef PROBE_COLUMN_OF
+#ifndef PROBE_INTEGERS
 
 void PROBE_COLUMN_OF(const probe_input *given, SVO_I32 *first, SVO_I32 *last)
 {
     const SVO_I32 *k = given->words;
     const SVO_I32 w = k[9];
     const svo_overlap overlap = svo_make_overlap(svo_make_point(k[0], k[1], k[2]), svo_make_point(k[3], k[4], k[5]),
-                                                 svo_make_point(k[6], k[7], k[8]), w, k[10]);
+                                                 svo_make_point(k[6], k[7], k[8]), w, k[10], PROBE_AXIS(*given));
     *first = k[14] + 1;
     *last = -1;
     for (SVO_I32 voxel = 0; voxel <= k[14]; ++voxel) {

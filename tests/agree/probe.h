@@ -10,6 +10,7 @@
 typedef void probe_function(const probe_input *given, probe_output *found, size_t record_count);
 
 probe_function probe_narrow, probe_regular, probe_wide, probe_integers;
+probe_function probe_thin_narrow, probe_thin_regular, probe_thin_wide;
 
 /* The same text for OpenCL C and GLSL; the variant is chosen by the keys. */
 extern const char probe_source_cl[];
@@ -19,5 +20,13 @@ extern const char probe_source_gl[];
 typedef void probe_column_function(const probe_input *given, SVO_I32 *first, SVO_I32 *last);
 
 probe_column_function probe_column_narrow, probe_column_regular, probe_column_wide;
+probe_column_function probe_column_thin_narrow, probe_column_thin_regular, probe_column_thin_wide;
+
+/* Variants with a mistake: a comparison that leaves out equality (regular and narrow), a line left out, the plane left out,
+   far faces of voxels that count as theirs, thin intervals that are closed. */
+probe_function probe_mutant_sign, probe_mutant_narrow_sign, probe_mutant_line, probe_mutant_plane, probe_mutant_open,
+    probe_mutant_thin;
+probe_column_function probe_column_mutant_sign, probe_column_mutant_narrow_sign, probe_column_mutant_line,
+    probe_column_mutant_plane, probe_column_mutant_open, probe_column_mutant_thin;
 
 #endif

@@ -271,6 +271,7 @@ typedef struct placed {
 /* Writes the record in coordinates from the first voxel's corner, turned so that axis comes last. */
 static void write_record(const draft *d, const placed *p, int axis, sample *out)
 {
+    const bool thin = out->coverage == ORACLE_THIN;
     int32_t *words = out->record.words;
     int32_t extent = 0;
     for (int k = 0; k < 3; ++k) {
@@ -280,30 +281,40 @@ static void write_record(const draft *d, const placed *p, int axis, sample *out)
             const int32_t distance = local < 0 ? -local : local;
             extent = distance > extent ? distance : extent;
             words[3 * i + k] = local;
-            out->triangle.vertex[i][k] = local;
+            out->triangle.vertex[i][thin ? from : k] = local;
         }
         words[11 + k] = (int32_t)((p->voxel[from] - p->first[from]) * d->w);
-        out->box.corner[k] = words[11 + k];
+        out->box.corner[thin ? from : k] = words[11 + k];
     }
     out->box.width = d->w;
     words[9] = (int32_t)d->w;
-    words[10] = out->coverage == ORACLE_CLOSED ? 0 : 1;
+    words[10] = thin ? axis : out->coverage == ORACLE_CLOSED ? 0 : 1;
     words[14] = (int32_t)(p->last[axis] - p->first[axis]);
     words[15] = extent;
 }
 
-void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out)
+static void make(sample_width width, bool thin, uint64_t seed, uint32_t index, sample *out)
 {
     draft d;
     placed p;
     start(&d, width, seed, index);
     const sample_kind kind = (sample_kind)(index % SAMPLE_KINDS);
-    const bool closed = between(&d, 0, 3) == 0;
+    const bool closed = between(&d, 0, 3) == 0 && !thin;
     make_inside(&d, kind, closed, p.first, p.last);
     choose_voxel(&d, p.first, p.last, p.voxel);
     const int longest = longest_axis(&d);
     const int axis = between(&d, 0, 3) > 0 ? longest : (int)between(&d, 0, 2);
-    *out = (sample){
-        .kind = kind, .coverage = closed ? ORACLE_CLOSED : ORACLE_HALF_OPEN, .axis_is_longest = axis == longest};
+    const oracle_coverage coverage = thin ? ORACLE_THIN : closed ? ORACLE_CLOSED : ORACLE_HALF_OPEN;
+    *out = (sample){.kind = kind, .coverage = coverage, .axis_is_longest = axis == longest};
     write_record(&d, &p, axis, out);
+}
+
+void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out)
+{
+    make(width, false, seed, index, out);
+}
+
+void sample_make_thin(sample_width width, uint64_t seed, uint32_t index, sample *out)
+{
+    make(width, true, seed, index, out);
 }

@@ -28,15 +28,16 @@ const char *sample_kind_name(sample_kind kind);
 typedef struct sample {
     sample_kind kind;
     probe_input record;
-    /* The same for the oracle: the record's (u, v, t) are its (x, y, z). */
+    /* The same for the oracle: the record's (u, v, t) are its (x, y, z), for thin coverage after turning them back. */
     oracle_triangle triangle;
     oracle_box box;
     oracle_coverage coverage;
     bool axis_is_longest; /* t is the axis that the library would choose, which spans ask for */
 } sample;
 
-/* Record number index of the sequence that seed starts. */
+/* Record number index of the sequence that seed starts: half-open and closed ones, or thin ones. */
 void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out);
+void sample_make_thin(sample_width width, uint64_t seed, uint32_t index, sample *out);
 
 /* SplitMix64 (Steele, Lea and Flood 2014). */
 uint64_t sample_random(uint64_t *state);

@@ -23,7 +23,8 @@ extern "C" {
 /* What a voxel owns of its faces. */
 typedef enum oracle_coverage {
     ORACLE_HALF_OPEN = 0, /* [x, x+1)^3: the far faces belong to the neighbours */
-    ORACLE_CLOSED = 1 /* [x, x+1]^3 */
+    ORACLE_CLOSED = 1, /* [x, x+1]^3 */
+    ORACLE_THIN = 2 /* 6-separating, a subset of half-open; upper levels are the ancestors of the voxels */
 } oracle_coverage;
 
 /* Vertex, then axis; in snapped units, absolute value below 2^30. Segments and points are triangles too. */

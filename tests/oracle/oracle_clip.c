@@ -165,5 +165,6 @@ bool oracle_clip_touches(const oracle_triangle *triangle, const oracle_box *box,
     oracle_clip_triangle prepared;
 
     oracle_clip_prepare(triangle, &prepared);
-    return oracle_clip_test(&prepared, box, coverage);
+    return oracle_clip_test(&prepared, box, coverage) &&
+           (coverage != ORACLE_THIN || oracle_thin_by_vertices(triangle, box));
 }

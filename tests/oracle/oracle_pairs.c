@@ -15,6 +15,7 @@ typedef struct walker {
         oracle_sat_triangle sat;
         oracle_clip_triangle clip;
     } prepared;
+    oracle_triangle triangle;
     int64_t low[3], high[3]; /* the triangle's bounds */
     uint32_t triangle_id;
     oracle_pair *pairs;
@@ -55,6 +56,16 @@ static bool walker_touches(const walker *walk, const oracle_box *box)
     return oracle_clip_test(&walk->prepared.clip, box, walk->request.coverage);
 }
 
+/* Thin coverage does not nest: inner boxes are walked as half-open, of which it is a subset, and voxels asked again. */
+static bool walker_keeps(const walker *walk, const oracle_box *box)
+{
+    if (walk->request.coverage != ORACLE_THIN)
+        return true;
+    if (walk->request.method == ORACLE_SAT)
+        return oracle_thin_by_extents(&walk->triangle, box);
+    return oracle_thin_by_vertices(&walk->triangle, box);
+}
+
 static bool walker_add(walker *walk, uint64_t code)
 {
     if (walk->count == walk->capacity) {
@@ -78,7 +89,7 @@ static bool walker_descend(walker *walk, uint64_t code, unsigned level, const or
     if (!walker_touches(walk, box))
         return true;
     if (level == walk->request.depth)
-        return walker_add(walk, code);
+        return !walker_keeps(walk, box) || walker_add(walk, code);
     for (unsigned octant = 0; octant < 8; octant++) {
         oracle_box child = {{0, 0, 0}, box->width / 2};
 
@@ -111,6 +122,7 @@ static bool walker_add_triangle(walker *walk, const oracle_triangle *triangle)
 {
     oracle_box root = {{0, 0, 0}, (int64_t)1 << walk->request.snap_bits};
 
+    walk->triangle = *triangle;
     for (int k = 0; k < 3; k++) {
         walk->low[k] = walk->high[k] = triangle->vertex[0][k];
         for (int i = 1; i < 3; i++) {

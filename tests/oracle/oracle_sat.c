@@ -92,6 +92,8 @@ bool oracle_sat_touches(const oracle_triangle *triangle, const oracle_box *box, 
 {
     oracle_sat_triangle prepared;
 
+    if (coverage == ORACLE_THIN)
+        return oracle_thin_by_extents(triangle, box);
     oracle_sat_prepare(triangle, &prepared);
     return oracle_sat_test(&prepared, box, coverage);
 }

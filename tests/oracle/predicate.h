@@ -34,4 +34,8 @@ typedef struct oracle_clip_triangle {
 void oracle_clip_prepare(const oracle_triangle *triangle, oracle_clip_triangle *prepared);
 bool oracle_clip_test(const oracle_clip_triangle *prepared, const oracle_box *box, oracle_coverage coverage);
 
+/* Thin coverage, asked in two ways. */
+bool oracle_thin_by_extents(const oracle_triangle *triangle, const oracle_box *box);
+bool oracle_thin_by_vertices(const oracle_triangle *triangle, const oracle_box *box);
+
 #endif
