@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the fuzz targets share: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and the way a target says
+ * that the library broke a promise. replay.c calls the same entry with kept inputs, as an ordinary test.
+ */
+#ifndef SVO_TESTS_FUZZ_H
+#define SVO_TESTS_FUZZ_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* NOLINTBEGIN(readability-identifier-naming): libFuzzer's names */
+/* One input of any bytes; always returns 0. A finding ends the process. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count);
+
+/* Called by libFuzzer in place of its own mutations: changes byte_count bytes in place, up to byte_count_max, and returns
+   how many there are now. */
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t byte_count, size_t byte_count_max, unsigned seed);
+/* libFuzzer's own mutations, for the function above. */
+size_t LLVMFuzzerMutate(uint8_t *data, size_t byte_count, size_t byte_count_max);
+/* NOLINTEND(readability-identifier-naming) */
+
+/* Not assert(): release builds check too. */
+#define REQUIRE(condition)                                                                  \
+    do {                                                                                    \
+        if (!(condition)) {                                                                 \
+            (void)fprintf(stderr, "%s:%d: not true: %s\n", __FILE__, __LINE__, #condition); \
+            abort();                                                                        \
+        }                                                                                   \
+    } while (0)
+
+#endif

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Fuzz target: any arrays as a mesh, with any options, into svo_plan_create, and cuts of the resulting plan. Either a
+ * status and one line of words, or a plan that keeps what plan.h promises: every triangle is kept, refused or outside as
+ * the definition says, snapped as the reference snaps, and in a class whose arithmetic holds it. No OpenCL is used: a plan
+ * takes of the device only the place for messages.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "fuzz.h"
+#include "mesh_input.h"
+#include "mesh_layout.h"
+#include "oracle.h"
+
+#define UNITS_MAX    (1 << 29) /* DESIGN 3: the arithmetic ends here */
+#define NARROW_UNITS (1 << 14)
+#define REGULAR_BITS 20u
+
+static void check_refusal(svo_status status, const svo_plan *plan, const svo_device *device)
+{
+    static const char prefix[] = "svo_plan_create: ";
+    REQUIRE(status == SVO_INVALID_ARGUMENT || status == SVO_OUT_OF_HOST_MEMORY || status == SVO_OUT_OF_DEVICE_MEMORY);
+    REQUIRE(plan == NULL);
+    REQUIRE(strncmp(device->message.text, prefix, strlen(prefix)) == 0);
+    REQUIRE(strchr(device->message.text, '\n') == NULL);
+}
+
+/* Half a unit, and what rounding to double adds at the size of the coordinates. */
+static void check_snap_error(const svo_plan_info *info, const oracle_positions *positions)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < positions->vertex_count * 3; ++i) {
+        const double x = fabs(positions->positions[i]);
+        largest = isfinite(x) && x > largest ? x : largest;
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        largest = fabs(info->origin[axis]) > largest ? fabs(info->origin[axis]) : largest;
+    }
+    REQUIRE(isfinite(info->snap_error) && info->snap_error >= 0.0);
+    REQUIRE(info->snap_error <= 0.5 / info->scale * (1.0 + 1e-9) + largest * 8.0 * DBL_EPSILON + DBL_MIN);
+}
+
+/* The grid against the reference, where doubles are normal: below, the definition itself leaves them. */
+static void check_grid(const svo_plan *plan, const mesh_input *input, const oracle_positions *positions)
+{
+    const svo_plan_info *info = &plan->info;
+    const svo_plan_options *options = &plan->options;
+    oracle_grid grid;
+    const bool known = options->edge > 0.0 ? oracle_grid_given(options->origin, options->edge, info->snap_bits, &grid)
+                                           : oracle_grid_fit(positions, info->snap_bits, &grid);
+    REQUIRE(isfinite(info->edge) && info->edge > 0.0 && isfinite(info->scale) && info->scale > 0.0);
+    check_snap_error(info, positions);
+    REQUIRE(info->triangles == input->mesh.triangle_count);
+    if (known) {
+        REQUIRE(info->edge == grid.edge && info->scale == grid.scale);
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            REQUIRE(info->origin[axis] == grid.origin[axis] &&
+                    !(info->origin[axis] == 0.0 && signbit(info->origin[axis])));
+        }
+    }
+}
+
+typedef enum fate { FATE_REFUSED, FATE_OUTSIDE, FATE_KEPT } fate;
+
+/* What the definition says of a triangle, in doubles; corners and snapped are set where it is accepted. */
+static fate judge(const svo_plan *plan, const oracle_positions *positions, size_t triangle, uint32_t corners[3],
+                  double snapped[9])
+{
+    const svo_plan_info *info = &plan->info;
+    const double end = (double)(1u << info->snap_bits) + (info->coverage == SVO_COVERAGE_CLOSED ? 1.0 : 0.0);
+    if (!oracle_triangle_accepted(positions, triangle, corners)) {
+        return FATE_REFUSED;
+    }
+    bool outside = false;
+    bool far = false;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        double low = INFINITY;
+        double high = -INFINITY;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const double x = positions->positions[(size_t)corners[corner] * 3 + axis];
+            const double q = rint((x - info->origin[axis]) * info->scale);
+            snapped[corner * 3 + axis] = q;
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        outside = outside || high < 0.0 || low >= end;
+        far = far || low <= -(double)UNITS_MAX || high >= (double)UNITS_MAX;
+    }
+    return outside ? FATE_OUTSIDE : far ? FATE_REFUSED : FATE_KEPT;
+}
+
+/* A kept triangle's corners as the plan has them, against the definition in doubles and the reference in integers. */
+static void check_corners(const svo_plan *plan, const oracle_positions *positions, uint32_t kept,
+                          const uint32_t corners[3], const double snapped[9])
+{
+    const svo_plan_info *info = &plan->info;
+    const oracle_grid grid = {
+        {info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->scale, info->snap_bits};
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        REQUIRE(plan->indices[(size_t)kept * 3 + corner] == corners[corner]);
+        const int32_t *vertex = plan->vertices + (size_t)corners[corner] * 3;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            REQUIRE((double)vertex[axis] == snapped[corner * 3 + axis]);
+        }
+        int32_t exact[3];
+        if (info->scale >= DBL_MIN && info->edge >= DBL_MIN) {
+            REQUIRE(oracle_snap(&grid, positions->positions + (size_t)corners[corner] * 3, exact));
+            REQUIRE(memcmp(vertex, exact, sizeof exact) == 0);
+        }
+    }
+}
+
+static void check_triangles(const svo_plan *plan, const mesh_input *input, const oracle_positions *positions)
+{
+    uint64_t refused = 0;
+    uint64_t outside = 0;
+    uint32_t kept = 0;
+    for (size_t t = 0; t < input->mesh.triangle_count; ++t) {
+        uint32_t corners[3];
+        double snapped[9];
+        const fate decided = judge(plan, positions, t, corners, snapped);
+        refused += decided == FATE_REFUSED;
+        outside += decided == FATE_OUTSIDE;
+        if (decided == FATE_KEPT) {
+            REQUIRE(kept < plan->triangle_count && plan->triangle_ids[kept] == t);
+            check_corners(plan, positions, kept, corners, snapped);
+            ++kept;
+        }
+    }
+    REQUIRE(plan->triangle_count == kept);
+    REQUIRE(plan->info.refused_triangles == refused && plan->info.outside_triangles == outside);
+}
+
+/* The class's arithmetic holds the triangle, and nothing that reaches outside is in a class that must not. */
+static void check_class(const svo_plan *plan, uint32_t triangle, svo_i_class class_id)
+{
+    const int32_t units = (int32_t)(1u << plan->info.snap_bits);
+    const int32_t closed = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int32_t low = INT32_MAX;
+        int32_t high = INT32_MIN;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const int32_t q = plan->vertices[(size_t)plan->indices[(size_t)triangle * 3 + corner] * 3 + axis];
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        REQUIRE(low > -UNITS_MAX && high < UNITS_MAX && high >= 0 && low < units + closed);
+        const bool inside = low >= 0 && high < units;
+        const int32_t first = (low < closed ? 0 : low - closed) >> plan->voxel_log2;
+        const int32_t last = high >> plan->voxel_log2;
+        REQUIRE(class_id != SVO_I_CLASS_POINT || (inside && first == last));
+        REQUIRE(class_id != SVO_I_CLASS_NARROW || (inside && (last - first + 1) << plan->voxel_log2 <= NARROW_UNITS));
+        REQUIRE(class_id != SVO_I_CLASS_REGULAR || (inside && plan->info.snap_bits <= REGULAR_BITS));
+    }
+}
+
+/* A triangle that is not drawn as its bounding rectangle is inside the grid and not steeper than its axis allows. */
+static void check_flags(const svo_plan *plan, const svo_draw_item *item)
+{
+    const uint32_t *corners = plan->indices + (size_t)item->triangle * 3;
+    const uint32_t axis = item->flags & SVO_DRAW_AXIS_MASK;
+    REQUIRE(axis < 3 && (item->flags & ~(SVO_DRAW_AXIS_MASK | SVO_DRAW_RECTANGLE)) == 0);
+    int64_t normal[3];
+    svo_i_plan_normal(plan, corners, normal);
+    for (unsigned other = 0; other < 3; ++other) {
+        REQUIRE(llabs(normal[other]) <= INT64_C(1) << 61);
+        if ((item->flags & SVO_DRAW_RECTANGLE) == 0) {
+            REQUIRE(normal[axis] != 0 && llabs(normal[other]) <= llabs(normal[axis]));
+        }
+    }
+    for (size_t i = 0; i < 9 && (item->flags & SVO_DRAW_RECTANGLE) == 0; ++i) {
+        const int32_t q = plan->vertices[(size_t)corners[i / 3] * 3 + i % 3];
+        REQUIRE(q >= 0 && q < (int32_t)(1u << plan->info.snap_bits));
+    }
+}
+
+/* Every kept triangle is an item once. */
+static void check_items(const svo_plan *plan)
+{
+    uint8_t *seen = calloc((size_t)plan->triangle_count + 1, 1);
+    REQUIRE(seen != NULL);
+    REQUIRE(plan->class_begin[0] == 0 && plan->class_begin[SVO_I_CLASS_COUNT] == plan->triangle_count);
+    double expected = 0.0;
+    for (unsigned class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        REQUIRE(plan->class_begin[class_id] <= plan->class_begin[class_id + 1]);
+        for (uint32_t i = plan->class_begin[class_id]; i < plan->class_begin[class_id + 1]; ++i) {
+            const svo_draw_item *item = &plan->items[i];
+            REQUIRE(item->triangle < plan->triangle_count && !seen[item->triangle]);
+            seen[item->triangle] = 1;
+            check_class(plan, item->triangle, (svo_i_class)class_id);
+            check_flags(plan, item);
+            REQUIRE(plan->item_fragments[i] >= 1.0F && isfinite(plan->item_fragments[i]));
+            expected += (double)plan->item_fragments[i];
+        }
+    }
+    REQUIRE(fabs(plan->info.expected_fragments - expected) <= 1e-5 * expected);
+    free(seen);
+}
+
+static void check_payload(const svo_plan *plan, const mesh_input *input)
+{
+    const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
+    REQUIRE((plan->info.need & ~(payload | (uint32_t)SVO_NEED_RAYS)) == 0 || plan->records != NULL);
+    for (uint32_t t = 0; t < plan->triangle_count && plan->records != NULL; ++t) {
+        REQUIRE(plan->records[t].material < plan->material_count);
+    }
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        const svo_material_record *material = &plan->materials[i];
+        REQUIRE(material->texel_offset + (uint64_t)material->width * material->height <= plan->texel_count);
+    }
+    for (size_t i = 0; plan->normals != NULL && i < input->mesh.vertex_count * 4; ++i) {
+        REQUIRE(plan->normals[i] >= -32767);
+    }
+}
+
+/* Sizes neither wrap around nor hide a buffer from the peak. */
+static void check_buffers(const svo_plan *plan)
+{
+    const uint64_t capacity = plan->options.fragment_capacity;
+    uint64_t largest = 0;
+    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    for (size_t i = 0; i < count; ++i) {
+        svo_buffer_info buffer;
+        REQUIRE(svo_plan_get_buffer(plan, i, &buffer) == count && buffer.name != NULL && buffer.count > 0);
+        largest = buffer.bytes > largest ? buffer.bytes : largest;
+        REQUIRE(strcmp(buffer.name, "fragments") != 0 || buffer.bytes / svo_i_plan_fragment_bytes(plan) >= capacity);
+    }
+    REQUIRE(count > 0 && count < SVO_I_BUFFERS_MAX && svo_plan_peak_bytes(plan) >= largest);
+    REQUIRE(svo_i_plan_inner_nodes(plan, UINT32_MAX, false) <= svo_i_plan_inner_nodes(plan, UINT32_MAX, true));
+}
+
+static void check_plan(const svo_plan *plan, const mesh_input *input)
+{
+    const size_t coordinates = input->mesh.vertex_count * 3;
+    double *positions = malloc((coordinates + 1) * sizeof *positions);
+    REQUIRE(positions != NULL);
+    for (size_t i = 0; i < coordinates; ++i) {
+        positions[i] = mesh_input_coordinate(input, i / 3, (unsigned)(i % 3));
+    }
+    const oracle_positions mesh = {positions, input->mesh.vertex_count, input->mesh.indices,
+                                   input->mesh.triangle_count};
+    check_grid(plan, input, &mesh);
+    check_triangles(plan, input, &mesh);
+    free(positions);
+    check_items(plan);
+    check_payload(plan, input);
+    check_buffers(plan);
+    check_layouts(plan, input->chunk_bytes, input->seed);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
+{
+    mesh_input input;
+    svo_device device;
+    svo_plan *plan = NULL;
+    mesh_input_read(&input, data, byte_count);
+    memset(&device, 0, sizeof device);
+    const svo_status status =
+        svo_plan_create(&device, &input.mesh, input.depth, input.options_given ? &input.options : NULL, &plan);
+    if (status != SVO_OK) {
+        check_refusal(status, plan, &device);
+    } else {
+        check_plan(plan, &input);
+    }
+    svo_plan_destroy(&plan);
+    mesh_input_free(&input);
+    return 0;
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Bytes to a mesh: how an input of fuzz_mesh says what svo_plan_create is given. Every input means something; what it is
+ * too short for is zero. Arrays are allocated in exactly the size that the mesh's counts promise, so that a sanitizer sees
+ * the first element read behind one.
+ */
+#ifndef SVO_TESTS_MESH_INPUT_H
+#define SVO_TESTS_MESH_INPUT_H
+
+#include <stdbool.h>
+
+#include "svocl/plan.h"
+
+/* How positions are given; raw ones hold any bits: NaN, infinities, denormals. */
+typedef enum position_form {
+    POSITION_FLOAT = 0, /* four bytes a coordinate */
+    POSITION_DOUBLE, /* eight bytes */
+    POSITION_SMALL_FLOAT, /* two bytes: an integer / 256 */
+    POSITION_SMALL_DOUBLE, /* the same, as doubles */
+    POSITION_NONE, /* no array, which is an error */
+    POSITION_BOTH, /* two arrays, which is an error too */
+    POSITION_FORMS
+} position_form;
+
+/* Bits of mesh_input_head.arrays: which optional arrays there are. */
+#define ARRAY_INDICES            1u
+#define ARRAY_NORMALS            2u
+#define ARRAY_COLORS             4u
+#define ARRAY_UVS                8u
+#define ARRAY_TRIANGLE_MATERIALS 16u
+#define ARRAY_MATERIALS          32u
+#define ARRAY_TEXTURES           64u
+
+/* Bits of mesh_input_head.options: options are given, and which parts of them are not zero. */
+#define OPTIONS_GIVEN    1u
+#define OPTIONS_GRID     2u
+#define OPTIONS_CAPACITY 4u
+#define OPTIONS_NEED_ANY 8u /* need as it is, else modulo 8 */
+
+/* The first bytes of an input; the arrays follow in the order of svo_mesh. */
+typedef struct mesh_input_head {
+    uint8_t depth; /* modulo two more than the largest */
+    uint8_t position_form; /* modulo POSITION_FORMS */
+    uint8_t arrays;
+    uint8_t options;
+    uint8_t coverage; /* modulo one more than there are */
+    uint8_t vertex_count, triangle_count, material_count, texture_count;
+    uint8_t reserved[3];
+    uint32_t need;
+    uint32_t chunk_kibibytes; /* the list is cut into chunks of this size, above 16 */
+    double origin[3], edge;
+    uint64_t fragment_capacity;
+} mesh_input_head;
+
+#define MESH_INPUT_ARRAYS_MAX (16 + UINT8_MAX)
+
+typedef struct mesh_input {
+    svo_mesh mesh;
+    svo_plan_options options;
+    bool options_given;
+    unsigned depth;
+    uint64_t chunk_bytes;
+    uint64_t seed; /* for choices that are not worth bytes of the input */
+    void *arrays[MESH_INPUT_ARRAYS_MAX]; /* owned */
+    size_t array_count;
+} mesh_input;
+
+void mesh_input_read(mesh_input *input, const uint8_t *data, size_t byte_count);
+void mesh_input_free(mesh_input *input);
+
+/* Coordinate axis of a vertex, as the library sees it: a double. */
+double mesh_input_coordinate(const mesh_input *input, size_t vertex, unsigned axis);
+
+#endif

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT */
+/* The part of fuzz_mesh that cuts the fragment list of a plan, grows it, and checks every cut. */
+#ifndef SVO_TESTS_MESH_LAYOUT_H
+#define SVO_TESTS_MESH_LAYOUT_H
+
+#include "plan.h"
+
+/* chunk_bytes: at least 16384. seed: what the chunks turn out to need when the cut is grown. */
+void check_layouts(const svo_plan *plan, uint64_t chunk_bytes, uint64_t seed);
+
+#endif
