@@ -12,5 +12,6 @@ int command_info(program *state);
 int command_hash(program *state);
 int command_verify(program *state);
 int command_render(program *state);
+int command_stress(program *state);
 
 #endif

@@ -26,6 +26,8 @@ static const command commands[] = {
     {"verify", command_verify, BUILDS, "INPUT", true, "Builds the octree and compares it with the exact reference."},
     {"render", command_render, BUILDS | OPTION_OUTPUT | OPTION_RENDER_COMMAND, "INPUT", true,
      "Draws the octree of a mesh or of a .svo file into a PNG picture."},
+    {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
+     "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the cases of svocl stress share: the open session, one build with its comparison, and the list of results. Each
+ * case goes through the whole pipeline on the user's device and driver, and is compared with the exact reference.
+ */
+#ifndef SVOCL_STRESS_H
+#define SVOCL_STRESS_H
+
+#include "program.h"
+#include "session.h"
+#include "stress/stress_mesh.h"
+
+#define STRESS_NAME_BYTES 64
+
+typedef struct stress_case {
+    char name[STRESS_NAME_BYTES]; /* the catalogue's row, then what is special */
+    const char *way; /* "svocl", or a float way: static */
+    uint64_t false_negatives, false_positives; /* pairs that were missed, and that should not be there */
+    double figure; /* how much was compared, or what was measured */
+    const char *unit; /* of figure: static */
+    double ms; /* wall clock of the builds, or of the float way on the host */
+    bool judged; /* float ways are shown, not judged */
+    bool passed;
+    char reason[SVO_MESSAGE_BYTES]; /* why it did not pass; "" */
+} stress_case;
+
+typedef struct stress {
+    program *state;
+    session opened;
+    uint64_t seed;
+    size_t count; /* how much work */
+    stress_case *cases;
+    size_t case_count, case_capacity;
+    bool failed; /* out of memory */
+} stress;
+
+/* A finished tree, downloaded. */
+typedef struct stress_tree {
+    svo_tree *tree;
+    svo_tree_info info;
+    svo_tree_arrays arrays;
+    svo_build_report report;
+    char hash[SVO_HASH_TEXT_BYTES], nodes_hash[SVO_HASH_TEXT_BYTES];
+    double ms;
+} stress_tree;
+
+/* A case that has passed so far. */
+stress_case stress_begin(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* It has not. The first reason stays. */
+void stress_fail(stress_case *one, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void stress_end(stress *run, const stress_case *one);
+
+/* Builds by frontend (NULL: the session's) and adds the time to the case; false, with the case failed, if that fails.
+   plan_options: struct_size need not be set. */
+bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, unsigned depth,
+                  const svo_plan_options *plan_options, stress_case *one, stress_tree *out);
+void stress_tree_free(stress_tree *built);
+
+/* Compares a tree that was built with SVO_NEED_RAYS with the reference: snap, pairs, nodes. */
+void stress_compare(const svo_mesh *mesh, const svo_plan_options *plan_options, const stress_tree *built,
+                    stress_case *one);
+/* Builds, compares and releases. */
+void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_plan_options *plan_options,
+                  stress_case *one);
+
+/* The float ways on the triangles of a tree, one case each. what: the rest of the name. */
+void stress_float_ways(stress *run, const char *what, const stress_tree *built);
+
+/* The cases: by builds against the reference, by closed forms and symmetry, by payload and repetition. */
+void stress_cases_builds(stress *run);
+void stress_cases_forms(stress *run);
+void stress_cases_payload(stress *run);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* Meshes of one class of triangles each, for the cases of svocl stress: the same numbers for the same seed everywhere. */
+#ifndef SVOCL_STRESS_MESH_H
+#define SVOCL_STRESS_MESH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/mesh.h"
+
+#define STRESS_UNITS 1048576 /* positions are whole numbers 0 .. STRESS_UNITS - 1, on which snapping changes nothing */
+
+typedef enum stress_shape {
+    STRESS_SMALL = 0, /* about a voxel of depth 6 and below */
+    STRESS_HUGE, /* across the grid */
+    STRESS_SLIVERS, /* aspect 1e2 .. 1e6 */
+    STRESS_NEEDLES, /* thinner than a pixel, ends 1/1024 voxel off the lattice */
+    STRESS_COPLANAR, /* in the plane of voxel faces */
+    STRESS_LATTICE, /* corners on the corners of voxels */
+    STRESS_DEGENERATE, /* segments and points */
+    STRESS_SHAPE_COUNT
+} stress_shape;
+const char *stress_shape_name(stress_shape shape);
+
+/* Positions and colours by malloc; three vertices of its own for each triangle. */
+typedef struct stress_mesh {
+    svo_mesh mesh;
+    double *positions;
+    uint8_t *colors; /* NULL: none */
+} stress_mesh;
+
+/* false: out of memory. Released by stress_mesh_free. */
+bool stress_mesh_empty(size_t triangle_count, stress_mesh *out); /* all positions 0 */
+bool stress_mesh_create(stress_shape shape, uint64_t seed, size_t triangle_count, stress_mesh *out);
+void stress_mesh_free(stress_mesh *made);
+
+/* position * factor + offset for every coordinate */
+void stress_mesh_move(stress_mesh *made, double factor, double offset);
+/* Triangles in another order, with their colours. */
+void stress_mesh_shuffle(stress_mesh *made, uint64_t seed);
+
+uint32_t stress_random(uint64_t *state); /* 32 random bits; any state is a good seed */
+uint32_t stress_random_below(uint64_t *state, uint32_t limit);
+
+#endif
