@@ -212,7 +212,7 @@ void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_ra
     make_vertices(positions);
     const svo_mesh mesh = {.struct_size = sizeof mesh,
                            .positions_double = positions,
-                           .vertex_count = TEST_TRIANGLES * 3,
+                           .vertex_count = (size_t)TEST_TRIANGLES * 3,
                            .triangle_count = TEST_TRIANGLES};
     const svo_plan_options options = {.struct_size = sizeof options, .edge = (double)(1 << 20), .need = SVO_NEED_NONE};
     const svo_message before = device->message;

@@ -338,7 +338,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     uint8_t *flags = calloc(vertices + 1, 1);
     uint8_t *classes = calloc(triangles + 1, 1);
     plan->vertices = calloc(vertices * 3 + 1, sizeof(int32_t));
-    plan->indices = malloc((triangles * 3 + 1) * sizeof(uint32_t));
+    plan->indices = calloc(triangles * 3 + 1, sizeof(uint32_t));
     plan->triangle_ids = malloc((triangles + 1) * sizeof(uint32_t));
     plan->items = malloc((triangles + 1) * sizeof(svo_draw_item));
     plan->item_fragments = malloc((triangles + 1) * sizeof(float));

@@ -21,14 +21,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image_write.h>
 
 #include "../lib/io/import_process.h"
 #include "../lib/io/import_stream.h"
 #include "svocl/io.h"
+
+/* In the library, but not in its header. The result is freed by free. */
+unsigned char *stbi_write_png_to_mem(const unsigned char *pixels, int stride_bytes, int x, int y, int n, int *out_len);
 
 #define PATH_BYTES   512
 #define TEXT_BYTES   16384

@@ -336,7 +336,7 @@ static void make_sphere(const double center[3], double radius, double *positions
 
 static size_t cell_of(uint64_t voxel)
 {
-    return (size_t)((axis_of(voxel, 2) * FLOOD_WIDTH + axis_of(voxel, 1)) * FLOOD_WIDTH + axis_of(voxel, 0));
+    return ((size_t)axis_of(voxel, 2) * FLOOD_WIDTH + axis_of(voxel, 1)) * FLOOD_WIDTH + axis_of(voxel, 0);
 }
 
 /* Marks what of an empty voxel's neighbours the flood has not reached yet; neighbours: 6 or 26. */

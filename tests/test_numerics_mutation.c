@@ -47,7 +47,7 @@ static unsigned wrong_pairs(const mutant *m)
     enum { RECORDS = 16384 };
     unsigned wrong = 0;
     for (uint32_t i = 0; i < RECORDS; ++i) {
-        sample s;
+        sample s = {.kind = (sample_kind)0};
         probe_output found;
         (m->thin ? sample_make_thin : sample_make)(m->width, 20240305, i, &s);
         m->ask(&s.record, &found, 1);

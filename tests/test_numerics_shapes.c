@@ -155,9 +155,10 @@ static void t3_conformance_shapes_are_exact(void **state)
     double positions[sizeof shapes / sizeof shapes[0] * 27 * 9];
     size_t count = 0;
     for (size_t s = 0; s < sizeof shapes / sizeof shapes[0]; ++s) {
-        for (unsigned offset = 0; offset < 27;
-             ++offset, ++count) { /* a step of 1/1024 each way, or none, on each axis */
-            const double steps[3] = {offset % 3 / 1024.0, offset / 3 % 3 / 1024.0, offset / 9 / 1024.0};
+        /* None, one or two steps of 1/1024 along each axis. */
+        for (unsigned offset = 0; offset < 27; ++offset, ++count) {
+            const unsigned counts[3] = {offset % 3, offset / 3 % 3, offset / 9};
+            const double steps[3] = {counts[0] / 1024.0, counts[1] / 1024.0, counts[2] / 1024.0};
             for (unsigned k = 0; k < 9; ++k) {
                 positions[count * 9 + k] = shapes[s][k] + steps[k % 3];
             }
@@ -177,7 +178,8 @@ static void t3_slivers_of_any_aspect_are_exact(void **state)
     print_message("seed %llu\n", (unsigned long long)seed);
     double positions[7 * PER_ASPECT * 9];
     size_t count = 0;
-    for (double aspect = 1e2; aspect <= 1e8; aspect *= 10.0) {
+    double aspect = 1e2;
+    for (unsigned power = 2; power <= 8; ++power, aspect *= 10.0) {
         for (unsigned i = 0; i < PER_ASPECT; ++i, ++count) {
             double *corners = positions + count * 9;
             const double along = random_unit(&random);

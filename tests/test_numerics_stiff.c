@@ -43,7 +43,7 @@ static void check_pairs(const pair_class *of)
     unsigned touched = 0;
     print_message("%s, seed %llu\n", of->name, (unsigned long long)seed);
     for (uint32_t i = 0; i < PAIRS; ++i) {
-        sample s;
+        sample s = {.kind = (sample_kind)0};
         probe_output found;
         (of->thin ? sample_make_thin : sample_make)(of->width, seed, i, &s);
         of->ask(&s.record, &found, 1);

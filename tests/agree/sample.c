@@ -296,7 +296,7 @@ static void write_record(const draft *d, const placed *p, int axis, sample *out)
 static void make(sample_width width, bool thin, uint64_t seed, uint32_t index, sample *out)
 {
     draft d;
-    placed p;
+    placed p = {.first = {0}};
     start(&d, width, seed, index);
     const sample_kind kind = (sample_kind)(index % SAMPLE_KINDS);
     const bool closed = between(&d, 0, 3) == 0 && !thin;

@@ -53,7 +53,7 @@ static uint64_t one_voxel(uint64_t r)
 static void closed_forms(stress *run)
 {
     static const double m = STRESS_UNITS - 1;
-    static const double h = STRESS_UNITS / 2;
+    static const double h = STRESS_UNITS / 2.0;
     const double cube[24] = {0, 0, 0, m, 0, 0, 0, m, 0, m, m, 0, 0, 0, m, m, 0, m, 0, m, m, m, m, m};
     static const uint32_t faces[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
@@ -134,7 +134,7 @@ static void count_law(stress *run)
     }
     stress_tree built;
     if (stress_build(run, NULL, &made.mesh, 6, &plan_options, &one, &built)) {
-        one.figure = standard_errors(&built, triangle_count, expected_voxels(shape, STRESS_UNITS / 64));
+        one.figure = standard_errors(&built, triangle_count, expected_voxels(shape, STRESS_UNITS / 64.0));
         if (!(one.figure <= 4.0)) {
             stress_fail(&one, "%.2f standard errors from the law, 4 are allowed", one.figure);
         }

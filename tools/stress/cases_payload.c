@@ -49,7 +49,8 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
     add_inner(built, sums);
     for (uint64_t node = 0; node < built->info.node_count; ++node) {
         for (int channel = 0; channel < 4; ++channel) {
-            const uint64_t exact = (2 * sums[node][channel] + sums[node][4]) / (2 * sums[node][4]);
+            const uint64_t weight = sums[node][4] > 0 ? sums[node][4] : 1;
+            const uint64_t exact = (2 * sums[node][channel] + weight) / (2 * weight);
             if (built->arrays.colors[node * 4 + (unsigned)channel] != exact) {
                 stress_fail(one, "node %llu, channel %d: %u instead of %llu", (unsigned long long)node, channel,
                             built->arrays.colors[node * 4 + (unsigned)channel], (unsigned long long)exact);

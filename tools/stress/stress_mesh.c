@@ -143,7 +143,8 @@ bool stress_mesh_create(stress_shape shape, uint64_t seed, size_t triangle_count
         int corner[3][3];
         make_triangle(shape, &state, corner);
         for (size_t i = 0; i < 9; ++i) {
-            out->positions[t * 9 + i] = corner[i / 3][i % 3];
+            const int *vertex = corner[i / 3];
+            out->positions[t * 9 + i] = vertex[i % 3];
         }
     }
     return true;
