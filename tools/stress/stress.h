@@ -57,9 +57,9 @@ bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, uns
 void stress_tree_free(stress_tree *built);
 
 /* Compares a tree that was built with SVO_NEED_RAYS with the reference: snap, pairs, nodes. */
-void stress_compare(const svo_mesh *mesh, const svo_given *given, const stress_tree *built, stress_case *one);
+void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const stress_tree *built, stress_case *one);
 /* Builds, compares and releases. */
-void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_given *given, stress_case *one);
+void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_plan_options *given, stress_case *one);
 
 /* The float ways on the triangles of a tree, one case each. what: the rest of the name. */
 void stress_float_ways(stress *run, const char *what, const stress_tree *built);
