@@ -6,6 +6,7 @@
  * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. From here on the integers are
  * the geometry.
  */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -135,7 +136,8 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
             const double q = rint((x - info->origin[axis]) * info->scale);
             if (fabs(q) < UNITS_MAX) {
                 plan->vertices[v * 3 + axis] = (int32_t)q;
-                const double error = fabs(q / info->scale + info->origin[axis] - x);
+                /* On grids near the end of the doubles the way back may overflow. */
+                const double error = fmin(fabs(q / info->scale + info->origin[axis] - x), DBL_MAX);
                 largest = error > largest ? error : largest;
             } else {
                 plan->vertices[v * 3 + axis] = q > 0.0 ? UNITS_FAR : -UNITS_FAR;
