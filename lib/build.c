@@ -80,14 +80,19 @@ void svo_i_build_free(svo_i_build *build, cl_mem *buffer)
     *buffer = NULL;
 }
 
+svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                            uint64_t bytes)
+{
+    cl_event event = NULL;
+    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
+                                             wait_count(build), wait_list(build), &event);
+    return follow(build, "clEnqueueFillBuffer", error, event);
+}
+
 svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes)
 {
     const cl_uint zero = 0;
-    const size_t pattern_bytes = bytes % sizeof zero == 0 ? sizeof zero : 1;
-    cl_event event = NULL;
-    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, &zero, pattern_bytes, 0, (size_t)bytes,
-                                             wait_count(build), wait_list(build), &event);
-    return follow(build, "clEnqueueFillBuffer", error, event);
+    return svo_i_build_fill(build, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
 }
 
 svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes)
@@ -101,6 +106,18 @@ svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t 
 svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out)
 {
     return svo_i_kernel_create(build->device, SVO_I_BUILD, build->program, name, out);
+}
+
+svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
+                           cl_uint argument_count, uint64_t items)
+{
+    cl_kernel kernel = NULL;
+    svo_status status = svo_i_build_kernel(build, name, &kernel);
+    if (status == SVO_OK) {
+        status = svo_i_build_launch(build, kernel, arguments, argument_count, items);
+        clReleaseKernel(kernel);
+    }
+    return status;
 }
 
 svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
@@ -173,11 +190,16 @@ static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
 {
     const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
     const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
+    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTRE"};
+    const bool weighs = svo_i_plan_reads_surface(plan);
     /* Every key begins with a space: some compilers choke on options that end in one. */
-    (void)snprintf(keys, bytes, "%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
+    (void)snprintf(keys, bytes, "%s%s%s%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
                    color ? " -DSVO_COLOR" : "", color && plan->colors != NULL ? " -DSVO_VERTEX_COLOR" : "",
                    color && plan->uvs != NULL ? " -DSVO_TEXTURE" : "", normal ? " -DSVO_NORMAL" : "",
-                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "");
+                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "",
+                   svo_i_plan_sorts_materials(plan) ? " -DSVO_MATERIAL" : "",
+                   (plan->info.need & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "",
+                   weighs ? weights[plan->options.weights] : "");
 }
 
 static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
@@ -364,6 +386,7 @@ static void fill_info(svo_i_build *build)
     to->snap_bits = from->snap_bits;
     to->coverage = from->coverage;
     to->need = from->need;
+    to->weights = build->plan->options.weights;
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
     to->scale = from->scale;
@@ -391,6 +414,29 @@ static svo_status check_size(svo_i_build *build)
     return SVO_OK;
 }
 
+/* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
+static svo_status make_payload(svo_i_build *build)
+{
+    const uint32_t need = build->plan->info.need;
+    svo_i_surface surface = {0};
+    const bool own_ranges = svo_i_plan_sorts_materials(build->plan) && (need & SVO_NEED_RAYS) == 0;
+    svo_status status = svo_i_plan_reads_surface(build->plan) ? svo_i_surface_upload(build, &surface) : SVO_OK;
+    if (status == SVO_OK && own_ranges) {
+        status = svo_i_pack(build, false);
+    }
+    if (status == SVO_OK && (need & SVO_NEED_MATERIAL) != 0) {
+        status = svo_i_material(build, &surface);
+    }
+    if (own_ranges) {
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
+    }
+    if (status == SVO_OK && (need & SVO_I_NEED_FILTER) != 0) {
+        status = svo_i_filter(build, &surface);
+    }
+    svo_i_surface_free(build, &surface);
+    return status;
+}
+
 static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
 {
     const uint32_t need = build->plan->info.need;
@@ -412,11 +458,11 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
             status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
         }
         if (status == SVO_OK) {
-            status = svo_i_pack(build);
+            status = svo_i_pack(build, true);
         }
     }
-    if (status == SVO_OK && (need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
-        status = svo_i_filter(build);
+    if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
+        status = make_payload(build);
     }
     return status;
 }

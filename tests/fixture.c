@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 
+#include "../lib/plan.h"
+
 /* Ends the running test as skipped. */
 static void skip_with(fixture *opened, const char *reason)
 {
@@ -132,6 +134,7 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
         fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
     }
     svo_plan_get_info(plan, &out->plan);
+    out->weight_log2 = plan->weight_log2;
     list_buffers(plan, out);
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);

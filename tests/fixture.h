@@ -42,6 +42,7 @@ typedef struct built {
     char hash[SVO_HASH_TEXT_BYTES], nodes_hash[SVO_HASH_TEXT_BYTES];
     svo_build_report report;
     svo_plan_info plan;
+    uint32_t weight_log2; /* a voxel's face in the plan's units of weight */
     svo_buffer_info buffers[FIXTURE_BUFFERS_MAX]; /* the plan's list after the build */
     size_t buffer_count;
 } built;

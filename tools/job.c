@@ -24,6 +24,7 @@ static int build_once(program *state, const session *opened, const svo_mesh *mes
     svo_plan_options plan_options = {.struct_size = sizeof plan_options,
                                      .need = need,
                                      .coverage = (svo_coverage)given->coverage,
+                                     .weights = (svo_weights)given->weights,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
@@ -123,6 +124,7 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "share", done->result.report.share);
     json_add_text(document, "builder", "cl");
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
+    json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
     json_add_text(document, "context", svo_gl_context_kind_name(done->opened.gl_info.kind));
     json_add_text(document, "device", svo_device_name(done->opened.device));
     json_add_text(document, "renderer", done->opened.gl_info.renderer);

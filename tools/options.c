@@ -48,6 +48,10 @@ static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
                                    {"closed", SVO_COVERAGE_CLOSED, false},
                                    {"thin", SVO_COVERAGE_THIN, false},
                                    {NULL, 0, false}};
+static const choice weights[] = {{"area", SVO_WEIGHTS_AREA, false},
+                                 {"uniform", SVO_WEIGHTS_UNIFORM, false},
+                                 {"centre", SVO_WEIGHTS_CENTRE, false},
+                                 {NULL, 0, false}};
 static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"surfaceless", SVO_GL_SURFACELESS, false},
                                   {"egl-device", SVO_GL_EGL_DEVICE, false},
@@ -158,13 +162,10 @@ static int read_edge(program *state, const rule *option, const char *value)
 
 static uint32_t need_bit(const char *name, size_t length)
 {
-    static const struct {
-        const char *name;
-        uint32_t bit;
-    } needs[] = {{"color", SVO_NEED_COLOR}, {"normal", SVO_NEED_NORMAL}, {"rays", SVO_NEED_RAYS}};
-    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
-        if (strlen(needs[i].name) == length && strncmp(needs[i].name, name, length) == 0) {
-            return needs[i].bit;
+    for (uint32_t bit = 1; bit < SVO_NEED_ALL; bit *= 2) {
+        const char *known = svo_need_name((svo_need)bit);
+        if (strlen(known) == length && strncmp(known, name, length) == 0) {
+            return bit;
         }
     }
     return 0;
@@ -177,8 +178,8 @@ static int read_need(program *state, const rule *option, const char *value)
         const size_t length = strcspn(name, ",");
         const uint32_t bit = need_bit(name, length);
         if (bit == 0) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "--need '%s' is no list of color, normal, rays, nor none",
-                                value);
+            return program_fail(state, PROGRAM_WRONG_USAGE,
+                                "--need '%s' is no list of color, normal, rays, material, fill, nor none", value);
         }
         need |= bit;
         if (name[length] == '\0') {
@@ -233,12 +234,14 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_count, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
-     "color,normal,rays or none (colours and normals of the mesh)"},
+     "color,normal,rays,material,fill or none (colours and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, with --edge (fitted)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
+    {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
+     "area, uniform, centre: what a triangle weighs in a mean (area)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
      "auto, gl-expand, gl-hw (auto)"},
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,

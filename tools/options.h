@@ -44,6 +44,7 @@ typedef struct options {
     int share; /* svo_gl_share */
     int builder; /* one value in this version */
     int coverage; /* svo_coverage */
+    int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     uint64_t gl_device; /* EGL device index + 1; 0: not given */
     double origin[3];

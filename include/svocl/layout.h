@@ -70,14 +70,15 @@ SVO_RECORD(svo_build_state)
 SVO_RECORD(svo_triangle_record)
 {
     SVO_U32 material; /* 0: into the material records */
-    SVO_U32 flags; /* 4: SVO_TRIANGLE_* */
-    SVO_U32 normal_xy; /* 8: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
-    SVO_U32 normal_z; /* 12: int16 z in the low half */
+    SVO_U32 normal_xy; /* 4: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
+    SVO_U32 normal_z_flags; /* 8: int16 z in the low half, SVO_TRIANGLE_* in the high half */
+    SVO_U32 stretch; /* 12: its area over that of its projection along its axis, 2^30 = 1; below 2^31 */
 };
 /* The attributes are the same all over the triangle. */
-#define SVO_TRIANGLE_FLAT 1u
+#define SVO_TRIANGLE_FLAT 0x10000u
 /* Two bits from this one on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
-#define SVO_TRIANGLE_AXIS_SHIFT 1
+#define SVO_TRIANGLE_AXIS_SHIFT 17
+#define SVO_TRIANGLE_AXIS_MASK  3u
 
 /* Arguments of the subdivision kernels. 16 bytes. */
 SVO_RECORD(svo_subdivide_params)
@@ -102,7 +103,9 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 voxel_log2; /* 32: edge of a voxel in grid units */
     SVO_U32 first_chunk; /* 36: not 0: sums are written, not added to */
     SVO_U32 digit_passes; /* 40: radix passes of four bits over a triangle index, an even number */
-    SVO_U32 reserved[5]; /* 44 */
+    SVO_U32 weight_log2; /* 44: a voxel's face weighs 2^weight_log2 */
+    SVO_U32 fill_shift; /* 48: weights of the next level's nodes to fill, in bits; 63 and more: nothing is left */
+    SVO_U32 reserved[3]; /* 52 */
 };
 
 /* One material. 32 bytes. */

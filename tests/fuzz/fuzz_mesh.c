@@ -201,12 +201,14 @@ static void check_items(const svo_plan *plan)
 
 static void check_payload(const svo_plan *plan, const mesh_input *input)
 {
-    const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
-    REQUIRE((plan->info.need & ~(payload | (uint32_t)SVO_NEED_RAYS)) == 0 || plan->records != NULL);
+    REQUIRE((plan->info.need & ~(uint32_t)SVO_NEED_ALL) == 0);
+    REQUIRE((plan->info.need & SVO_I_NEED_PAYLOAD) == 0 || (plan->records != NULL && plan->material_count >= 1));
+    REQUIRE(plan->records == NULL || plan->weight_log2 > SVO_I_FILL_LOG2);
     for (uint32_t t = 0; t < plan->triangle_count && plan->records != NULL; ++t) {
         REQUIRE(plan->records[t].material < plan->material_count);
+        REQUIRE(plan->records[t].stretch >= 1u << 30 && plan->records[t].stretch < 1u << 31);
     }
-    for (uint32_t i = 0; i < plan->material_count; ++i) {
+    for (uint32_t i = 0; i < plan->material_count && plan->materials != NULL; ++i) {
         const svo_material_record *material = &plan->materials[i];
         REQUIRE(material->texel_offset + (uint64_t)material->width * material->height <= plan->texel_count);
     }
