@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "../lib/plan.h"
+#include "scenes.h"
 
 /* Ends the running test as skipped. */
 static void skip_with(fixture *opened, const char *reason)
@@ -98,6 +99,16 @@ fixture *fixture_of_group(void **state)
         fixture_open(&(fixture_options){.queue_properties = CL_QUEUE_PROFILING_ENABLE}, opened);
     }
     return opened;
+}
+
+scene *fixture_scene(const char *spec)
+{
+    svo_message message = {""};
+    scene *made = NULL;
+    if (scene_create(spec, &made, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
 }
 
 /* The plan's buffers as they are now. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What tests of whole builds have open: a device with a queue, an OpenGL context and its front end, and the results of a
- * build side by side. The functions belong inside a running cmocka test: what this machine lacks skips it, with the reason
- * printed; what is there and does not work fails it, with the library's message.
+ * What tests of whole builds have open: a device with a queue, an OpenGL context and its front end, scenes, and the
+ * results of a build side by side. The functions belong inside a running cmocka test: what this machine lacks skips it,
+ * with the reason printed; what is there and does not work fails it, with the library's message.
  */
 #ifndef SVOCL_FIXTURE_H
 #define SVOCL_FIXTURE_H
@@ -31,6 +31,9 @@ void fixture_close(fixture *opened); /* one that is all zero is allowed */
 int fixture_group_setup(void **state);
 int fixture_group_teardown(void **state);
 fixture *fixture_of_group(void **state);
+
+/* A procedural scene by its specification, as the program takes it. Released by scene_destroy. */
+struct scene *fixture_scene(const char *spec);
 
 #define FIXTURE_BUFFERS_MAX 48
 

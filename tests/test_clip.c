@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "agree/clip_probe.clh"
+#include "fixture.h"
 #include "machine.h"
 #include "meshes.h"
 #include "payload_pair.h"
@@ -239,11 +240,7 @@ static void t2_areas_of_the_clipped_pieces_sum_to_the_mesh(void **state)
     static const unsigned depths[] = {1, 3, 6, 8};
     (void)state;
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        svo_message message = {""};
-        scene *made = NULL;
-        if (scene_create(specs[i], &made, &message) != SVO_OK) {
-            fail_msg("%s", message.text);
-        }
+        scene *made = fixture_scene(specs[i]);
         for (size_t k = 0; k < sizeof depths / sizeof depths[0]; ++k) {
             assert_pieces_add_up(specs[i], scene_mesh(made), depths[k], NULL);
         }

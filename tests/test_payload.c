@@ -228,11 +228,7 @@ static void payload_of_scenes_is_exact(void **state)
     static const char *const specs[] = {"atrium", "statue:20000", "knot:5000", "terrain:20000", "cornell", "cube"};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        svo_message message = {""};
-        scene *made = NULL;
-        if (scene_create(specs[i], &made, &message) != SVO_OK) {
-            fail_msg("%s", message.text);
-        }
+        scene *made = fixture_scene(specs[i]);
         check_payload(opened, scene_mesh(made), 8, &(svo_plan_options){.need = NEED_PAYLOAD});
         scene_destroy(&made);
     }
@@ -500,11 +496,9 @@ static void fills_are_areas(void **state)
     static const char *const specs[] = {"knot:2000", "statue:3000", "cube", "needles:200"};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        svo_message message = {""};
-        scene *made = NULL;
+        scene *made = fixture_scene(specs[i]);
         built actual;
         exact expected;
-        assert_int_equal(scene_create(specs[i], &made, &message), SVO_OK);
         fixture_build(opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_FILL}, &actual);
         exact_create(scene_mesh(made), 6, NULL, &expected);
         double *areas = malloc(actual.info.leaf_count * sizeof *areas);

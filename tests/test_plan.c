@@ -18,16 +18,6 @@
 #include "meshes.h"
 #include "scenes.h"
 
-static scene *open_scene(const char *spec)
-{
-    svo_message message = {""};
-    scene *made = NULL;
-    if (scene_create(spec, &made, &message) != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return made;
-}
-
 static svo_plan_info plan_info(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
 {
     options.struct_size = sizeof options;
@@ -47,7 +37,7 @@ static void the_count_law_predicts_the_fragments(void **state)
     static const char *const specs[] = {"statue:120000", "statue:20000", "terrain:100000", "knot", "needles:5000"};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        scene *made = open_scene(specs[i]);
+        scene *made = fixture_scene(specs[i]);
         for (unsigned depth = 7; depth <= 9; ++depth) {
             built actual;
             fixture_build(opened, scene_mesh(made), depth, &(svo_plan_options){.need = SVO_NEED_NONE}, &actual);
@@ -283,7 +273,7 @@ static void assert_prediction_holds(const built *actual, const svo_buffer_info *
 static void what_is_not_asked_for_is_not_there(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = open_scene("cornell");
+    scene *made = fixture_scene("cornell");
     svo_mesh mesh = *scene_mesh(made);
     char nodes_hash[SVO_HASH_TEXT_BYTES] = "";
     for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {

@@ -133,13 +133,13 @@ static void garbage(stress *run, const char *what, const svo_plan_options *plan_
     const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, -0.0, 1e-310, 1e38, -1e38, 5e-324};
     stress_case one = stress_begin("T8 garbage, %s", what);
     stress_mesh made;
-    uint64_t state = run->seed;
+    random_stream random = {run->seed};
     if (!stress_mesh_create(STRESS_SMALL, run->seed, run->count * 50, &made)) {
         run->failed = true;
         return;
     }
     for (size_t i = 0; i < made.mesh.vertex_count * 3; ++i) {
-        const uint32_t pick = stress_random_below(&state, 128);
+        const uint32_t pick = stress_random_below(&random, 128);
         made.positions[i] = pick < 8 ? values[pick] : made.positions[i];
     }
     stress_check(run, &made.mesh, CASE_DEPTH, plan_options, &one);

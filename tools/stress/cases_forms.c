@@ -118,7 +118,7 @@ static void count_law(stress *run)
     one.unit = "standard errors";
     const size_t triangle_count = 2500 * (run->count < 8 ? run->count : 8);
     const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = SVO_NEED_RAYS};
-    uint64_t state = run->seed;
+    random_stream random = {run->seed};
     stress_mesh made;
     if (!stress_mesh_empty(triangle_count, &made)) {
         run->failed = true;
@@ -126,7 +126,7 @@ static void count_law(stress *run)
     }
     for (size_t t = 0; t < triangle_count; ++t) {
         for (size_t k = 0; k < 3; ++k) {
-            const double offset = stress_random_below(&state, STRESS_UNITS - 65536); /* whole voxels */
+            const double offset = stress_random_below(&random, STRESS_UNITS - 65536); /* whole voxels */
             for (size_t i = k; i < 9; i += 3) {
                 made.positions[t * 9 + i] = shape[i] + offset;
             }

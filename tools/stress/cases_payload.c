@@ -65,19 +65,19 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
 static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_mesh *out)
 {
     static const double shape[9] = {1000, 2000, 3000, 9000, 2500, 4000, 5000, 12000, 6000};
-    uint64_t state = seed;
+    random_stream random = {seed};
     if (!stress_mesh_empty(count, out)) {
         return false;
     }
     for (size_t t = 0; t < count; ++t) {
         double corner[3] = {32, 32, 32};
         for (int k = 0; k < 3 && !in_one_voxel; ++k) {
-            corner[k] = stress_random_below(&state, 64);
+            corner[k] = stress_random_below(&random, 64);
         }
         for (size_t i = 0; i < 9; ++i) {
             out->positions[t * 9 + i] = shape[i] + corner[i % 3] * 16384;
         }
-        const uint32_t color = stress_random(&state) | 0xff000000u;
+        const uint32_t color = (uint32_t)(random_bits(&random) >> 32) | 0xff000000u;
         for (size_t i = 0; i < 12; ++i) {
             out->colors[t * 12 + i] = (uint8_t)(color >> 8 * (i % 4));
         }
