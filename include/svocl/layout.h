@@ -46,7 +46,7 @@
 
 /* What svo_draw_item.flags holds. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
-#define SVO_DRAW_RECTANGLE 4u /* draw the bounding rectangle: needles, degenerate triangles, parts outside the grid */
+#define SVO_DRAW_BOUNDS    4u /* draw what bounds the triangle: needles, degenerate triangles, parts outside the grid */
 
 /* One triangle to draw; the front end reads an array of them. 8 bytes. */
 SVO_RECORD(svo_draw_item)

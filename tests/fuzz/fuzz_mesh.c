@@ -161,16 +161,16 @@ static void check_flags(const svo_plan *plan, const svo_draw_item *item)
 {
     const uint32_t *corners = plan->indices + (size_t)item->triangle * 3;
     const uint32_t axis = item->flags & SVO_DRAW_AXIS_MASK;
-    REQUIRE(axis < 3 && (item->flags & ~(SVO_DRAW_AXIS_MASK | SVO_DRAW_RECTANGLE)) == 0);
+    REQUIRE(axis < 3 && (item->flags & ~(SVO_DRAW_AXIS_MASK | SVO_DRAW_BOUNDS)) == 0);
     int64_t normal[3];
     svo_i_plan_normal(plan, corners, normal);
     for (unsigned other = 0; other < 3; ++other) {
         REQUIRE(llabs(normal[other]) <= INT64_C(1) << 61);
-        if ((item->flags & SVO_DRAW_RECTANGLE) == 0) {
+        if ((item->flags & SVO_DRAW_BOUNDS) == 0) {
             REQUIRE(normal[axis] != 0 && llabs(normal[other]) <= llabs(normal[axis]));
         }
     }
-    for (size_t i = 0; i < 9 && (item->flags & SVO_DRAW_RECTANGLE) == 0; ++i) {
+    for (size_t i = 0; i < 9 && (item->flags & SVO_DRAW_BOUNDS) == 0; ++i) {
         const int32_t q = plan->vertices[(size_t)corners[i / 3] * 3 + i % 3];
         REQUIRE(q >= 0 && q < (int32_t)(1u << plan->info.snap_bits));
     }
