@@ -78,7 +78,7 @@ static double_polygon clipped(const payload_pair *pair)
     double_polygon p = {.count = 3};
     for (unsigned corner = 0; corner < 3; ++corner) {
         for (unsigned axis = 0; axis < 3; ++axis) {
-            p.corners[corner][axis] = pair->corners[corner][axis] - pair->box.corner[axis];
+            p.corners[corner][axis] = (double)(pair->corners[corner][axis] - pair->box.corner[axis]);
         }
     }
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -125,10 +125,10 @@ static void double_weights(const payload_pair *pair, const double at[3], double 
     for (unsigned k = 0; k < 3; ++k) {
         const int32_t *p = pair->corners[(k + 1) % 3];
         const int32_t *q = pair->corners[(k + 2) % 3];
-        const double p_u = (double)p[u] - pair->box.corner[u] - at[u];
-        const double p_v = (double)p[v] - pair->box.corner[v] - at[v];
-        const double q_u = (double)q[u] - pair->box.corner[u] - at[u];
-        const double q_v = (double)q[v] - pair->box.corner[v] - at[v];
+        const double p_u = (double)(p[u] - pair->box.corner[u]) - at[u];
+        const double p_v = (double)(p[v] - pair->box.corner[v]) - at[v];
+        const double q_u = (double)(q[u] - pair->box.corner[u]) - at[u];
+        const double q_v = (double)(q[v] - pair->box.corner[v]) - at[v];
         weights[k] = p_u * q_v - p_v * q_u;
         sign += weights[k];
     }
@@ -145,7 +145,8 @@ static void double_weights(const payload_pair *pair, const double at[3], double 
 static double double_share(const payload_pair *pair, svo_weights mode, double weights[3])
 {
     double centroid[3];
-    const double middle[3] = {pair->box.width / 2, pair->box.width / 2, pair->box.width / 2};
+    const double half = (double)(pair->box.width / 2);
+    const double middle[3] = {half, half, half};
     const double area = payload_double_part(pair, centroid);
     double_weights(pair, mode == SVO_WEIGHTS_AREA ? centroid : middle, weights);
     if (mode == SVO_WEIGHTS_UNIFORM) {
