@@ -123,8 +123,9 @@ static svo_status choose_share(svo_gl *gl, svo_gl_share asked)
                              gl->share_reasons[SVO_GL_SHARE_COPY]);
 }
 
-static svo_status prepare(void *self, const svo_plan *plan)
+static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 {
+    (void)queue;
     svo_gl *gl = self;
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
     if (status == SVO_OK) {
@@ -195,8 +196,8 @@ static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_
     return status;
 }
 
-static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms)
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_gl *gl = self;
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
@@ -208,17 +209,17 @@ static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout 
     if (status == SVO_OK) {
         status = svo_i_raster_upload(gl->raster, plan, layout->chunk_count);
     }
-    *transfer_ms = svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     start_ms = svo_i_now_ms();
     if (status == SVO_OK) {
         status = draw_chunks(gl, plan, layout, list);
     }
-    *voxelize_ms = svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
     start_ms = svo_i_now_ms();
     if (status == SVO_OK) {
         status = hand_over(plan, queue, list);
     }
-    *transfer_ms += svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     svo_i_raster_drop(gl->raster);
     svo_i_gl_context_release_current(gl->context);
     return status;

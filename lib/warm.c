@@ -24,26 +24,28 @@ typedef struct kernel_shape {
     cl_uint locals;
     launch_size size;
     uint32_t need; /* svo_need bits one of which makes the build launch it; 0: always */
+    svo_i_program_kind kind; /* the program it belongs to */
 } kernel_shape;
 
 #define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
 
 static const kernel_shape shapes[] = {
-    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
-    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
-    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, PAYLOAD},
-    {"svo_k_gather_level", 18, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
-    {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
+    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, PAYLOAD, SVO_I_PROGRAM_BUILD},
+    {"svo_k_gather_level", 18, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD, SVO_I_PROGRAM_BUILD},
+    {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD, SVO_I_PROGRAM_BUILD},
+    {"svo_k_voxelize", 6, sizeof(svo_voxelize_params), 2, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_VOXELIZE},
 };
 
 #define BUFFERS_MAX   18
@@ -107,13 +109,14 @@ static svo_status make_zeros(svo_i_build *build, cl_mem *zeros)
     return status;
 }
 
-svo_status svo_i_build_warm(svo_i_build *build)
+svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind)
 {
     cl_mem zeros[BUFFERS_MAX] = {NULL};
     const double start_ms = svo_i_now_ms();
     svo_status status = make_zeros(build, zeros);
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0] && status == SVO_OK; ++i) {
-        if (shapes[i].need == 0 || (shapes[i].need & build->plan->info.need) != 0) {
+        const bool needed = shapes[i].need == 0 || (shapes[i].need & build->plan->info.need) != 0;
+        if (shapes[i].kind == kind && needed) {
             status = launch_sizes(build, &shapes[i], zeros);
         }
     }
