@@ -46,6 +46,13 @@ typedef struct svo_window {
     int end_u, end_v;
 } svo_window;
 
+/* What of a triangle its fragments are made from, besides the notes. */
+typedef struct svo_source {
+    svo_point corner; /* the voxel the notes count from */
+    uint axis;
+    uint triangle;
+} svo_source;
+
 static svo_point svo_turn(int3 p, uint axis)
 {
     return axis == 0u   ? svo_make_point(p.y, p.z, p.x)
@@ -88,13 +95,31 @@ static svo_window svo_draw_window(svo_placed placed, svo_voxelize_params params)
     return r;
 }
 
+static svo_window svo_tile_window(svo_window draw, svo_tile_item tile)
+{
+    svo_window r;
+    r.u = (int)(tile.corner & 0xffffu);
+    r.v = (int)(tile.corner >> 16);
+    r.end_u = min(draw.end_u, r.u + SVO_TILE_EDGE);
+    r.end_v = min(draw.end_v, r.v + SVO_TILE_EDGE);
+    return r;
+}
+
+static svo_source svo_source_of(svo_placed placed, svo_window window)
+{
+    svo_source r;
+    r.corner = svo_make_point(window.u, window.v, placed.first.t);
+    r.axis = placed.axis;
+    r.triangle = placed.triangle;
+    return r;
+}
+
 /* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it is
    convex. x: the first of them, y: how many. */
 static int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
 {
     int2 run = (int2)(0, 0);
-    const svo_span span =
-        svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
+    const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
     for (int k = span.first; k <= span.last; ++k) {
         if (svo_overlap_voxel(overlap, u, v, k << voxel_log2)) {
             run.x = run.y == 0 ? k : run.x;
@@ -132,12 +157,29 @@ static uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params 
             }
             const int2 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach);
             if (run.y > 0) {
-                notes[found.x] = (uint)(u - window.u) | (uint)(v - window.v) << 6 | (uint)run.x << 12 | (uint)run.y << 28;
+                notes[found.x] =
+                    (uint)(u - window.u) | (uint)(v - window.v) << 6 | (uint)run.x << 12 | (uint)run.y << 28;
                 found += (uint2)(1u, (uint)run.y);
             }
         }
     }
     return found;
+}
+
+/* The same for whatever is to be done: nothing for an empty window, and for one of more columns than a tile has, whose
+   triangle is left to its tiles. */
+static uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+{
+    const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
+    const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
+    if (width * height == 0 || width * height > SVO_TILE_COLUMNS) {
+        return (uint2)(0u, 0u);
+    }
+    if (params.one_voxel != 0u) {
+        notes[0] = 1u << 28;
+        return (uint2)(1u, 1u);
+    }
+    return svo_walk(placed, window, params, notes);
 }
 
 /* Room for the group's fragments; returns the slot of this work-item's first. */
@@ -156,20 +198,21 @@ static uint svo_reserve(uint count, __global uint *counter, __local uint *scratc
     return scratch[0] + before;
 }
 
-/* Writes the fragments of the notes, as far as they fit. corner: the voxel the notes count from. */
-static void svo_write(__local const uint *notes, uint note_count, svo_point corner, uint axis, uint triangle,
-                      __global uint *fragments, uint slot, uint capacity)
+/* Writes the fragments of the notes, as far as they fit. */
+static void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
+                      uint slot, uint capacity)
 {
-    const uint at_u = axis == 2u ? 0u : axis + 1u;
-    const uint at_v = axis == 0u ? 2u : axis - 1u;
+    const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
+    const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
     for (uint i = 0; i < note_count; ++i) {
         const uint note = notes[i];
-        const svo_code column = svo_axis_code((uint)corner.u + (note & 63u)) << at_u |
-                                svo_axis_code((uint)corner.v + (note >> 6 & 63u)) << at_v;
-        const uint first = (uint)corner.t + (note >> 12 & 0xffffu);
+        const svo_code column = svo_axis_code((uint)source.corner.u + (note & 63u)) << at_u |
+                                svo_axis_code((uint)source.corner.v + (note >> 6 & 63u)) << at_v;
+        const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
         for (uint k = 0; k < note >> 28; ++k) {
             if (slot < capacity) {
-                svo_fragment_store(fragments, slot, column | svo_axis_code(first + k) << axis, triangle);
+                const svo_code code = column | svo_axis_code(first + k) << source.axis;
+                svo_fragment_store(fragments, slot, code, source.triangle);
             }
             ++slot;
         }
@@ -183,42 +226,23 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
 {
     const uint id = (uint)get_global_id(0);
     __local uint *notes = all_notes + (uint)get_local_id(0) * SVO_NOTES_STRIDE;
-    const uint tile = id - params.first_tile_id;
-    const bool is_tile = id >= params.first_tile_id && tile < params.tile_count;
     uint2 found = (uint2)(0u, 0u);
-    svo_point corner = svo_make_point(0, 0, 0);
-    uint axis = 0u;
-    uint triangle = 0u;
-    if (is_tile || id < params.item_count) {
-        svo_tile_item part;
-        part.item = params.first_item + id;
-        part.corner = 0u;
+    svo_source source = {{0, 0, 0}, 0u, 0u};
+    const bool is_tile = id >= params.first_tile_id;
+    const uint tile = id - params.first_tile_id;
+    if (is_tile ? tile < params.tile_count : id < params.item_count) {
+        svo_tile_item part = {params.first_item + id, 0u};
         if (is_tile) {
             part = tiles[params.first_tile + tile];
         }
         const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
         svo_window window = svo_draw_window(placed, params);
         if (is_tile) {
-            window.u = (int)(part.corner & 0xffffu);
-            window.v = (int)(part.corner >> 16);
-            window.end_u = min(window.end_u, window.u + SVO_TILE_EDGE);
-            window.end_v = min(window.end_v, window.v + SVO_TILE_EDGE);
+            window = svo_tile_window(window, part);
         }
-        const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
-        const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
-        corner = svo_make_point(window.u, window.v, placed.first.t);
-        axis = placed.axis;
-        triangle = placed.triangle;
-        /* Triangles of many columns are left to their tiles. */
-        if (width * height <= SVO_TILE_COLUMNS) {
-            if (params.one_voxel != 0u) {
-                notes[0] = 1u << 28;
-                found = (uint2)(width * height > 0 ? 1u : 0u);
-            } else {
-                found = svo_walk(placed, window, params, notes);
-            }
-        }
+        source = svo_source_of(placed, window);
+        found = svo_find(placed, window, params, notes);
     }
     const uint slot = svo_reserve(found.y, counters + 2u * params.counter, scratch);
-    svo_write(notes, found.x, corner, axis, triangle, fragments, slot, params.capacity);
+    svo_write(notes, found.x, source, fragments, slot, params.capacity);
 }

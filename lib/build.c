@@ -222,8 +222,7 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
         build->list.chunk_count = 0;
     } else {
         list_chunks(build, layout, true);
-        status =
-            frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
+        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {

@@ -120,8 +120,8 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
         return true;
     }
     const double first = fmax(floor((low - 1.0 - p->first_u) / SVO_TILE_EDGE), 0.0);
-    const double last = fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE),
-                             (double)((p->end_u - 1 - p->first_u) / SVO_TILE_EDGE));
+    const double last =
+        fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE), (double)((p->end_u - 1 - p->first_u) / SVO_TILE_EDGE));
     for (int32_t k = (int32_t)first; k <= (int32_t)last && last >= 0.0; ++k) {
         if (!add_tile(tiles, item, (uint32_t)(p->first_u + k * SVO_TILE_EDGE), (uint32_t)v)) {
             return false;

@@ -14,12 +14,7 @@
 #define NOTES_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
 
 /* Variants of the kernel by what the overlap test needs. */
-typedef enum variant {
-    VARIANT_NARROW = 0,
-    VARIANT_REGULAR,
-    VARIANT_WIDE,
-    VARIANT_COUNT
-} variant;
+typedef enum variant { VARIANT_NARROW = 0, VARIANT_REGULAR, VARIANT_WIDE, VARIANT_COUNT } variant;
 
 /* One list in the making. */
 typedef struct run {
@@ -32,7 +27,9 @@ typedef struct run {
 /* Triangles inside one voxel are not tested, so any variant will do for them. */
 static variant variant_of(svo_i_class class_id)
 {
-    return class_id == SVO_I_CLASS_WIDE ? VARIANT_WIDE : class_id == SVO_I_CLASS_REGULAR ? VARIANT_REGULAR : VARIANT_NARROW;
+    return class_id == SVO_I_CLASS_WIDE      ? VARIANT_WIDE
+           : class_id == SVO_I_CLASS_REGULAR ? VARIANT_REGULAR
+                                             : VARIANT_NARROW;
 }
 
 static bool has_variant(const svo_plan *plan, variant which)
@@ -48,8 +45,7 @@ static bool has_variant(const svo_plan *plan, variant which)
 static void variant_keys(const svo_plan *plan, variant which, char *keys, size_t bytes)
 {
     static const char *const names[VARIANT_COUNT] = {" -DSVO_NARROW", "", " -DSVO_WIDE"};
-    (void)snprintf(keys, bytes, "%s%s%s", names[which],
-                   plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
+    (void)snprintf(keys, bytes, "%s%s%s", names[which], plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
                    plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
 }
 
@@ -119,8 +115,8 @@ static svo_status upload(run *r)
     const uint64_t triangles = plan->triangle_count;
     const uint64_t counter_bytes = (r->layout->chunk_count + 1u) * 8ull;
     svo_i_build_stage_begin(&r->build);
-    svo_status status = svo_i_build_upload(&r->build, "mesh_vertices", plan->vertices,
-                                           (uint64_t)plan->vertex_count * 12, &r->vertices);
+    svo_status status =
+        svo_i_build_upload(&r->build, "mesh_vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &r->vertices);
     if (status == SVO_OK) {
         status = svo_i_build_upload(&r->build, "mesh_indices", plan->indices, triangles * 12, &r->indices);
     }
@@ -151,15 +147,10 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
     params.bottom = draw->tile_y;
     params.width = draw->tile_width;
     params.height = draw->tile_height;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->vertices),
-                                        SVO_I_ARGUMENT(r->indices),
-                                        SVO_I_ARGUMENT(r->items),
-                                        SVO_I_ARGUMENT(tiles),
-                                        SVO_I_ARGUMENT(r->counters),
-                                        SVO_I_ARGUMENT(fragments),
-                                        SVO_I_ARGUMENT(params),
-                                        SVO_I_LOCAL(NOTES_BYTES),
-                                        SVO_I_LOCAL(sizeof(cl_uint) * SVO_GROUP_ITEMS)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
+        SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
+        SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(sizeof(cl_uint) * SVO_GROUP_ITEMS)};
     return svo_i_build_launch(&r->build, r->kernels[variant_of(draw->class_id)], arguments,
                               sizeof arguments / sizeof arguments[0], groups * SVO_GROUP_ITEMS + params.tile_count);
 }
@@ -211,7 +202,8 @@ static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
         svo_i_device_buffer(r->build.device, SVO_I_BUILD, "fragments", CL_MEM_READ_WRITE, (size_t)bytes, &out->buffer);
     status = status == SVO_OK ? make_tiles(r, chunk, &tiles, tile_begin) : status;
     if (status == SVO_OK) {
-        status = svo_i_build_upload(&r->build, "mesh_tiles", tiles.items, tiles.count * sizeof *tiles.items, &tile_buffer);
+        status =
+            svo_i_build_upload(&r->build, "mesh_tiles", tiles.items, tiles.count * sizeof *tiles.items, &tile_buffer);
     }
     svo_i_report_add(r->build.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     if (status == SVO_OK) {
