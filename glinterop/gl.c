@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "choose.h"
 #include "frontend.h"
 #include "raster.h"
 #include "selftest.h"
@@ -61,6 +62,26 @@ svo_gl_share svo_gl_chosen_share(const svo_gl *gl)
 svo_frontend *svo_gl_frontend(svo_gl *gl)
 {
     return &gl->frontend;
+}
+
+/* Whether a renderer of that name draws on the CPU: Mesa's and SwiftShader say so in their names. */
+static bool is_software(const char *renderer)
+{
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "SWR", "SwiftShader", "Software"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strstr(renderer, names[i]) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *reason)
+{
+    const char *name = svo_i_gl_context_functions(gl->context)->renderer;
+    const svo_i_renderer renderer = {
+        .name = name, .is_software = is_software(name), .in_place = gl->share_choice != SVO_GL_SHARE_COPY};
+    return svo_i_choose_cl(gl->device, &renderer, reason) ? cl : &gl->frontend;
 }
 
 /* Hardware-conservative rasterization, where the extension exists and the self-test passes; NULL and a reason if not. */

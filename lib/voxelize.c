@@ -11,7 +11,9 @@
 #include "build.h"
 #include "tiles.h"
 
-#define NOTES_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+/* Local memory of a work-group. */
+#define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+#define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
 
 /* Variants of the kernel by what the overlap test needs. */
 typedef enum variant { VARIANT_NARROW = 0, VARIANT_REGULAR, VARIANT_WIDE, VARIANT_COUNT } variant;
@@ -150,7 +152,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
         SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
-        SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(sizeof(cl_uint) * SVO_GROUP_ITEMS)};
+        SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
     return svo_i_build_launch(&r->build, r->kernels[variant_of(draw->class_id)], arguments,
                               sizeof arguments / sizeof arguments[0], groups * SVO_GROUP_ITEMS + params.tile_count);
 }
@@ -278,6 +280,13 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
     if (device == NULL || out == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_frontend_create_cl: %s is NULL",
                                  device == NULL ? "device" : "out");
+    }
+    cl_ulong local_bytes = 0;
+    clGetDeviceInfo(device->device, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local_bytes, &local_bytes, NULL);
+    if (local_bytes < NOTES_BYTES + SCRATCH_BYTES) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "svo_frontend_create_cl: %s has %llu bytes of local memory, below %zu", device->name,
+                                 (unsigned long long)local_bytes, NOTES_BYTES + SCRATCH_BYTES);
     }
     svo_frontend *frontend = calloc(1, sizeof *frontend);
     if (frontend == NULL) {

@@ -33,10 +33,10 @@ struct rule {
     const char *help;
 };
 
-static const choice frontends[] = {{"auto", SVO_GL_RASTER_AUTO, false},
-                                   {"gl-expand", SVO_GL_RASTER_EXPAND, false},
-                                   {"gl-hw", SVO_GL_RASTER_HW, false},
-                                   {"cl", 0, true},
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO, false},
+                                   {"cl", OPTION_FRONTEND_CL, false},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND, false},
+                                   {"gl-hw", OPTION_FRONTEND_GL_HW, false},
                                    {NULL, 0, false}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"sharing", SVO_GL_SHARE_SHARING, false},
@@ -240,7 +240,7 @@ static const rule rules[] = {
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
-     "auto, gl-expand, gl-hw (auto)"},
+     "auto, cl, gl-expand, gl-hw (auto: by speed)"},
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, sharing, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
@@ -342,6 +342,12 @@ static int parse_all(program *state, const command *which, int argument_count, c
     return PROGRAM_DONE;
 }
 
+bool options_ask_for_gl(const options *given)
+{
+    return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
+           given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW;
+}
+
 /* What no single option can see. */
 static int check_together(program *state, const command *which)
 {
@@ -359,6 +365,10 @@ static int check_together(program *state, const command *which)
     }
     if (given->gl_device != 0 && given->context != SVO_GL_EGL_DEVICE) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
+    }
+    if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s is for OpenGL, which --frontend cl does without",
+                            given->share != SVO_GL_SHARE_AUTO ? "share" : "context");
     }
     return PROGRAM_DONE;
 }

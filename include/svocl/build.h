@@ -24,12 +24,20 @@ typedef struct svo_frontend svo_frontend;
  * The front end of OpenCL alone, "cl": a kernel walks every triangle's voxels. Needs no OpenGL. Its share is "none": the
  * list is made where it is used.
  *
- * device: must outlive it; nothing is compiled yet. Returns SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY.
+ * device: must outlive it; nothing is compiled yet. Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, or
+ * SVO_UNSUPPORTED where the device has less than 17 KiB of local memory.
  */
 SVO_API svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out);
 /* Releases a front end that svo_frontend_create_cl made and sets *frontend to NULL; NULL and a pointer to NULL are allowed.
    One that another handle owns (svo_gl_frontend) is left alone. */
 SVO_API void svo_frontend_destroy(svo_frontend **frontend);
+/*
+ * Whether OpenCL alone is the faster way for a plan because it is done before OpenGL would have started: not 0 if so. For
+ * larger plans svo_gl_prefer (gl.h) compares the two. A rule of thumb: nothing is run.
+ *
+ * reason: receives one line that says why; NULL allowed.
+ */
+SVO_API int svo_frontend_cl_suffices(const svo_plan *plan, svo_message *reason);
 SVO_API const char *svo_frontend_name(const svo_frontend *frontend); /* "cl", "gl-expand", "gl-hw"; static string */
 SVO_API const char *svo_frontend_share(const svo_frontend *frontend); /* "none", "host", "copy"; static string */
 

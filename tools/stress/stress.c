@@ -59,8 +59,8 @@ bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, uns
     const double started_ms = input_now_ms();
     svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, frontend != NULL ? frontend : svo_gl_frontend(opened->gl), opened->queue, &out->tree,
-                           &out->report);
+        status =
+            svo_build(plan, frontend != NULL ? frontend : opened->frontend, opened->queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, opened->queue);
