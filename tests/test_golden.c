@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T1 golden: the golden counts through the GL front end: leaves are voxels, fragments are pairs, half-open and closed, at
+ * T1 golden: the golden counts through every front end: leaves are voxels, fragments are pairs, half-open and closed, at
  * every depth of the table that can be built.
  */
 #include <setjmp.h>
@@ -56,9 +56,8 @@ static size_t check_scene(const fixture *opened, const golden_scene *scene)
     return compared;
 }
 
-static void t1_golden_counts_are_reproduced(void **state)
+static void check_table(const fixture *opened)
 {
-    const fixture *opened = fixture_of_group(state);
     golden_table *table = golden_load(GOLDEN_COUNTS_PATH);
     assert_non_null(table);
     for (size_t i = 0; i < table->scene_count; ++i) {
@@ -69,8 +68,20 @@ static void t1_golden_counts_are_reproduced(void **state)
     golden_free(table);
 }
 
+static void t1_golden_counts_are_reproduced_by_opencl(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    check_table(&opened);
+}
+
+static void t1_golden_counts_are_reproduced_by_opengl(void **state)
+{
+    check_table(fixture_of_group(state));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(t1_golden_counts_are_reproduced)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(t1_golden_counts_are_reproduced_by_opencl),
+                                       cmocka_unit_test(t1_golden_counts_are_reproduced_by_opengl)};
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }
