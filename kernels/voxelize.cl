@@ -53,15 +53,15 @@ typedef struct svo_source {
     uint triangle;
 } svo_source;
 
-static svo_point svo_turn(int3 p, uint axis)
+SVO_FUNCTION svo_point svo_turn(int3 p, uint axis)
 {
     return axis == 0u   ? svo_make_point(p.y, p.z, p.x)
            : axis == 1u ? svo_make_point(p.z, p.x, p.y)
                         : svo_make_point(p.x, p.y, p.z);
 }
 
-static svo_placed svo_place(__global const int *vertices, __global const uint *indices, svo_draw_item item,
-                            svo_voxelize_params params)
+SVO_FUNCTION svo_placed svo_place(__global const int *vertices, __global const uint *indices, svo_draw_item item,
+                                  svo_voxelize_params params)
 {
     svo_placed r;
     const uint3 corners = vload3(item.triangle, indices);
@@ -85,7 +85,7 @@ static svo_placed svo_place(__global const int *vertices, __global const uint *i
 }
 
 /* The triangle's columns inside the draw. */
-static svo_window svo_draw_window(svo_placed placed, svo_voxelize_params params)
+SVO_FUNCTION svo_window svo_draw_window(svo_placed placed, svo_voxelize_params params)
 {
     svo_window r;
     r.u = max(placed.first.u, (int)params.left);
@@ -95,7 +95,7 @@ static svo_window svo_draw_window(svo_placed placed, svo_voxelize_params params)
     return r;
 }
 
-static svo_window svo_tile_window(svo_window draw, svo_tile_item tile)
+SVO_FUNCTION svo_window svo_tile_window(svo_window draw, svo_tile_item tile)
 {
     svo_window r;
     r.u = (int)(tile.corner & 0xffffu);
@@ -105,7 +105,7 @@ static svo_window svo_tile_window(svo_window draw, svo_tile_item tile)
     return r;
 }
 
-static svo_source svo_source_of(svo_placed placed, svo_window window)
+SVO_FUNCTION svo_source svo_source_of(svo_placed placed, svo_window window)
 {
     svo_source r;
     r.corner = svo_make_point(window.u, window.v, placed.first.t);
@@ -116,7 +116,7 @@ static svo_source svo_source_of(svo_placed placed, svo_window window)
 
 /* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it is
    convex. x: the first of them, y: how many. */
-static int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
+SVO_FUNCTION int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
 {
     int2 run = (int2)(0, 0);
     const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
@@ -132,7 +132,7 @@ static int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v,
 }
 
 /* The largest coordinate, for svo_column_span. */
-static float svo_reach_of(svo_placed placed)
+SVO_FUNCTION float svo_reach_of(svo_placed placed)
 {
     const uint u = max(abs(placed.a.u), max(abs(placed.b.u), abs(placed.c.u)));
     const uint v = max(abs(placed.a.v), max(abs(placed.b.v), abs(placed.c.v)));
@@ -141,7 +141,7 @@ static float svo_reach_of(svo_placed placed)
 }
 
 /* Notes the runs of all columns of the window. x: how many notes, y: how many fragments. */
-static uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+SVO_FUNCTION uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
 {
     const int voxel_log2 = (int)params.voxel_log2;
     const svo_overlap overlap =
@@ -168,7 +168,7 @@ static uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params 
 
 /* The same for whatever is to be done: nothing for an empty window, and for one of more columns than a tile has, whose
    triangle is left to its tiles. */
-static uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
 {
     const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
     const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
@@ -183,7 +183,7 @@ static uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params 
 }
 
 /* Room for the group's fragments; returns the slot of this work-item's first. */
-static uint svo_reserve(uint count, __global uint *counter, __local uint *scratch)
+SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *scratch)
 {
     uint total;
     const uint before = svo_group_exclusive(count, scratch, &total);
@@ -199,8 +199,8 @@ static uint svo_reserve(uint count, __global uint *counter, __local uint *scratc
 }
 
 /* Writes the fragments of the notes, as far as they fit. */
-static void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
-                      uint slot, uint capacity)
+SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
+                            uint slot, uint capacity)
 {
     const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
     const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
