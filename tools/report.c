@@ -59,7 +59,11 @@ static void print_what_ran(const job *done)
     table_cell(rows, "opencl");
     table_cell(rows, "%s", svo_device_name(done->opened.device));
     table_cell(rows, "opengl");
-    table_cell(rows, "%s, %s", session_renderer(&done->opened), session_context(&done->opened));
+    if (done->opened.frontend == done->opened.cl) {
+        table_cell(rows, "%s", "not used");
+    } else {
+        table_cell(rows, "%s, %s", session_renderer(&done->opened), session_context(&done->opened));
+    }
     table_cell(rows, "ways");
     table_cell(rows, "frontend %s, share %s, builder cl", result->report.frontend, result->report.share);
     table_cell(rows, "%s", "");

@@ -95,7 +95,7 @@ static void samples(stress *run, size_t count, bool in_one_voxel, stress_case *o
         run->failed = true;
         return;
     }
-    for (unsigned order = 0; order < 2; ++order) {
+    for (unsigned order = 0; order < (run->count > 0 ? 2u : 1u); ++order) {
         stress_tree built;
         if (stress_build(run, NULL, &made.mesh, 6, &colored, one, &built)) {
             check_colors(&built, &made, one);
@@ -114,11 +114,11 @@ static void averages(stress *run)
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         samples(run, counts[i], true, &one);
     }
-    samples(run, run->count * 2000, true, &one);
+    samples(run, stress_amount(run, 2000, 20), true, &one);
     stress_end(run, &one);
     stress_case sums = stress_begin("T16 sums at every level");
     sums.unit = "samples";
-    samples(run, run->count * 2000, false, &sums);
+    samples(run, stress_amount(run, 2000, 20), false, &sums);
     stress_end(run, &sums);
 }
 
@@ -178,9 +178,10 @@ static void repeatability(stress *run)
     if (run->opened.gl != NULL && copying == NULL) {
         stress_fail(&one, "share copy: %s", reason.text);
     }
-    for (int shape = 0; shape < STRESS_SHAPE_COUNT; ++shape) {
+    for (int shape = 0; shape<STRESS_SHAPE_COUNT; shape += run->count> 0 ? 1 : 3) {
         stress_mesh made;
-        if (!stress_mesh_create((stress_shape)shape, run->seed, run->count * (shape == STRESS_HUGE ? 1 : 50), &made)) {
+        if (!stress_mesh_create((stress_shape)shape, run->seed,
+                                shape == STRESS_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 5), &made)) {
             run->failed = true;
             break;
         }

@@ -12,6 +12,16 @@
 #include "stress/float_ways.h"
 #include "tree_check.h"
 
+size_t stress_amount(const stress *run, size_t per_count, size_t least)
+{
+    return run->count > 0 ? run->count * per_count : least;
+}
+
+unsigned stress_depth(const stress *run, unsigned depth, unsigned least)
+{
+    return run->count > 0 ? depth : least;
+}
+
 stress_case stress_begin(const char *format, ...)
 {
     stress_case one = {.way = "svocl", .unit = "pairs", .judged = true, .passed = true};
