@@ -237,7 +237,8 @@ static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsi
 }
 
 /* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent
-   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches outside are drawn as rectangles. */
+   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches
+   outside are drawn as rectangles. */
 static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
 {
     unsigned axis = 0;

@@ -3,7 +3,8 @@
  * Building: plan + front end + queue -> tree.
  *
  * A front end makes fragments, one (voxel, triangle) pair each: with OpenCL alone (below), or with OpenGL's rasterizer
- * (gl.h). The build links, packs and filters them with OpenCL. The tree is the same, bit for bit, for every front end, share path, device and run.
+ * (gl.h). The build links, packs and filters them with OpenCL. The tree is the same, bit for bit, for every front end,
+ * share path, device and run.
  */
 #ifndef SVOCL_BUILD_H
 #define SVOCL_BUILD_H
