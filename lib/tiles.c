@@ -64,7 +64,8 @@ static bool is_large(const projection *p)
 {
     const int64_t width = p->end_u - p->first_u;
     const int64_t height = p->end_v - p->first_v;
-    return width > 0 && height > 0 && width * height > SVO_TILE_COLUMNS;
+    const int64_t most = SVO_TILE_COLUMNS;
+    return width > 0 && height > 0 && width * height > most;
 }
 
 /* The least and greatest u of the projection between two values of v; low is above high where there is none. */
