@@ -64,7 +64,7 @@ static bool is_large(const projection *p)
 {
     const int64_t width = p->end_u - p->first_u;
     const int64_t height = p->end_v - p->first_v;
-    const int64_t most = SVO_TILE_COLUMNS;
+    const int32_t most = SVO_TILE_COLUMNS;
     return width > 0 && height > 0 && width * height > most;
 }
 
@@ -120,9 +120,9 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
     if (low > high) {
         return true;
     }
+    const int32_t last_tile = (p->end_u - 1 - p->first_u) / SVO_TILE_EDGE;
     const double first = fmax(floor((low - 1.0 - p->first_u) / SVO_TILE_EDGE), 0.0);
-    const double last =
-        fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE), (double)((p->end_u - 1 - p->first_u) / SVO_TILE_EDGE));
+    const double last = fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE), last_tile);
     for (int32_t k = (int32_t)first; k <= (int32_t)last && last >= 0.0; ++k) {
         if (!add_tile(tiles, item, (uint32_t)(p->first_u + k * SVO_TILE_EDGE), (uint32_t)v)) {
             return false;

@@ -226,9 +226,9 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
     }
     svo_i_build_stage_begin(&r->build);
     svo_status status =
-        svo_i_build_read(&r->build, r->counters, counters, (list->chunk_count + 1u) * 2 * sizeof *counters);
+        svo_i_build_read(&r->build, r->counters, counters, ((size_t)list->chunk_count + 1) * 2 * sizeof *counters);
     status = status == SVO_OK ? svo_i_build_stage_end(&r->build, SVO_STAGE_TRANSFER) : status;
-    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+    for (size_t i = 0; i < list->chunk_count; ++i) {
         list->chunks[i].needed = (uint64_t)counters[2 * i + 1] << 32 | counters[2 * i];
     }
     free(counters);
