@@ -159,12 +159,6 @@ static double event_span_ms(cl_event first, cl_event last)
     return (double)(end - start) * 1e-6;
 }
 
-static void add_time(svo_build_report *report, svo_stage stage, double ms, const char *clock)
-{
-    report->stages[stage].ms += ms;
-    report->stages[stage].clock = clock;
-}
-
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
 {
     if (build->stage_first == NULL) {
@@ -176,9 +170,9 @@ svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
     }
     const double span = build->profiling ? event_span_ms(build->stage_first, build->last) : -1.0;
     if (span >= 0.0) {
-        add_time(build->report, stage, span, "cl-event");
+        svo_i_report_add(build->report, stage, span, "cl-event");
     } else {
-        add_time(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
+        svo_i_report_add(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
     }
     clReleaseEvent(build->stage_first);
     build->stage_first = NULL;
@@ -223,6 +217,19 @@ static bool list_is_whole(svo_i_build *build, uint64_t *needed)
     return whole;
 }
 
+/* Lists the chunks' buffers, which live while the front end draws into them and after; or takes them off again. */
+static void list_chunks(svo_i_build *build, const svo_i_layout *layout, bool live)
+{
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        const uint64_t bytes = layout->chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan);
+        if (live) {
+            svo_i_plan_buffer_add(build->plan, "fragments", bytes);
+        } else {
+            svo_i_plan_buffer_remove(build->plan, bytes);
+        }
+    }
+}
+
 /* One attempt at the list, with the layout as it is. */
 static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
                             bool *whole)
@@ -236,16 +243,13 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
                                    layout->chunk_count);
         build->list.chunk_count = 0;
     } else {
-        double voxelize_ms = 0.0;
-        double transfer_ms = 0.0;
-        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, &voxelize_ms,
-                                    &transfer_ms);
-        add_time(build->report, SVO_STAGE_VOXELIZE, voxelize_ms, "wall");
-        add_time(build->report, SVO_STAGE_TRANSFER, transfer_ms, "wall");
+        list_chunks(build, layout, true);
+        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
+        list_chunks(build, layout, false);
         free(build->list.chunks);
         build->list = (svo_i_fragment_list){0};
     }
@@ -276,10 +280,6 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
         return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the scene has %llu fragments, above %u; lower the depth",
                                  (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
-    }
-    for (uint32_t i = 0; status == SVO_OK && i < build->list.chunk_count; ++i) {
-        svo_i_plan_buffer_add(build->plan, "fragments",
-                              build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
     }
     return status;
 }
@@ -510,7 +510,7 @@ static const char *wrong_argument(const svo_plan *plan, const svo_frontend *fron
     return out == NULL ? "out is NULL" : NULL;
 }
 
-static bool queue_profiles(cl_command_queue queue)
+bool svo_i_queue_profiles(cl_command_queue queue)
 {
     cl_command_queue_properties properties = 0;
     clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
@@ -527,12 +527,12 @@ static svo_status compile(svo_i_build *build, svo_frontend *frontend)
     svo_status status =
         svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
     if (status == SVO_OK && fresh) {
-        status = svo_i_build_warm(build);
+        status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);
     }
     if (status == SVO_OK) {
-        status = frontend->prepare(frontend->self, build->plan);
+        status = frontend->prepare(frontend->self, build->plan, build->queue);
     }
-    add_time(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 
@@ -554,11 +554,11 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     svo_i_build build = {.device = plan->device,
                          .plan = plan,
                          .queue = queue,
-                         .profiling = queue_profiles(queue),
+                         .profiling = svo_i_queue_profiles(queue),
                          .report = report != NULL ? report : &unread};
     *build.report =
         (svo_build_report){.struct_size = sizeof *report, .frontend = frontend->name, .share = frontend->share};
-    add_time(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
+    svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();
     if (build.tree == NULL) {

@@ -58,12 +58,16 @@ svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *o
 svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
                            cl_uint argument_count, uint64_t items);
 
+/* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
+bool svo_i_queue_profiles(cl_command_queue queue);
+
 /* Launches between begin and end are counted to the stage. Stages may be entered several times. */
 void svo_i_build_stage_begin(svo_i_build *build);
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
 
-/* warm.c: launches every kernel the plan needs once on nothing, so that the driver compiles it now. */
-svo_status svo_i_build_warm(svo_i_build *build);
+/* warm.c: launches every kernel of build->program that the plan needs once on nothing, so that the driver compiles it now.
+   kind: of the program. */
+svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind);
 /* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);

@@ -236,15 +236,16 @@ static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsi
     return longest;
 }
 
-/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent, so
-   that columns are short. Needles (altitude under a pixel) and what reaches outside are drawn by their bounds. */
+/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent
+   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches
+   outside are drawn by their bounds. */
 static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
 {
     unsigned axis = 0;
     unsigned shortest = 0;
     for (unsigned k = 1; k < 3; ++k) {
         axis = llabs(normal[k]) > llabs(normal[axis]) ? k : axis;
-        shortest = p->last[k] - p->first[k] < p->last[shortest] - p->first[shortest] ? k : shortest;
+        shortest = p->high[k] - p->low[k] < p->high[shortest] - p->low[shortest] ? k : shortest;
     }
     if (normal[axis] == 0) {
         return shortest | SVO_DRAW_BOUNDS;

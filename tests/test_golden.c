@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T1 golden: the golden counts through the GL front end: leaves are voxels, fragments are pairs, half-open and closed, at
+ * T1 golden: the golden counts through every front end: leaves are voxels, fragments are pairs, half-open and closed, at
  * every depth of the table that can be built. The table has no thin counts: there the references have the word, and what
  * they say is a part of the half-open pairs, which the table does count.
  */
@@ -100,9 +100,8 @@ static size_t check_scene(const fixture *opened, const golden_scene *scene, chec
     return compared;
 }
 
-static void check_table(void **state, check_function *check)
+static void check_table(const fixture *opened, check_function *check)
 {
-    const fixture *opened = fixture_of_group(state);
     golden_table *table = golden_load(GOLDEN_COUNTS_PATH);
     assert_non_null(table);
     for (size_t i = 0; i < table->scene_count; ++i) {
@@ -113,21 +112,35 @@ static void check_table(void **state, check_function *check)
     golden_free(table);
 }
 
-static void t1_golden_counts_are_reproduced(void **state)
+static void t1_golden_counts_are_reproduced_by_opencl(void **state)
 {
-    check_table(state, check_count);
+    const fixture opened = fixture_cl_of_group(state);
+    check_table(&opened, check_count);
 }
 
-static void t1_thin_counts_are_those_of_the_references(void **state)
+static void t1_golden_counts_are_reproduced_by_opengl(void **state)
 {
-    check_table(state, check_thin);
+    check_table(fixture_of_group(state), check_count);
+}
+
+static void t1_thin_counts_are_those_of_the_references_by_opencl(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    check_table(&opened, check_thin);
+}
+
+static void t1_thin_counts_are_those_of_the_references_by_opengl(void **state)
+{
+    check_table(fixture_of_group(state), check_thin);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(t1_golden_counts_are_reproduced),
-        cmocka_unit_test(t1_thin_counts_are_those_of_the_references),
+        cmocka_unit_test(t1_golden_counts_are_reproduced_by_opencl),
+        cmocka_unit_test(t1_golden_counts_are_reproduced_by_opengl),
+        cmocka_unit_test(t1_thin_counts_are_those_of_the_references_by_opencl),
+        cmocka_unit_test(t1_thin_counts_are_those_of_the_references_by_opengl),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

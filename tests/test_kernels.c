@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h), trees and
- * payload are compared with them, and nothing may depend on the order of the fragments, on the cut of the list, or on what
+ * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h) and from the
+ * front end of OpenCL, trees and payload are compared with the references, and nothing may depend on the order of the fragments, on the cut of the list, or on what
  * was in the buffers before (dirty_buffers.c).
  *
  * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
@@ -72,6 +72,7 @@ static void skip_without_device(void **state)
 /* How a tree is built; which way must not show. */
 typedef struct way {
     uint64_t seed; /* of the fragments' order */
+    bool cl; /* by the front end of OpenCL, whose order is its own */
     uint64_t chunk_bytes; /* 0: one chunk */
     uint64_t fragment_capacity; /* 0: by the count law */
 } way;
@@ -99,11 +100,15 @@ static void build(const request *asked, const way *by, built *out)
     const svo_plan_options options = options_of(asked, by);
     *out = (built){.report = {.struct_size = sizeof out->report}};
     walk_frontend walk;
+    svo_frontend *cl = NULL;
     walk_frontend_init(bench.device, by->seed, &walk);
     svo_plan *plan = NULL;
     svo_status status = svo_plan_create(bench.device, asked->mesh, asked->depth, &options, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, &walk.frontend, bench.queue, &out->tree, &out->report);
+        status = svo_frontend_create_cl(bench.device, &cl);
+    }
+    if (status == SVO_OK) {
+        status = svo_build(plan, by->cl ? cl : &walk.frontend, bench.queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, bench.queue);
@@ -115,6 +120,7 @@ static void build(const request *asked, const way *by, built *out)
         fail_msg("%s: %s", svo_status_name(status), svo_device_message(bench.device));
     }
     out->weight_log2 = plan->weight_log2;
+    svo_frontend_destroy(&cl);
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);
     svo_tree_get_arrays(out->tree, &out->arrays);
@@ -162,8 +168,8 @@ static void assert_true_tree(const request *asked, const svo_plan_options *optio
     exact_destroy(&reference);
 }
 
-/* In one chunk, in another order, in many chunks, and drawn again because the list was too small. The reports are those of
-   the last two. */
+/* In one chunk, in another order, in many chunks, and drawn again because the list was too small, by the references' walk
+   and by the front end of OpenCL. The reports are those of the walk's many chunks and of its list that grew. */
 static void check_all_ways(const request *asked, svo_build_report *cut, svo_build_report *grown)
 {
     const way plain = {.seed = 1};
@@ -174,9 +180,12 @@ static void check_all_ways(const request *asked, svo_build_report *cut, svo_buil
     assert_in_range(expected.report.list_chunks, 0, 1);
     const way others[] = {{.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
                           {.seed = 3, .fragment_capacity = expected.info.fragments / 3 + 1},
+                          {.cl = true, .chunk_bytes = SMALL_CHUNK_BYTES},
+                          {.cl = true, .fragment_capacity = expected.info.fragments / 3 + 1},
+                          {.cl = true},
                           {.seed = 4}};
-    svo_build_report reports[3] = {{0}};
-    for (size_t i = 0; i < (bench.small ? 2 : 3); ++i) {
+    svo_build_report reports[6] = {{0}};
+    for (size_t i = 0; i < (bench.small ? 4 : 6); ++i) {
         built actual;
         build(asked, &others[i], &actual);
         assert_same_tree(&actual, &expected);

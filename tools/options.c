@@ -33,10 +33,10 @@ struct rule {
     const char *help;
 };
 
-static const choice frontends[] = {{"auto", SVO_GL_RASTER_AUTO, false},
-                                   {"gl-expand", SVO_GL_RASTER_EXPAND, false},
-                                   {"gl-hw", SVO_GL_RASTER_HW, false},
-                                   {"cl", 0, true},
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO, false},
+                                   {"cl", OPTION_FRONTEND_CL, false},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND, false},
+                                   {"gl-hw", OPTION_FRONTEND_GL_HW, false},
                                    {NULL, 0, false}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"sharing", SVO_GL_SHARE_SHARING, false},
@@ -243,7 +243,7 @@ static const rule rules[] = {
     {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
      "area, uniform, centre: what a triangle weighs in a mean (area)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
-     "auto, gl-expand, gl-hw (auto)"},
+     "auto, cl, gl-expand, gl-hw (auto: by speed)"},
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, sharing, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
@@ -260,8 +260,8 @@ static const rule rules[] = {
      "about how many triangles (the scene's own)"},
     {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL,
      "random seed (1)"},
-    {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 1, 1000, NULL,
-     "how much work: triangles per case grow with it (8)"},
+    {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
+     "how much work: triangles per case grow with it (8); 0: the least"},
     {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
@@ -345,6 +345,12 @@ static int parse_all(program *state, const command *which, int argument_count, c
     return PROGRAM_DONE;
 }
 
+bool options_ask_for_gl(const options *given)
+{
+    return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
+           given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW;
+}
+
 /* What no single option can see. */
 static int check_together(program *state, const command *which)
 {
@@ -362,6 +368,10 @@ static int check_together(program *state, const command *which)
     }
     if (given->gl_device != 0 && given->context != SVO_GL_EGL_DEVICE) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
+    }
+    if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s is for OpenGL, which --frontend cl does without",
+                            given->share != SVO_GL_SHARE_AUTO ? "share" : "context");
     }
     return PROGRAM_DONE;
 }

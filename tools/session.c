@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens devices and contexts by the options. */
+/* Opens devices by the options, and chooses front ends. */
 #include "session.h"
 
 #include <stdio.h>
@@ -47,31 +47,26 @@ int session_open_device(program *state, session *opened)
     return PROGRAM_DONE;
 }
 
-/* --context auto: the first kind that works. A forced kind that does not work is an error. */
-static int open_gl_context(program *state, session *opened)
+static int use(session *opened, svo_frontend *frontend)
 {
-    const int forced = state->options.context;
-    const uint64_t gl_device = state->options.gl_device;
-    svo_message message = {""};
-    char reasons[SVO_GL_CONTEXT_KINDS * (SVO_MESSAGE_BYTES + 32)] = "";
-    size_t used = 0;
-    for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
-        if (forced != OPTION_CONTEXT_AUTO && forced != kind) {
-            continue;
-        }
-        const uint32_t index = gl_device > 0 ? (uint32_t)(gl_device - 1) : 0;
-        if (svo_gl_context_create((svo_gl_context_kind)kind, index, &opened->gl_context, &message) == SVO_OK) {
-            svo_gl_context_get_info(opened->gl_context, &opened->gl_info);
-            return PROGRAM_DONE;
-        }
-        if (forced != OPTION_CONTEXT_AUTO) {
-            return program_fail(state, PROGRAM_FAILED, "--context %s: %s",
-                                svo_gl_context_kind_name((svo_gl_context_kind)kind), program_words(message.text));
-        }
-        used += (size_t)snprintf(reasons + used, sizeof reasons - used, "%s%s: %s", used == 0 ? "" : "; ",
-                                 svo_gl_context_kind_name((svo_gl_context_kind)kind), program_words(message.text));
+    opened->frontend = frontend;
+    return PROGRAM_DONE;
+}
+
+static void explain(session *opened, const char *reason)
+{
+    snprintf(opened->reason.text, sizeof opened->reason.text, "%s", reason);
+}
+
+/* OpenGL was asked for: a way that does not work is an error. */
+static int use_opengl(program *state, session *opened, const char *reason)
+{
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    if (opened->gl == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
     }
-    return program_fail(state, PROGRAM_FAILED, "no OpenGL context: %s", reasons);
+    explain(opened, reason);
+    return use(opened, opengl_frontend(opened->gl));
 }
 
 int session_open(program *state, session *opened)
@@ -80,14 +75,13 @@ int session_open(program *state, session *opened)
     if (result != PROGRAM_DONE) {
         return result;
     }
-    result = open_gl_context(state, opened);
-    if (result == PROGRAM_DONE) {
-        const svo_gl_options gl_options = {.struct_size = sizeof gl_options,
-                                           .raster = (svo_gl_raster)state->options.frontend,
-                                           .share = (svo_gl_share)state->options.share};
-        if (svo_gl_create(opened->device, opened->gl_context, &gl_options, &opened->gl) != SVO_OK) {
-            result = program_fail_library(state, svo_device_message(opened->device));
-        }
+    if (options_ask_for_gl(&state->options)) {
+        result = use_opengl(state, opened, "asked for");
+    } else if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        result = program_fail_library(state, svo_device_message(opened->device));
+    } else if (state->options.frontend == OPTION_FRONTEND_CL) {
+        explain(opened, "asked for");
+        result = use(opened, opened->cl);
     }
     if (result != PROGRAM_DONE) {
         session_close(opened);
@@ -95,10 +89,47 @@ int session_open(program *state, session *opened)
     return result;
 }
 
+void session_choose(program *state, session *opened, const svo_plan *plan)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    opened->frontend = opened->cl;
+    if (svo_frontend_cl_suffices(plan, &opened->reason)) {
+        return;
+    }
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    if (opened->gl != NULL) {
+        opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
+    }
+}
+
+void session_choose_opengl(program *state, session *opened)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    opened->frontend = opened->gl != NULL ? opengl_frontend(opened->gl) : opened->cl;
+    if (opened->gl != NULL) {
+        explain(opened, "OpenGL where there is one");
+    }
+}
+
+const char *session_context(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_context_name(opened->gl) : "none";
+}
+
+const char *session_renderer(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_renderer(opened->gl) : "none";
+}
+
 void session_close(session *opened)
 {
-    svo_gl_destroy(&opened->gl);
-    svo_gl_context_destroy(&opened->gl_context);
+    opengl_close(&opened->gl);
+    svo_frontend_destroy(&opened->cl);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }

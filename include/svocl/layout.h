@@ -44,6 +44,11 @@
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
 
+/* Columns of voxels that one work-item of the OpenCL front end walks at most; larger triangles are cut into tiles of so
+   many columns, SVO_TILE_EDGE both ways. */
+#define SVO_TILE_EDGE    8
+#define SVO_TILE_COLUMNS (SVO_TILE_EDGE * SVO_TILE_EDGE)
+
 /* What svo_draw_item.flags holds. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
 #define SVO_DRAW_BOUNDS    4u /* draw what bounds the triangle: needles, degenerate triangles, parts outside the grid */
@@ -53,6 +58,14 @@ SVO_RECORD(svo_draw_item)
 {
     SVO_U32 triangle; /* 0: into the index buffer, and the fragment's triangle */
     SVO_U32 flags; /* 4: SVO_DRAW_* */
+};
+
+/* A part of a large triangle: columns of voxels from a corner on, SVO_TILE_EDGE both ways, as far as the triangle's bounds
+   and the draw go. 8 bytes. */
+SVO_RECORD(svo_tile_item)
+{
+    SVO_U32 item; /* 0: into the items */
+    SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
 };
 
 /* Counts that stay on the device between the stages of one build. 96 bytes. */
@@ -79,6 +92,27 @@ SVO_RECORD(svo_triangle_record)
 /* Two bits from this one on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
 #define SVO_TRIANGLE_AXIS_SHIFT 17
 #define SVO_TRIANGLE_AXIS_MASK  3u
+
+/* Arguments of the OpenCL front end: one draw. 64 bytes. */
+SVO_RECORD(svo_voxelize_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
+    SVO_U32 open; /* 8: 1 where a voxel's far faces belong to its neighbours, 0 where coverage is closed */
+    SVO_U32 one_voxel; /* 12: not 0: every triangle lies inside one voxel */
+    SVO_U32 first_item; /* 16 */
+    SVO_U32 item_count; /* 20: one work-item each */
+    SVO_U32 first_tile_id; /* 24: the work-item of the first tile */
+    SVO_U32 first_tile; /* 28: into the tiles */
+    SVO_U32 tile_count; /* 32: one work-item each */
+    SVO_U32 left; /* 36: the draw's columns of voxels: least u */
+    SVO_U32 bottom; /* 40: least v */
+    SVO_U32 width; /* 44 */
+    SVO_U32 height; /* 48 */
+    SVO_U32 capacity; /* 52: fragments the chunk holds */
+    SVO_U32 counter; /* 56: the chunk's counter, a pair of words */
+    SVO_U32 reserved; /* 60 */
+};
 
 /* Arguments of the subdivision kernels. 16 bytes. */
 SVO_RECORD(svo_subdivide_params)
@@ -148,8 +182,10 @@ SVO_RECORD(svo_cast_params)
 #define SVO_ASSERT_BYTES(name, bytes) _Static_assert(sizeof(name) == (bytes), #name)
 #endif
 SVO_ASSERT_BYTES(svo_draw_item, 8);
+SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_build_state, 96);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
+SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_subdivide_params, 16);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);

@@ -120,7 +120,9 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
 SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
-   attempts that were too small included. Memory of OpenGL (the mesh; with share "copy" its side of the list) is apart.
+   attempts that were too small included. A plan does not know its front end: what that of OpenCL alone allocates for
+   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Memory of OpenGL
+   (the mesh; with share "copy" its side of the list) is apart.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time. */
