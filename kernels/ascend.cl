@@ -9,6 +9,7 @@
  *   scan.cl              exclusive sums of the flags: the nodes' indices (svo_k_scan_lists_*)
  *   svo_k_ascend_leaves  per fragment: its leaf, and the leaves' codes
  *   svo_k_ascend_nodes   per child: its parent's code, mask and first child
+ *   svo_k_ascend_lists   per fragment: leaf lists, packed as they come
  *
  * Codes of a level are sorted, so nodes come out in Morton order, and children of one parent lie side by side.
  * Launch: one work-item per fragment or child. Atomics: counters of a level's nodes, sums only.
@@ -96,6 +97,27 @@ svo_k_ascend_leaves(__global const uint *fragments, __global const uint *before,
         if (begins) {
             svo_ascend_store(codes, leaf, svo_fragment_code(fragments, index));
         }
+    }
+}
+
+/* Leaf lists are the triangles as they come; list may be NULL where only their ranges are wanted. params.node_begin: the
+   first leaf, params.child_begin: how many there are. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_ascend_lists(__global const uint *fragments, __global const uint *cursors, __global uint *list_begin,
+                   __global uint *list, svo_ascend_params params)
+{
+    const uint index = (uint)get_global_id(0);
+    if (index >= params.count) {
+        return;
+    }
+    if (index == 0u || cursors[index] != cursors[index - 1u]) {
+        list_begin[cursors[index] - params.node_begin] = index;
+    }
+    if (index == params.count - 1u) {
+        list_begin[params.child_begin] = params.count;
+    }
+    if (list != 0) {
+        list[index] = svo_fragment_triangle(fragments, index);
     }
 }
 

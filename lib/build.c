@@ -95,6 +95,23 @@ svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t byt
     return svo_i_build_fill(build, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
 }
 
+svo_status svo_i_build_copy(svo_i_build *build, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes)
+{
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    cl_event event = NULL;
+    const cl_int error = clEnqueueCopyBuffer(build->queue, from, to, 0, (size_t)to_offset, (size_t)bytes,
+                                             wait_count(build), wait_list(build), &event);
+    return follow(build, "clEnqueueCopyBuffer", error, event);
+}
+
+svo_status svo_i_build_wait(svo_i_build *build)
+{
+    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(build->device, SVO_I_BUILD, "clWaitForEvents", error);
+}
+
 svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes)
 {
     cl_event event = NULL;
@@ -230,6 +247,26 @@ static void list_chunks(svo_i_build *build, const svo_i_layout *layout, bool liv
     }
 }
 
+void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend)
+{
+    if (build->list.chunks == NULL) {
+        return;
+    }
+    if (build->owns_list) {
+        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+            svo_i_build_free(build, &build->list.chunks[i].buffer);
+        }
+    } else {
+        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+            svo_i_plan_buffer_remove(build->plan,
+                                     build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
+        }
+        frontend->release(frontend->self, &build->list);
+    }
+    free(build->list.chunks);
+    build->list = (svo_i_fragment_list){0};
+}
+
 /* One attempt at the list, with the layout as it is. */
 static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
                             bool *whole)
@@ -284,7 +321,7 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
     return status;
 }
 
-static svo_status alloc_cursors(svo_i_build *build)
+svo_status svo_i_build_alloc_cursors(svo_i_build *build)
 {
     build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
     if (build->cursors == NULL) {
@@ -309,13 +346,9 @@ static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes
     }
     cl_mem exact = NULL;
     svo_status status = svo_i_build_alloc(build, svo_tree_buffer_name(which), bytes, &exact);
-    if (status != SVO_OK) {
-        return status;
+    if (status == SVO_OK) {
+        status = svo_i_build_copy(build, *buffer, exact, 0, bytes);
     }
-    cl_event event = NULL;
-    const cl_int error = clEnqueueCopyBuffer(build->queue, *buffer, exact, 0, 0, (size_t)bytes, wait_count(build),
-                                             wait_list(build), &event);
-    status = follow(build, "clEnqueueCopyBuffer", error, event);
     if (status == SVO_OK) {
         svo_i_build_free(build, buffer);
         *buffer = exact;
@@ -414,6 +447,23 @@ static svo_status check_size(svo_i_build *build)
     return SVO_OK;
 }
 
+/* Nodes and cursors, by the builder asked for. */
+static svo_status make_tree(svo_i_build *build, svo_frontend *frontend)
+{
+    if (build->plan->options.builder == SVO_BUILDER_SORTED) {
+        return svo_i_sorted(build, frontend);
+    }
+    const svo_status status = svo_i_build_alloc_cursors(build);
+    return status == SVO_OK ? make_nodes(build) : status;
+}
+
+/* Where leaf lists begin, and the lists themselves. */
+static svo_status make_lists(svo_i_build *build, bool with_lists)
+{
+    return build->plan->options.builder == SVO_BUILDER_SORTED ? svo_i_sorted_lists(build, with_lists)
+                                                              : svo_i_pack(build, with_lists);
+}
+
 /* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
 static svo_status make_payload(svo_i_build *build)
 {
@@ -422,7 +472,7 @@ static svo_status make_payload(svo_i_build *build)
     const bool own_ranges = svo_i_plan_sorts_materials(build->plan) && (need & SVO_NEED_RAYS) == 0;
     svo_status status = svo_i_plan_reads_surface(build->plan) ? svo_i_surface_upload(build, &surface) : SVO_OK;
     if (status == SVO_OK && own_ranges) {
-        status = svo_i_pack(build, false);
+        status = make_lists(build, false);
     }
     if (status == SVO_OK && (need & SVO_NEED_MATERIAL) != 0) {
         status = svo_i_material(build, &surface);
@@ -446,10 +496,7 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
     }
     if (status == SVO_OK) {
         fill_info(build);
-        status = alloc_cursors(build);
-    }
-    if (status == SVO_OK) {
-        status = make_nodes(build);
+        status = make_tree(build, frontend);
     }
     if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
         svo_i_build_stage_begin(build);
@@ -458,7 +505,7 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
             status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
         }
         if (status == SVO_OK) {
-            status = svo_i_pack(build, true);
+            status = make_lists(build, true);
         }
     }
     if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
@@ -483,10 +530,7 @@ static void finish(svo_i_build *build, svo_frontend *frontend)
     free(build->cursors);
     svo_i_build_free(build, &build->state);
     svo_i_build_free(build, &build->partials);
-    if (build->list.chunks != NULL) {
-        frontend->release(frontend->self, &build->list);
-        free(build->list.chunks);
-    }
+    svo_i_build_release_list(build, frontend);
 }
 
 /* Which argument is wrong, or NULL. */
@@ -529,6 +573,9 @@ static svo_status compile(svo_i_build *build, svo_frontend *frontend)
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);
     }
+    if (status == SVO_OK && build->plan->options.builder == SVO_BUILDER_SORTED) {
+        status = svo_i_sorted_prepare(build);
+    }
     if (status == SVO_OK) {
         status = frontend->prepare(frontend->self, build->plan, build->queue);
     }
@@ -556,8 +603,10 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
                          .queue = queue,
                          .profiling = svo_i_queue_profiles(queue),
                          .report = report != NULL ? report : &unread};
-    *build.report =
-        (svo_build_report){.struct_size = sizeof *report, .frontend = frontend->name, .share = frontend->share};
+    *build.report = (svo_build_report){.struct_size = sizeof *report,
+                                       .frontend = frontend->name,
+                                       .share = frontend->share,
+                                       .builder = svo_builder_name(plan->options.builder)};
     svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build in progress: what the OpenCL stages (subdivide.c, pack.c, material.c, filter.c) share. build.c runs them in order.
+ * One build in progress: what the OpenCL stages (subdivide.c, sorted.c, pack.c, material.c, filter.c) share. build.c runs them in order.
  *
  * Every launch waits for the one before it by an event, so the caller's queue may be out-of-order.
  */
@@ -20,6 +20,7 @@ typedef struct svo_i_build {
     svo_build_report *report;
 
     svo_i_fragment_list list;
+    bool owns_list; /* the build's own, else the front end's */
     uint64_t fragment_count; /* in all chunks */
 
     cl_event last; /* the newest launch; NULL at first */
@@ -47,6 +48,14 @@ void svo_i_build_free(svo_i_build *build, cl_mem *buffer);
 svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
                             uint64_t bytes);
 svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes);
+/* Copies bytes from the start of one buffer to an offset of another. */
+svo_status svo_i_build_copy(svo_i_build *build, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes);
+/* Waits for what was launched. */
+svo_status svo_i_build_wait(svo_i_build *build);
+/* Releases the list, whosever it is. */
+void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend);
+/* Cursors for the list's fragments, one buffer per chunk. */
+svo_status svo_i_build_alloc_cursors(svo_i_build *build);
 /* Waits, and reads bytes from the start of the buffer. */
 svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes);
 
@@ -71,6 +80,11 @@ svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind);
 /* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
+/* sorted.c: compiles what the builder "sorted" needs; takes the list over from the front end and makes the nodes of it, the
+   tree->info and the cursors; list_begin, and list if asked for, of the sorted list. */
+svo_status svo_i_sorted_prepare(svo_i_build *build);
+svo_status svo_i_sorted(svo_i_build *build, svo_frontend *frontend);
+svo_status svo_i_sorted_lists(svo_i_build *build, bool with_lists);
 /* pack.c: list_begin; and list, if asked for. */
 svo_status svo_i_pack(svo_i_build *build, bool with_lists);
 

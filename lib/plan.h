@@ -126,7 +126,10 @@ svo_status svo_i_layout_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i
 svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed, svo_i_layout *layout);
 void svo_i_layout_destroy(svo_i_layout *layout);
 
-/* The list of buffers: begin anew, one more, one less. */
+/* predict.c: what a build will allocate. */
+void svo_i_plan_predict(svo_plan *plan);
+
+/* predict.c: the list of buffers: begin anew, one more, one less. */
 void svo_i_plan_buffers_reset(svo_plan *plan);
 void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);

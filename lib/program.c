@@ -19,6 +19,7 @@ struct svo_i_program_cache {
 extern const char svo_i_source_build[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_sort[];
 
 void svo_i_program_cache_destroy(svo_i_program_cache *cache)
 {
@@ -53,7 +54,8 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
 {
     const char *const sources[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_BUILD] = svo_i_source_build,
                                                       [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-                                                      [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize};
+                                                      [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,
+                                                      [SVO_I_PROGRAM_SORT] = svo_i_source_sort};
     const char *source = sources[kind];
     char options[KEYS_BYTES + 32];
     (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);

@@ -23,26 +23,31 @@ typedef struct kernel_shape {
     size_t params_bytes;
     cl_uint locals;
     launch_size size;
-    uint32_t need; /* svo_need bits one of which makes the build launch it; 0: always */
+    uint32_t need; /* svo_need bits, or one of those below, that make the build launch it; 0: always */
     svo_i_program_kind kind; /* the program it belongs to */
 } kernel_shape;
 
-/* Where each leaf's entries begin. */
-#define RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
+/* What the builder of levels needs beside: nodes; where each leaf's entries begin; lists. The sorted builder has a program
+   of its own for all that. */
+#define LEVELS 0x10000000u
+#define RANGES 0x08000000u
+#define LISTS  0x04000000u
+/* Where each leaf's entries begin, of the sorted builder. */
+#define SORTED_RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
 static const kernel_shape shapes[] = {
-    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
-    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, RANGES, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_material_scatter", 8, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
      SVO_I_PROGRAM_BUILD},
     {"svo_k_material_leaves", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
@@ -51,14 +56,35 @@ static const kernel_shape shapes[] = {
     {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
     {"svo_k_gather_level", 19, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
     {"svo_k_filter", 11, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_count", 2, sizeof(svo_sort_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_sort_scatter", 3, sizeof(svo_sort_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_ascend_count", 2, sizeof(svo_ascend_params), 1, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_ascend_flags", 2, sizeof(svo_ascend_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_ascend_leaves", 4, sizeof(svo_ascend_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_ascend_nodes", 5, sizeof(svo_ascend_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_ascend_lists", 4, sizeof(svo_ascend_params), 0, LAUNCH_FRAGMENTS, SORTED_RANGES, SVO_I_PROGRAM_SORT},
     {"svo_k_voxelize", 6, sizeof(svo_voxelize_params), 2, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_VOXELIZE},
 };
 
 #define BUFFERS_MAX   19
 #define ARGUMENTS_MAX (BUFFERS_MAX + 3)
-/* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing. */
-#define ZERO_BYTES  4096
-#define LOCAL_BYTES (sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS)
+/* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing: the sort's are the most. */
+#define ZERO_BYTES  (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
+#define LOCAL_BYTES (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS)
+
+/* What decides whether a kernel is launched. */
+static uint32_t launches_of(const svo_plan *plan)
+{
+    /* One material everywhere needs no kernel. */
+    uint32_t bits = plan->info.need & (svo_i_plan_sorts_materials(plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
+    if (plan->options.builder != SVO_BUILDER_SORTED) {
+        bits |= LEVELS | ((bits & SORTED_RANGES) != 0 ? RANGES : 0) | ((bits & SVO_NEED_RAYS) != 0 ? LISTS : 0);
+    }
+    return bits;
+}
 
 static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros, uint64_t items)
 {
@@ -119,9 +145,7 @@ svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind)
 {
     cl_mem zeros[BUFFERS_MAX] = {NULL};
     const double start_ms = svo_i_now_ms();
-    /* One material everywhere needs no kernel. */
-    const uint32_t need =
-        build->plan->info.need & (svo_i_plan_sorts_materials(build->plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
+    const uint32_t need = launches_of(build->plan);
     svo_status status = make_zeros(build, zeros);
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0] && status == SVO_OK; ++i) {
         const bool needed = shapes[i].need == 0 || (shapes[i].need & need) != 0;

@@ -32,6 +32,40 @@ static void assert_one_hash(const fixture *by_gl, const fixture *by_cl, const ch
     scene_destroy(&made);
 }
 
+static void assert_builders_agree(const fixture *opened, const char *spec, unsigned depth, uint32_t need)
+{
+    scene *made = fixture_scene(spec);
+    built expected;
+    built actual;
+    svo_plan_options options = {.need = need};
+    fixture_build(opened, scene_mesh(made), depth, &options, &expected);
+    options.builder = SVO_BUILDER_SORTED;
+    fixture_build(opened, scene_mesh(made), depth, &options, &actual);
+    assert_string_equal(expected.report.builder, "cl");
+    assert_string_equal(actual.report.builder, "sorted");
+    assert_string_equal(actual.hash, expected.hash);
+    assert_string_equal(actual.nodes_hash, expected.nodes_hash);
+    built_destroy(&actual);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* Of lists from both front ends. */
+static void t15_all_builders_give_one_hash_on_all_scenes(void **state)
+{
+    const fixture *by_gl = fixture_of_group(state);
+    const fixture by_cl = fixture_cl_of_group(state);
+    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+        const char *name = scene_describe(i)->name;
+        assert_builders_agree(by_gl, name, 7, SVO_NEED_ALL);
+        assert_builders_agree(&by_cl, name, 8, SVO_NEED_NONE);
+        assert_builders_agree(&by_cl, name, 6, SVO_NEED_MATERIAL);
+    }
+    for (unsigned depth = 1; depth <= 14; ++depth) {
+        assert_builders_agree(&by_cl, "dust:2000", depth, SVO_NEED_RAYS | SVO_NEED_COLOR);
+    }
+}
+
 /* T15: every front end. */
 static void t15_all_front_ends_give_one_hash_on_all_scenes(void **state)
 {
@@ -79,6 +113,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t15_all_front_ends_give_one_hash_on_all_scenes),
+        cmocka_unit_test(t15_all_builders_give_one_hash_on_all_scenes),
         cmocka_unit_test(the_choice_gives_a_reason),
         cmocka_unit_test(a_front_end_of_opengl_stays_with_its_owner),
     };

@@ -72,6 +72,7 @@ static void skip_without_device(void **state)
 /* How a tree is built; which way must not show. */
 typedef struct way {
     uint64_t seed; /* of the fragments' order */
+    svo_builder builder;
     bool cl; /* by the front end of OpenCL, whose order is its own */
     uint64_t chunk_bytes; /* 0: one chunk */
     uint64_t fragment_capacity; /* 0: by the count law */
@@ -91,6 +92,7 @@ static svo_plan_options options_of(const request *asked, const way *by)
                               .need = asked->need,
                               .edge = asked->edge,
                               .weights = asked->weights,
+                              .builder = by->builder,
                               .fragment_capacity = by->fragment_capacity,
                               .chunk_bytes = by->chunk_bytes};
 }
@@ -178,22 +180,24 @@ static void check_all_ways(const request *asked, svo_build_report *cut, svo_buil
     build(asked, &plain, &expected);
     assert_true_tree(asked, &options, &expected);
     assert_in_range(expected.report.list_chunks, 0, 1);
-    const way others[] = {{.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
+    const way others[] = {{.seed = 5, .builder = SVO_BUILDER_SORTED, .chunk_bytes = SMALL_CHUNK_BYTES},
+                          {.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
                           {.seed = 3, .fragment_capacity = expected.info.fragments / 3 + 1},
                           {.cl = true, .chunk_bytes = SMALL_CHUNK_BYTES},
                           {.cl = true, .fragment_capacity = expected.info.fragments / 3 + 1},
                           {.cl = true},
+                          {.seed = 6, .builder = SVO_BUILDER_SORTED},
                           {.seed = 4}};
-    svo_build_report reports[6] = {{0}};
-    for (size_t i = 0; i < (bench.small ? 4 : 6); ++i) {
+    svo_build_report reports[8] = {{0}};
+    for (size_t i = 0; i < (bench.small ? 5 : 8); ++i) {
         built actual;
         build(asked, &others[i], &actual);
         assert_same_tree(&actual, &expected);
         reports[i] = actual.report;
         svo_tree_destroy(&actual.tree);
     }
-    *cut = reports[0];
-    *grown = reports[1];
+    *cut = reports[1];
+    *grown = reports[2];
     svo_tree_destroy(&expected.tree);
 }
 

@@ -237,10 +237,11 @@ static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
     }
 }
 
-static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, uint32_t need,
+static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, const svo_plan_options *asked,
                                 svo_buffer_info buffers[FIXTURE_BUFFERS_MAX])
 {
-    const svo_plan_options options = {.struct_size = sizeof options, .need = need};
+    svo_plan_options options = *asked;
+    options.struct_size = sizeof options;
     svo_plan *plan = NULL;
     assert_int_equal(svo_plan_create(opened->device, mesh, 7, &options, &plan), SVO_OK);
     const size_t count = svo_plan_get_buffer(plan, 0, NULL);
@@ -294,8 +295,27 @@ static void what_is_not_asked_for_is_not_there(void **state)
         assert_int_equal(actual.report.stages[SVO_STAGE_LINK].clock != NULL,
                          (bits & (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL)) != 0);
         svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
-        const size_t count = predicted_buffers(opened, &mesh, need, predicted);
+        const size_t count = predicted_buffers(opened, &mesh, &(svo_plan_options){.need = need}, predicted);
         assert_plan_has_what_is_needed(predicted, count, bits);
+        assert_prediction_holds(&actual, predicted);
+        built_destroy(&actual);
+    }
+    scene_destroy(&made);
+}
+
+/* The sorted builder's buffers come as predicted, too, whatever is asked for. */
+static void the_sorted_builder_keeps_to_its_plan(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = fixture_scene("cornell");
+    for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {
+        const svo_plan_options options = {.need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits,
+                                          .builder = SVO_BUILDER_SORTED};
+        built actual;
+        svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
+        fixture_build(opened, scene_mesh(made), 7, &options, &actual);
+        assert_tree_has_what_is_needed(&actual, bits);
+        assert_int_equal(predicted_buffers(opened, scene_mesh(made), &options, predicted), actual.buffer_count);
         assert_prediction_holds(&actual, predicted);
         built_destroy(&actual);
     }
@@ -350,6 +370,8 @@ static void options_out_of_range_are_refused(void **state)
         options = (svo_plan_options){.struct_size = sizeof options, .need = bad_needs[i]};
         assert_refused(opened, &small_mesh, 5, &options, WORDS("options.need 0x"));
     }
+    options = (svo_plan_options){.struct_size = sizeof options, .builder = (svo_builder)2};
+    assert_refused(opened, &small_mesh, 5, &options, WORDS("options.builder 2", "0 .. 1"));
     options = (svo_plan_options){.struct_size = sizeof options, .weights = (svo_weights)3};
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.weights 3", "0 .. 2"));
     options = (svo_plan_options){.struct_size = sizeof options, .need = SVO_NEED_FILL, .weights = SVO_WEIGHTS_CENTRE};
@@ -489,6 +511,7 @@ int main(void)
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
         cmocka_unit_test(default_need_is_what_the_mesh_has),
         cmocka_unit_test(what_is_not_asked_for_is_not_there),
+        cmocka_unit_test(the_sorted_builder_keeps_to_its_plan),
         cmocka_unit_test(depths_out_of_range_are_refused),
         cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(meshes_out_of_range_are_refused),

@@ -25,6 +25,7 @@ static int build_once(program *state, session *opened, const svo_mesh *mesh, uin
                                      .need = need,
                                      .coverage = (svo_coverage)given->coverage,
                                      .weights = (svo_weights)given->weights,
+                                     .builder = (svo_builder)given->builder,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
@@ -123,7 +124,7 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "frontend", done->result.report.frontend);
     json_add_text(document, "frontend_reason", done->opened.reason.text);
     json_add_text(document, "share", done->result.report.share);
-    json_add_text(document, "builder", "cl");
+    json_add_text(document, "builder", done->result.report.builder);
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
     json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
     json_add_text(document, "context", session_context(&done->opened));

@@ -49,7 +49,7 @@ typedef struct options {
     uint64_t depth;
     int frontend; /* option_frontend */
     int share; /* svo_gl_share */
-    int builder; /* one value in this version */
+    int builder; /* svo_builder */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */

@@ -65,7 +65,8 @@ static void print_what_ran(const job *done)
         table_cell(rows, "%s, %s", session_renderer(&done->opened), session_context(&done->opened));
     }
     table_cell(rows, "ways");
-    table_cell(rows, "frontend %s, share %s, builder cl", result->report.frontend, result->report.share);
+    table_cell(rows, "frontend %s, share %s, builder %s", result->report.frontend, result->report.share,
+               result->report.builder);
     table_cell(rows, "%s", "");
     table_cell(rows, "%s: %s", result->report.frontend, done->opened.reason.text);
     table_print(rows);

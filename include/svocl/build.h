@@ -67,6 +67,7 @@ typedef struct svo_build_report {
     uint32_t list_chunks;
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "cl", "gl-expand", "gl-hw"; static strings */
+    const char *builder; /* "cl", "sorted" */
     const char *share; /* how the list got to OpenCL: "none" (it was made there), "host", "copy" */
 } svo_build_report;
 

@@ -123,6 +123,32 @@ SVO_RECORD(svo_subdivide_params)
     SVO_U32 fragment_count; /* 12: in this chunk */
 };
 
+/* The sorted builder's radix sort: bits of a digit, and groups, which own a block of the list each. */
+#define SVO_SORT_BITS   6
+#define SVO_SORT_DIGITS (1 << SVO_SORT_BITS)
+#define SVO_SORT_BLOCKS 64
+
+/* Arguments of the sort kernels. 16 bytes. */
+SVO_RECORD(svo_sort_params)
+{
+    SVO_U32 fragment_count; /* 0 */
+    SVO_U32 shift; /* 4: of the digit, in bits */
+    SVO_U32 by_triangle; /* 8: not 0: a digit of the triangle, else of the code */
+    SVO_U32 reserved; /* 12 */
+};
+
+/* Arguments of the kernels that make nodes of sorted codes. 32 bytes. */
+SVO_RECORD(svo_ascend_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 count; /* 4: codes to look at */
+    SVO_U32 of_fragments; /* 8: not 0: they are fragments, else the codes of a level's nodes */
+    SVO_U32 shift; /* 12: from those codes to the codes of the nodes to make: 0 for leaves, else 3 */
+    SVO_U32 node_begin; /* 16: first node of the level to make */
+    SVO_U32 child_begin; /* 20: first node of the level below it */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 /* Arguments of the link, pack and filter kernels. 64 bytes. */
 SVO_RECORD(svo_filter_params)
 {
@@ -187,6 +213,8 @@ SVO_ASSERT_BYTES(svo_build_state, 96);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_subdivide_params, 16);
+SVO_ASSERT_BYTES(svo_sort_params, 16);
+SVO_ASSERT_BYTES(svo_ascend_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);

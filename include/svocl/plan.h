@@ -66,11 +66,21 @@ typedef enum svo_weights {
 } svo_weights;
 SVO_API const char *svo_weights_name(svo_weights weights); /* "area", "uniform", "centre"; static string */
 
+/* How the tree is made of the fragment list; the tree is the same, bit for bit. */
+typedef enum svo_builder {
+    SVO_BUILDER_CL = 0, /* "cl": from the root down, level by level; the list stays as it is, in chunks */
+    /* "sorted": the list is sorted by Morton code, and the levels follow from the leaves up. Asks for the list in one
+       buffer, and for as much again to sort it. */
+    SVO_BUILDER_SORTED = 1
+} svo_builder;
+SVO_API const char *svo_builder_name(svo_builder builder); /* "cl", "sorted"; static string */
+
 typedef struct svo_plan_options {
     size_t struct_size; /* sizeof(svo_plan_options) */
     uint32_t need; /* svo_need bits */
     svo_coverage coverage;
     svo_weights weights; /* of the payload; SVO_NEED_FILL asks for SVO_WEIGHTS_AREA */
+    svo_builder builder;
     /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge is
        finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie less than 2^29 grid units away (512 edges;
        32 at depth 16). */
