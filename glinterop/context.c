@@ -98,6 +98,7 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
+    context->opencl = &svo_i_opencl_installed;
     context->kind = kind;
     context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;

@@ -9,6 +9,7 @@
 
 #include "context_platform.h"
 #include "functions.h"
+#include "sharing.h"
 #include "svocl/gl.h"
 
 /* How deep make_current may nest on one context. */
@@ -26,6 +27,7 @@ struct svo_gl_context {
     const svo_i_gl_platform *platform;
     void *native; /* the platform's own context */
     svo_i_gl_functions functions;
+    const svo_i_opencl *opencl; /* the calls that sharing with OpenCL depends on */
     /* What was current before each make_current that has not been released yet, innermost last. */
     svo_i_gl_binding previous[SVO_I_GL_NESTING_LIMIT];
     uint32_t nesting;

@@ -344,12 +344,19 @@ static svo_i_function egl_get_proc_address(void *pointer, const char *name)
     return (svo_i_function)native->egl.GetProcAddress(name);
 }
 
+static svo_i_gl_handles egl_handles(void *pointer)
+{
+    const egl_context *native = pointer;
+    return (svo_i_gl_handles){.system = SVO_I_GL_SYSTEM_EGL, .context = native->context, .display = native->display};
+}
+
 const svo_i_gl_platform svo_i_egl_platform = {
     .create = egl_create,
     .destroy = egl_destroy,
     .is_current = egl_is_current,
     .make_current = egl_make_current,
     .get_proc_address = egl_get_proc_address,
+    .handles = egl_handles,
 };
 
 void svo_i_egl_binding_take(svo_i_egl_binding *binding)

@@ -45,7 +45,7 @@ typedef struct svo_build_report {
     uint32_t list_chunks;
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "gl-expand", "gl-hw"; static strings */
-    const char *share; /* "host", "copy" */
+    const char *share; /* "sharing", "host", "copy" */
 } svo_build_report;
 
 /*

@@ -49,6 +49,16 @@ SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t devi
 SVO_API void svo_gl_context_destroy(svo_gl_context **context);
 SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
 
+/*
+ * As svo_device_create_default, with an OpenCL context made against the OpenGL context where the device can share with it
+ * (cl_khr_gl_sharing); where it cannot, with a plain one. svo_gl_share_reason says which and why. An OpenCL context of your
+ * own that was made against yours serves as well: give it to svo_device_create.
+ *
+ * context: must outlive the device's OpenCL context.
+ */
+SVO_API svo_status svo_gl_device_create(svo_gl_context *context, const svo_device_options *options, svo_device **out,
+                                        svo_message *message);
+
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */
     SVO_GL_RASTER_EXPAND, /* "gl-expand": each triangle's edges are moved outwards in the vertex shader */
