@@ -280,6 +280,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     }
     gl->frontend = (svo_frontend){.name = svo_gl_raster_name(gl->raster_choice),
                                   .share = svo_gl_share_name(gl->share_choice),
+                                  .renderer = svo_i_gl_context_functions(context)->renderer,
                                   .self = gl,
                                   .device = device,
                                   .chunk_bytes_max = svo_i_share_limit_bytes(device, context),

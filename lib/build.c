@@ -510,8 +510,10 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
                          .queue = queue,
                          .profiling = queue_profiles(queue),
                          .report = report != NULL ? report : &unread};
-    *build.report =
-        (svo_build_report){.struct_size = sizeof *report, .frontend = frontend->name, .share = frontend->share};
+    *build.report = (svo_build_report){.struct_size = sizeof *report,
+                                       .frontend = frontend->name,
+                                       .share = frontend->share,
+                                       .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     add_time(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();

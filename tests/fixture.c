@@ -67,11 +67,11 @@ void fixture_open(const fixture_options *options, fixture *out)
 void fixture_close(fixture *opened)
 {
     svo_gl_destroy(&opened->gl);
-    svo_gl_context_destroy(&opened->context);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }
     svo_device_destroy(&opened->device);
+    svo_gl_context_destroy(&opened->context);
     *opened = (fixture){0};
 }
 

@@ -54,6 +54,7 @@ static void build_hash(const shared_pair *pair, const svo_plan_options *options,
     built finished;
     fixture_build(&pair->opened, &pair->mesh.mesh, DEPTH, options, &finished);
     assert_string_equal(finished.report.share, share);
+    assert_string_equal(finished.report.renderer, pair->opened.context->functions.renderer);
     memcpy(hash, finished.hash, SVO_HASH_TEXT_BYTES);
     built_destroy(&finished);
 }

@@ -20,19 +20,18 @@ static int set_threads(program *state)
     return PROGRAM_DONE;
 }
 
-int session_open_device(program *state, session *opened)
+/* The device, on an OpenCL context made against the OpenGL one where there is one and the two can share; and a queue. */
+static int open_device(program *state, session *opened)
 {
-    *opened = (session){0};
-    const int result = set_threads(state);
-    if (result != PROGRAM_DONE) {
-        return result;
-    }
     const svo_device_options device_options = {.struct_size = sizeof device_options,
                                                .log = program_log,
                                                .log_user = state,
                                                .device_name = state->options.device_name};
     svo_message message = {""};
-    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
+    const svo_status status = opened->gl_context != NULL
+                                  ? svo_gl_device_create(opened->gl_context, &device_options, &opened->device, &message)
+                                  : svo_device_create_default(&device_options, &opened->device, &message);
+    if (status != SVO_OK) {
         return program_fail_library(state, message.text);
     }
     cl_int error = CL_SUCCESS;
@@ -41,10 +40,22 @@ int session_open_device(program *state, session *opened)
     if (error != CL_SUCCESS) {
         program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)", svo_device_name(opened->device),
                      error);
-        session_close(opened);
         return PROGRAM_FAILED;
     }
     return PROGRAM_DONE;
+}
+
+int session_open_device(program *state, session *opened)
+{
+    *opened = (session){0};
+    int result = set_threads(state);
+    if (result == PROGRAM_DONE) {
+        result = open_device(state, opened);
+    }
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
 }
 
 /* --context auto: the first kind that works. A forced kind that does not work is an error. */
@@ -76,11 +87,14 @@ static int open_gl_context(program *state, session *opened)
 
 int session_open(program *state, session *opened)
 {
-    int result = session_open_device(state, opened);
-    if (result != PROGRAM_DONE) {
-        return result;
+    *opened = (session){0};
+    int result = set_threads(state);
+    if (result == PROGRAM_DONE) {
+        result = open_gl_context(state, opened);
     }
-    result = open_gl_context(state, opened);
+    if (result == PROGRAM_DONE) {
+        result = open_device(state, opened);
+    }
     if (result == PROGRAM_DONE) {
         const svo_gl_options gl_options = {.struct_size = sizeof gl_options,
                                            .raster = (svo_gl_raster)state->options.frontend,
@@ -98,10 +112,10 @@ int session_open(program *state, session *opened)
 void session_close(session *opened)
 {
     svo_gl_destroy(&opened->gl);
-    svo_gl_context_destroy(&opened->gl_context);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }
     svo_device_destroy(&opened->device);
+    svo_gl_context_destroy(&opened->gl_context); /* after the OpenCL context, which may have been made against it */
     *opened = (session){0};
 }

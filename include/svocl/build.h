@@ -46,6 +46,7 @@ typedef struct svo_build_report {
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "gl-expand", "gl-hw"; static strings */
     const char *share; /* "sharing", "host", "copy" */
+    const char *renderer; /* OpenGL's name of what rasterized; lives as long as the context; "" without OpenGL */
 } svo_build_report;
 
 /*
