@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What EGL and OSMesa do differently for an off-screen context: loading the library, making the context, binding it.
+ * What EGL, OSMesa and callers do differently for a context: loading the library, making the context, binding it.
  *
  * A thread has one current context, but EGL and OSMesa know nothing of each other: binding one leaves the other
  * believing that its context is still current. So a binding has both sides, and context.c takes and restores both.
@@ -48,6 +48,7 @@ typedef struct svo_i_gl_platform {
 
 extern const svo_i_gl_platform svo_i_egl_platform; /* context_egl.c */
 extern const svo_i_gl_platform svo_i_osmesa_platform; /* context_osmesa.c */
+extern const svo_i_gl_platform svo_i_wrap_platform; /* context_wrap.c */
 
 /* Taking reads what is current and unbinds it; restoring binds it again. Nothing happens when the library is not in the
    process. EGL is taken before OSMesa and restored after it: Mesa's drivers share one "current context" below both, and

@@ -25,9 +25,10 @@ typedef enum svo_gl_context_kind {
     SVO_GL_SURFACELESS = 0, /* EGL_MESA_platform_surfaceless */
     SVO_GL_EGL_DEVICE, /* EGL_EXT_platform_device */
     SVO_GL_OSMESA, /* off-screen Mesa, loaded at run time */
-    SVO_GL_CONTEXT_KINDS
+    SVO_GL_CONTEXT_KINDS, /* how many kinds svo_gl_context_create makes */
+    SVO_GL_WRAPPED /* the caller's own: svo_gl_context_wrap */
 } svo_gl_context_kind;
-SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa" */
+SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa", "wrapped" */
 
 typedef struct svo_gl_context svo_gl_context;
 
@@ -35,6 +36,7 @@ typedef struct svo_gl_context_info {
     svo_gl_context_kind kind;
     uint32_t device_index; /* EGL device number; 0 otherwise */
     const char *vendor, *renderer, *version; /* live as long as the context */
+    uint32_t is_software; /* not 0: a processor renders (llvmpipe and its like) */
 } svo_gl_context_info;
 
 /* EGL devices there are; 0 without EGL or EGL_EXT_device_enumeration. */
@@ -46,6 +48,27 @@ SVO_API uint32_t svo_gl_egl_device_count(void);
  */
 SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                          svo_message *message);
+
+typedef void (*svo_gl_function)(void); /* any entry point */
+/* A context's loader; name includes the "gl". NULL where there is no such function. */
+typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name);
+
+/*
+ * Takes a context of the caller's, OpenGL 4.3 or later of either profile, which must be current on this thread now and
+ * whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_mesh_read and the destruction of what was made with it.
+ * svo_gl_context_destroy releases the handle and leaves the caller's context alone.
+ *
+ * Each call leaves the context's state as it was: bindings of buffers, storage blocks, program, vertex array and
+ * framebuffers, viewport, scissor, capabilities, polygon mode, point size, clip control. Three things are expected of the
+ * caller: no transform feedback, query or conditional rendering is active; a program that was deleted is not the current
+ * one; OpenGL errors of earlier calls have been read, since svocl throws away what it finds.
+ *
+ * get_proc_address: called now alone, not NULL; user is handed to it.
+ * Returns SVO_NO_GL naming the function or the version that is missing, or SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
+                                       svo_message *message);
+
 SVO_API void svo_gl_context_destroy(svo_gl_context **context);
 SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
 
