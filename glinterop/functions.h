@@ -86,6 +86,8 @@
     X(BindBuffer, PFNGLBINDBUFFERPROC, 43, "")                                                                     \
     X(BindBufferBase, PFNGLBINDBUFFERBASEPROC, 43, "")                                                             \
     X(BindBufferRange, PFNGLBINDBUFFERRANGEPROC, 43, "")                                                           \
+    X(IsBuffer, PFNGLISBUFFERPROC, 43, "")                                                                         \
+    X(GetBufferParameteri64v, PFNGLGETBUFFERPARAMETERI64VPROC, 43, "")                                             \
     X(BufferData, PFNGLBUFFERDATAPROC, 43, "")                                                                     \
     X(BufferSubData, PFNGLBUFFERSUBDATAPROC, 43, "")                                                               \
     X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC, 43, "")                                                         \

@@ -12,7 +12,7 @@
 /* Storage blocks at bindings 0 .. 7 are svocl's to use: the fewest that OpenGL 4.3 has. */
 #define SVO_I_GL_STATE_STORAGE_BINDINGS 8
 #define SVO_I_GL_STATE_CAPABILITIES_MAX 24
-#define SVO_I_GL_STATE_BUFFERS          2
+#define SVO_I_GL_STATE_BUFFERS          3
 
 typedef struct svo_i_gl_state {
     GLint buffers[SVO_I_GL_STATE_BUFFERS]; /* generic bindings */

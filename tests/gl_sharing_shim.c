@@ -13,8 +13,6 @@
 
 enum { OBJECTS_MAX = 256, CONTEXTS_MAX = 16, PROPERTIES_MAX = 8 };
 
-typedef void(APIENTRY *get_buffer_parameter_function)(GLenum target, GLenum what, GLint *value);
-
 typedef struct shared_object {
     cl_mem memory;
     GLuint name;
@@ -32,7 +30,6 @@ typedef struct joined_context {
 static struct {
     svo_gl_context *context;
     svo_i_gl_functions honest; /* the context's functions as they were */
-    get_buffer_parameter_function get_buffer_parameter;
     shim_faults faults;
     shim_counts counts;
     bool finished; /* glFinish since the last acquire */
@@ -184,9 +181,9 @@ static cl_int fault(cl_int error, unsigned earlier_calls)
 
 static size_t gl_buffer_bytes(GLuint name)
 {
-    GLint bytes = 0;
+    GLint64 bytes = 0;
     shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, name);
-    shim.get_buffer_parameter(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &bytes);
+    shim.honest.GetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &bytes);
     shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, 0);
     return (size_t)bytes;
 }
@@ -335,8 +332,6 @@ void shim_install(svo_gl_context *context, const shim_faults *faults)
     shim.context = context;
     shim.honest = context->functions;
     shim.faults = *faults;
-    shim.get_buffer_parameter =
-        (get_buffer_parameter_function)context->platform->get_proc_address(context->native, "glGetBufferParameteriv");
     context->opencl = &shim_opencl;
     context->functions.Finish = note_finish;
 }

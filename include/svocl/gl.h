@@ -28,7 +28,8 @@ typedef enum svo_gl_context_kind {
     SVO_GL_CONTEXT_KINDS, /* how many kinds svo_gl_context_create makes */
     SVO_GL_WRAPPED /* the caller's own: svo_gl_context_wrap */
 } svo_gl_context_kind;
-SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa", "wrapped" */
+SVO_API const char *
+svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa", "wrapped" */
 
 typedef struct svo_gl_context svo_gl_context;
 
@@ -71,6 +72,16 @@ SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address,
 
 SVO_API void svo_gl_context_destroy(svo_gl_context **context);
 SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
+
+/*
+ * As svo_mesh_read, for buffers of OpenGL. What OpenGL commands before it write to them is seen, whatever wrote it.
+ *
+ * num_wait, wait: events that are waited for on the host first, of OpenCL work that writes to shared buffers, say.
+ * Returns SVO_INVALID_ARGUMENT (also for a name that is no buffer), SVO_NO_GL, SVO_GL_ERROR, SVO_CL_ERROR or
+ * SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_context *context, cl_uint num_wait,
+                                    const cl_event *wait, svo_mesh_copy **out, svo_message *message);
 
 /*
  * As svo_device_create_default, with an OpenCL context made against the OpenGL context where the device can share with it
