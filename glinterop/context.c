@@ -93,6 +93,16 @@ static svo_status load_functions(svo_gl_context *context, svo_message *message)
     return status;
 }
 
+svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_message *message)
+{
+    const bool promised = context->platform->promises_gpu != NULL && context->platform->promises_gpu(context->native);
+    if (promised && svo_i_gl_is_software(&context->functions)) {
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL device %u is a GPU, but %s renders for it",
+                          context->device_index, context->functions.renderer);
+    }
+    return SVO_OK;
+}
+
 svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                  svo_message *message)
 {
@@ -114,6 +124,9 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     svo_status status = context->platform->create(kind, context->device_index, &context->native, message);
     if (status == SVO_OK) {
         status = load_functions(context, message);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_gl_context_check_promise(context, message);
     }
     if (status != SVO_OK) {
         svo_gl_context_destroy(&context);

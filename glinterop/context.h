@@ -48,6 +48,9 @@ svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *m
 /* Makes current again what was current before the matching svo_i_gl_context_make_current. */
 void svo_i_gl_context_release_current(svo_gl_context *context);
 
+/* A software renderer in the place of a GPU that was asked for is SVO_NO_GL. */
+svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_message *message);
+
 /* The context's function table; lives as long as the context. Calls through it need the context current. */
 const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *context);
 

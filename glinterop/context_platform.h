@@ -44,6 +44,7 @@ typedef struct svo_i_gl_platform {
     svo_status (*make_current)(void *native, svo_message *message);
     svo_i_get_proc_address get_proc_address; /* user: native */
     svo_i_gl_handles (*handles)(void *native);
+    bool (*promises_gpu)(void *native); /* whether a GPU was asked for; NULL: never */
 } svo_i_gl_platform;
 
 extern const svo_i_gl_platform svo_i_egl_platform; /* context_egl.c */

@@ -241,6 +241,10 @@ static const char *gl_error_name(GLenum error)
 
 svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message)
 {
+    if (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR) {
+        svo_i_gl_clear_errors(gl);
+        return svo_i_fail(message, SVO_GL_ERROR, "%s: %s: the context was lost", function, step);
+    }
     GLenum error = gl->GetError();
     if (error == GL_NO_ERROR) {
         return SVO_OK;

@@ -58,11 +58,18 @@ int session_open_device(program *state, session *opened)
     return result;
 }
 
+static svo_status create_gl_context(const program *state, svo_gl_context_kind kind, svo_gl_context **out,
+                                    svo_message *message)
+{
+    const char *name = state->options.gl_device;
+    return name != NULL ? svo_gl_context_create_named(name, out, message)
+                        : svo_gl_context_create(kind, 0, out, message);
+}
+
 /* --context auto: the first kind that works. A forced kind that does not work is an error. */
 static int open_gl_context(program *state, session *opened)
 {
     const int forced = state->options.context;
-    const uint64_t gl_device = state->options.gl_device;
     svo_message message = {""};
     char reasons[SVO_GL_CONTEXT_KINDS * (SVO_MESSAGE_BYTES + 32)] = "";
     size_t used = 0;
@@ -70,8 +77,7 @@ static int open_gl_context(program *state, session *opened)
         if (forced != OPTION_CONTEXT_AUTO && forced != kind) {
             continue;
         }
-        const uint32_t index = gl_device > 0 ? (uint32_t)(gl_device - 1) : 0;
-        if (svo_gl_context_create((svo_gl_context_kind)kind, index, &opened->gl_context, &message) == SVO_OK) {
+        if (create_gl_context(state, (svo_gl_context_kind)kind, &opened->gl_context, &message) == SVO_OK) {
             svo_gl_context_get_info(opened->gl_context, &opened->gl_info);
             return PROGRAM_DONE;
         }

@@ -44,11 +44,18 @@ typedef struct svo_gl_context_info {
 SVO_API uint32_t svo_gl_egl_device_count(void);
 
 /*
- * Makes an off-screen context. device_index: which EGL device, for SVO_GL_EGL_DEVICE only.
+ * Makes an off-screen context. device_index: which EGL device, for SVO_GL_EGL_DEVICE only. An EGL device that is a GPU is
+ * never served by a software renderer: that is an error.
  * Returns SVO_NO_GL with the step that failed in the message.
  */
 SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                          svo_message *message);
+/*
+ * The same for an EGL device by name: its index ("1"), "gpu" for the first that renders on no processor, or a part of its
+ * renderer's name, in letters of either case ("nvidia"). Contexts are made on the devices in turn until one matches.
+ * Returns SVO_NO_GL with what there is in the message, or SVO_INVALID_ARGUMENT.
+ */
+SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message);
 
 typedef void (*svo_gl_function)(void); /* any entry point */
 /* A context's loader; name includes the "gl". NULL where there is no such function. */
