@@ -16,6 +16,8 @@
 #define BINDING_INDICES  1
 #define BINDING_ITEMS    2
 #define BINDING_COUNTERS 3
+/* The least a chunk of the list may be told to take. */
+#define STORAGE_BLOCK_BYTES_MIN 16384
 
 /* GL_NV_conservative_raster, GL_NV_conservative_raster_pre_snap_triangles, GL_INTEL_conservative_rasterization. */
 #define CONSERVATIVE_RASTERIZATION_NV                  0x9346
@@ -85,6 +87,12 @@ static svo_status check_limits(svo_device *device, const svo_i_gl_functions *gl)
             device, SVO_UNSUPPORTED,
             "svo_gl_create: %s has %d storage blocks for vertices and %d for fragments, below 3 and 2", gl->renderer,
             gl->limits.vertex_storage_blocks, gl->limits.fragment_storage_blocks);
+    }
+    if (gl->limits.storage_block_bytes < STORAGE_BLOCK_BYTES_MIN) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "svo_gl_create: %s has a storage block limit of %lld bytes, "
+                                 "below %d",
+                                 gl->renderer, (long long)gl->limits.storage_block_bytes, STORAGE_BLOCK_BYTES_MIN);
     }
     return SVO_OK;
 }
