@@ -29,7 +29,7 @@ typedef struct kernel_shape {
 #define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
 
 static const kernel_shape shapes[] = {
-    {"svo_k_mark", 2, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
+    {"svo_k_mark", 3, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
     {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
     {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
     {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},

@@ -239,6 +239,55 @@ static void mapping_that_fails_is_a_status(void **state)
     close_setup(&setup);
 }
 
+/* The list as it arrives through the host. */
+static uint32_t list[1 << 20];
+
+static void *APIENTRY map_list(GLenum target, GLintptr offset, GLsizeiptr bytes, GLbitfield access)
+{
+    (void)target;
+    (void)offset;
+    (void)access;
+    return (size_t)bytes <= sizeof list ? list : NULL;
+}
+
+static GLboolean APIENTRY unmap_nothing(GLenum target)
+{
+    (void)target;
+    return GL_TRUE;
+}
+
+/* Fragments of no triangle, or outside the grid, alone or among good ones: nothing is read or written by them. */
+static void nonsense_fragments_are_a_status(void **state)
+{
+    (void)state;
+    static const uint32_t values[] = {0xffffffffu, 0x80000000u, TRIANGLES};
+    bad_setup setup;
+    open_setup(SVO_GL_SHARE_COPY, &setup);
+    svo_plan_destroy(&setup.plan);
+    const svo_plan_options options = {.struct_size = sizeof options,
+                                      .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS};
+    assert_int_equal(svo_plan_create(setup.opened.device, &setup.made.mesh, DEPTH, &options, &setup.plan), SVO_OK);
+    for (size_t i = 0; i < 2 * sizeof values / sizeof values[0]; ++i) {
+        memset(list, 0, sizeof list);
+        for (size_t word = i % 2; word < sizeof list / sizeof list[0]; word += i < 3 ? 2 : 502) {
+            list[word] = values[i / 2];
+        }
+        list[1] = i == 5 ? TRIANGLES : list[1];
+        spoil(setup.opened.context);
+        setup.opened.context->functions.MapBufferRange = map_list;
+        setup.opened.context->functions.UnmapBuffer = unmap_nothing;
+        const svo_status status = build(&setup);
+        mend(setup.opened.context);
+        if (i == 4) { /* a code that lies in the grid */
+            assert_int_equal(status, SVO_OK);
+            continue;
+        }
+        assert_int_equal(status, SVO_INTERNAL);
+        assert_words(&setup, "made a fragment outside the grid or of no triangle");
+    }
+    close_setup(&setup);
+}
+
 /* Counters no scene could reach: the list cannot be made so large. */
 static void nonsense_counters_are_a_status(void **state)
 {
@@ -400,6 +449,7 @@ int main(void)
         cmocka_unit_test(reset_is_noticed),
         cmocka_unit_test(failure_while_starting_is_a_status),
         cmocka_unit_test(mapping_that_fails_is_a_status),
+        cmocka_unit_test(nonsense_fragments_are_a_status),
         cmocka_unit_test(nonsense_counters_are_a_status),
         cmocka_unit_test(nonsense_limits_are_a_status),
         cmocka_unit_test(compilers_that_fail_are_a_status),
