@@ -164,7 +164,7 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
     if (status != SVO_OK) {
         return status;
     }
-    if (state.damaged != 0) {
+    if (state.overflow == SVO_DAMAGED_LIST) {
         return svo_i_device_fail(build->device, SVO_INTERNAL,
                                  "svo_build: %s made a fragment outside the grid or of no triangle",
                                  build->report->frontend);

@@ -55,16 +55,19 @@ SVO_RECORD(svo_draw_item)
     SVO_U32 flags; /* 4: SVO_DRAW_* */
 };
 
+/* svo_build_state.overflow: a fragment is outside the grid or of no triangle. */
+#define SVO_DAMAGED_LIST 0xffffffffu
+
 /* Counts that stay on the device between the stages of one build. 96 bytes. */
 SVO_RECORD(svo_build_state)
 {
     SVO_U32 level_begin[18]; /* 0: first node of each level; entries after the last finished level are not set */
-    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built */
-    SVO_U32 damaged; /* 76: not 0: a fragment is outside the grid or of no triangle, and no level was built */
+    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built; or
+                         SVO_DAMAGED_LIST */
+    SVO_U32 triangle_count; /* 76: fragments are of triangles below it */
     SVO_U32 list_total; /* 80: entries of all leaf lists */
     SVO_U32 long_lists; /* 84: leaf lists longer than SVO_SHORT_LIST_MAX */
-    SVO_U32 triangle_count; /* 88: fragments are of triangles below it */
-    SVO_U32 reserved; /* 92 */
+    SVO_U32 reserved[2]; /* 88 */
 };
 
 /* What a triangle brings to the payload besides its vertices. 16 bytes. */
