@@ -6,8 +6,12 @@
  * ARB_buffer_storage for the host share. Vertices (12 bytes each) and triangles (12 bytes each) must each fit one shader
  * storage block of the context (128 MiB on llvmpipe: 11 million). Entry points are a table per context, filled through the context's own loader.
  *
- * Thread-safety: a handle belongs to the thread on which its context is current; contexts that svocl made are made
- * current by the calls that need them; what was current before is current again afterwards.
+ * Thread-safety: a handle belongs to one thread at a time, the one on which its context is or can be made current;
+ * different handles are independent. Contexts that svocl made are made current by the calls that need them; what was
+ * current before is current again afterwards. Contexts of the caller's (svo_gl_context_wrap) are never made current.
+ *
+ * A context that is lost, memory that runs out and a driver that returns nonsense end in a status; a lost context cannot
+ * be used again.
  */
 #ifndef SVOCL_GL_H
 #define SVOCL_GL_H
