@@ -79,7 +79,7 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
     const size_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
     size_t span_bytes = 0;
     svo_status status = span_of(reader, from, stride_bytes, &span_bytes, message);
-    if (status != SVO_OK) {
+    if (status != SVO_OK || span_bytes == 0) {
         return status;
     }
     unsigned char *bytes = malloc(span_bytes);

@@ -57,7 +57,7 @@
     X(GetError, PFNGLGETERRORPROC)                               \
     X(GetBooleani_v, PFNGLGETBOOLEANI_VPROC)                     \
     X(GetDoublev, PFNGLGETDOUBLEVPROC)                           \
-    X(GetFloati_v, PFNGLGETFLOATI_VPROC)                         \
+    X(GetDoublei_v, PFNGLGETDOUBLEI_VPROC)                       \
     X(GetInteger64i_v, PFNGLGETINTEGER64I_VPROC)                 \
     X(GetIntegeri_v, PFNGLGETINTEGERI_VPROC)                     \
     X(IsEnabled, PFNGLISENABLEDPROC)                             \
@@ -193,7 +193,7 @@ typedef struct record {
     GLdouble values[VALUE_COUNT][4];
     GLboolean capabilities[CAPABILITY_COUNT];
     GLint64 indexed[INDEXED_KINDS][INDEXED_MAX][3];
-    GLfloat viewports[VIEWPORTS][4];
+    GLdouble viewports[VIEWPORTS][4];
     GLint scissors[VIEWPORTS][4];
     GLboolean scissor_tests[VIEWPORTS];
     GLboolean polygon_stipple;
@@ -233,7 +233,7 @@ static void take_record(const odd_state *odd, record *out)
         }
     }
     for (GLuint i = 0; i < VIEWPORTS; ++i) {
-        gl->GetFloati_v(GL_VIEWPORT, i, out->viewports[i]);
+        gl->GetDoublei_v(GL_VIEWPORT, i, out->viewports[i]);
         gl->GetIntegeri_v(GL_SCISSOR_BOX, i, out->scissors[i]);
         out->scissor_tests[i] = gl->IsEnabledi(GL_SCISSOR_TEST, i);
     }
@@ -376,11 +376,16 @@ static int differs(bool different, const char *what, unsigned index)
     return different;
 }
 
+static bool same_numbers(const GLdouble a[4], const GLdouble b[4])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
+}
+
 static int count_differences(const record *a, const record *b)
 {
     int count = 0;
     for (int i = 0; i < VALUE_COUNT; ++i) {
-        count += differs(memcmp(a->values[i], b->values[i], sizeof a->values[i]) != 0, values[i].text, 0);
+        count += differs(!same_numbers(a->values[i], b->values[i]), values[i].text, 0);
     }
     for (int i = 0; i < CAPABILITY_COUNT; ++i) {
         count += differs(a->capabilities[i] != b->capabilities[i], capabilities[i].text, 0);
@@ -392,7 +397,7 @@ static int count_differences(const record *a, const record *b)
         }
     }
     for (unsigned i = 0; i < VIEWPORTS; ++i) {
-        count += differs(memcmp(a->viewports[i], b->viewports[i], sizeof a->viewports[i]) != 0, "GL_VIEWPORT", i);
+        count += differs(!same_numbers(a->viewports[i], b->viewports[i]), "GL_VIEWPORT", i);
         count += differs(memcmp(a->scissors[i], b->scissors[i], sizeof a->scissors[i]) != 0, "GL_SCISSOR_BOX", i);
         count += differs(a->scissor_tests[i] != b->scissor_tests[i], "GL_SCISSOR_TEST", i);
     }
