@@ -101,6 +101,8 @@ static void check_kind(svo_gl_context_kind kind)
     assert_true(strlen(info.renderer) > 0);
     assert_true(strlen(info.version) > 0);
     print_message("%s: %s, OpenGL %s\n", svo_gl_context_kind_name(kind), info.renderer, info.version);
+    assert_int_equal(info.is_software != 0,
+                     strstr(info.renderer, "llvmpipe") != NULL || strstr(info.renderer, "softpipe") != NULL);
 
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     assert_true(gl->version >= SVO_I_GL_MINIMUM_VERSION);
