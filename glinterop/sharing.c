@@ -204,15 +204,33 @@ static svo_device *create_joined(const svo_device *plain, svo_gl_context *contex
     return device;
 }
 
-svo_status svo_gl_device_create(svo_gl_context *context, const svo_device_options *options, svo_device **out,
-                                svo_message *message)
+/* The device on an OpenCL context that knows nothing of OpenGL. id: NULL: by the options' name. */
+static svo_status create_plain(cl_device_id id, const svo_device_options *options, svo_device **out,
+                               svo_message *message)
+{
+    if (id == NULL) {
+        return svo_device_create_default(options, out, message);
+    }
+    cl_int error = CL_SUCCESS;
+    cl_context alone = clCreateContext(NULL, 1, &id, NULL, NULL, &error);
+    if (error != CL_SUCCESS) {
+        return svo_i_fail(message, SVO_CL_ERROR, "svo_gl_device_create: clCreateContext failed with %s (%d)",
+                          svo_i_cl_error_name(error), error);
+    }
+    const svo_status status = svo_device_create(alone, id, options, out, message);
+    clReleaseContext(alone);
+    return status;
+}
+
+svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, const svo_device_options *options,
+                                svo_device **out, svo_message *message)
 {
     if (context == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_device_create: %s is NULL",
                           context == NULL ? "context" : "out");
     }
     svo_device *plain = NULL;
-    const svo_status status = svo_device_create_default(options, &plain, message);
+    const svo_status status = create_plain(device, options, &plain, message);
     if (status != SVO_OK) {
         return status;
     }

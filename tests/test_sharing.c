@@ -77,7 +77,7 @@ static void open_pair(const shim_faults *faults, cl_command_queue_properties pro
     out->opened.context = egl_context_or_skip();
     random_mesh(7, TRIANGLES, 0.0, &out->mesh);
     shim_install(out->opened.context, faults);
-    if (svo_gl_device_create(out->opened.context, NULL, &device, &message) != SVO_OK) {
+    if (svo_gl_device_create(out->opened.context, NULL, NULL, &device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     take_device(&out->opened, device, properties);
@@ -230,6 +230,26 @@ static void failure_during_a_build_ends_in_a_status(void **state)
     close_pair(&pair);
 }
 
+/* A device that is chosen already gets a second handle that shares. */
+static void chosen_device_is_joined(void **state)
+{
+    (void)state;
+    shared_pair pair;
+    open_pair(&(shim_faults){0}, 0, &pair);
+    svo_device *joined = NULL;
+    const cl_device_id chosen = svo_device_cl_device(pair.opened.device);
+    assert_int_equal(svo_gl_device_create(pair.opened.context, chosen, NULL, &joined, NULL), SVO_OK);
+    assert_ptr_equal(svo_device_cl_device(joined), chosen);
+    svo_gl *gl = NULL;
+    const svo_gl_options forced = {.struct_size = sizeof forced, .share = SVO_GL_SHARE_SHARING};
+    assert_int_equal(svo_gl_create(joined, pair.opened.context, &forced, &gl), SVO_OK);
+    svo_gl_destroy(&gl);
+    svo_device_destroy(&joined);
+    assert_int_equal(svo_gl_device_create(NULL, chosen, NULL, &joined, NULL), SVO_INVALID_ARGUMENT);
+    assert_null(joined);
+    close_pair(&pair);
+}
+
 /* An OpenCL context that knows nothing of the OpenGL one works by another path, and the reason says what would help. */
 static void plain_opencl_context_is_told_apart(void **state)
 {
@@ -302,6 +322,7 @@ int main(void)
         cmocka_unit_test(without_gl_event_opengl_is_finished_first),
         cmocka_unit_test(each_failing_step_has_its_reason_and_the_same_tree),
         cmocka_unit_test(failure_during_a_build_ends_in_a_status),
+        cmocka_unit_test(chosen_device_is_joined),
         cmocka_unit_test(plain_opencl_context_is_told_apart),
         cmocka_unit_test(integrators_opencl_context_is_shared),
         cmocka_unit_test(osmesa_cannot_be_named_to_opencl),

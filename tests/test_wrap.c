@@ -217,7 +217,7 @@ static void wrapped_context_shares_with_opencl(void **state)
     odd_state *odd = odd_state_set(false);
     opened.context = wrap();
     shim_install(opened.context, &(shim_faults){0});
-    assert_int_equal(svo_gl_device_create(opened.context, NULL, &opened.device, NULL), SVO_OK);
+    assert_int_equal(svo_gl_device_create(opened.context, NULL, NULL, &opened.device, NULL), SVO_OK);
     opened.queue =
         clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
     const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_SHARING};

@@ -23,7 +23,6 @@
 typedef struct opened_devices {
     svo_device *devices[DEVICES_MAX];
     cl_context contexts[DEVICES_MAX];
-    char selectors[DEVICES_MAX][24]; /* "P.D" for --device */
     size_t device_count;
     svo_gl_context *renderers[RENDERERS_MAX];
     size_t renderer_count;
@@ -54,8 +53,7 @@ static const char *device_type_name(cl_device_id device)
 }
 
 /* Opens the device for the pairs and adds whether svocl can use it. */
-static void open_device(program *state, cJSON *object, cl_device_id device, const char *selector,
-                        opened_devices *opened)
+static void open_device(program *state, cJSON *object, cl_device_id device, opened_devices *opened)
 {
     svo_message message = {""};
     cl_int error = CL_SUCCESS;
@@ -73,7 +71,6 @@ static void open_device(program *state, cJSON *object, cl_device_id device, cons
     cJSON_AddBoolToObject(object, "works", handle != NULL);
     json_add_text(object, "reason", program_words(message.text));
     if (handle != NULL) {
-        snprintf(opened->selectors[opened->device_count], sizeof opened->selectors[0], "%s", selector);
         opened->devices[opened->device_count] = handle;
         opened->contexts[opened->device_count++] = context;
     } else if (context != NULL) {
@@ -100,8 +97,7 @@ static cJSON *describe_device(cl_device_id device)
     return object;
 }
 
-static void gather_platform(program *state, cJSON *platforms, cl_platform_id platform, cl_uint platform_index,
-                            opened_devices *opened)
+static void gather_platform(program *state, cJSON *platforms, cl_platform_id platform, opened_devices *opened)
 {
     cJSON *object = cJSON_CreateObject();
     add_platform_text(object, "name", platform, CL_PLATFORM_NAME);
@@ -115,9 +111,7 @@ static void gather_platform(program *state, cJSON *platforms, cl_platform_id pla
     }
     for (cl_uint i = 0; i < count && i < DEVICES_MAX; ++i) {
         cJSON *device = describe_device(ids[i]);
-        char selector[24];
-        snprintf(selector, sizeof selector, "%u.%u", platform_index, i);
-        open_device(state, device, ids[i], selector, opened);
+        open_device(state, device, ids[i], opened);
         cJSON_AddItemToArray(devices, device);
     }
     cJSON_AddItemToArray(platforms, object);
@@ -132,7 +126,7 @@ static void gather_platforms(program *state, cJSON *document, opened_devices *op
         return;
     }
     for (cl_uint i = 0; i < count && i < PLATFORMS_MAX; ++i) {
-        gather_platform(state, platforms, ids[i], i, opened);
+        gather_platform(state, platforms, ids[i], opened);
     }
 }
 
@@ -181,12 +175,11 @@ static void add_way(cJSON *array, const char *name, const char *reason)
     cJSON_AddItemToArray(array, way);
 }
 
-static cJSON *gather_pair(svo_device *alone, const char *selector, svo_gl_context *renderer)
+static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
     /* The same device on an OpenCL context that can share with the renderer, where there is such a thing. */
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .device_name = selector};
     svo_device *joined = NULL;
-    (void)svo_gl_device_create(renderer, &device_options, &joined, NULL);
+    (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
     svo_gl_context_info info;
     svo_gl_context_get_info(renderer, &info);
@@ -219,7 +212,7 @@ static void gather_pairs(cJSON *document, const opened_devices *opened)
     cJSON *pairs = cJSON_AddArrayToObject(document, "pairs");
     for (size_t d = 0; d < opened->device_count; ++d) {
         for (size_t r = 0; r < opened->renderer_count; ++r) {
-            cJSON_AddItemToArray(pairs, gather_pair(opened->devices[d], opened->selectors[d], opened->renderers[r]));
+            cJSON_AddItemToArray(pairs, gather_pair(opened->devices[d], opened->renderers[r]));
         }
     }
 }

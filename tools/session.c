@@ -28,9 +28,10 @@ static int open_device(program *state, session *opened)
                                                .log_user = state,
                                                .device_name = state->options.device_name};
     svo_message message = {""};
-    const svo_status status = opened->gl_context != NULL
-                                  ? svo_gl_device_create(opened->gl_context, &device_options, &opened->device, &message)
-                                  : svo_device_create_default(&device_options, &opened->device, &message);
+    const svo_status status =
+        opened->gl_context != NULL
+            ? svo_gl_device_create(opened->gl_context, NULL, &device_options, &opened->device, &message)
+            : svo_device_create_default(&device_options, &opened->device, &message);
     if (status != SVO_OK) {
         return program_fail_library(state, message.text);
     }

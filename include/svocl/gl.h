@@ -95,14 +95,15 @@ SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_cont
                                     const cl_event *wait, svo_mesh_copy **out, svo_message *message);
 
 /*
- * As svo_device_create_default, with an OpenCL context made against the OpenGL context where the device can share with it
+ * Makes a device handle with an OpenCL context made against the OpenGL context where the device can share with it
  * (cl_khr_gl_sharing); where it cannot, with a plain one. svo_gl_share_reason says which and why. An OpenCL context of your
  * own that was made against yours serves as well: give it to svo_device_create.
  *
- * context: must outlive the device's OpenCL context.
+ * context: must outlive the device's OpenCL context. device: NULL: as svo_device_create_default chooses it by the options.
+ * Returns what svo_device_create_default does.
  */
-SVO_API svo_status svo_gl_device_create(svo_gl_context *context, const svo_device_options *options, svo_device **out,
-                                        svo_message *message);
+SVO_API svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, const svo_device_options *options,
+                                        svo_device **out, svo_message *message);
 
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */

@@ -116,7 +116,7 @@ typedef struct builder {
 static bool build(builder *b, const svo_mesh_buffers *mesh)
 {
     bool done = svo_gl_context_wrap(find_function, NULL, &b->context, &b->message) == SVO_OK &&
-                svo_gl_device_create(b->context, NULL, &b->device, &b->message) == SVO_OK &&
+                svo_gl_device_create(b->context, NULL, NULL, &b->device, &b->message) == SVO_OK &&
                 svo_gl_mesh_read(mesh, b->context, 0, NULL, &b->mesh, &b->message) == SVO_OK &&
                 svo_gl_create(b->device, b->context, NULL, &b->gl) == SVO_OK;
     if (done)
