@@ -1,7 +1,7 @@
 # svocl_embed(target name FILE...): compiles the text of the files into target as "extern const char name[]", in the
 # given order, so that no kernel or shader is looked for at run time.
 function(svocl_embed target name)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.c)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/embedded/${target}/${name}.c)
   add_custom_command(
     OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DNAME=${name} "-DFILES=${ARGN}" -P

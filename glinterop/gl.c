@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "choose.h"
 #include "frontend.h"
 #include "raster.h"
 #include "selftest.h"
@@ -61,6 +62,26 @@ svo_gl_share svo_gl_chosen_share(const svo_gl *gl)
 svo_frontend *svo_gl_frontend(svo_gl *gl)
 {
     return &gl->frontend;
+}
+
+/* Whether a renderer of that name draws on the CPU: Mesa's and SwiftShader say so in their names. */
+static bool is_software(const char *renderer)
+{
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "SWR", "SwiftShader", "Software"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strstr(renderer, names[i]) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *reason)
+{
+    const char *name = svo_i_gl_context_functions(gl->context)->renderer;
+    const svo_i_renderer renderer = {
+        .name = name, .is_software = is_software(name), .in_place = gl->share_choice != SVO_GL_SHARE_COPY};
+    return svo_i_choose_cl(gl->device, &renderer, reason) ? cl : &gl->frontend;
 }
 
 /* Hardware-conservative rasterization, where the extension exists and the self-test passes; NULL and a reason if not. */
@@ -123,8 +144,9 @@ static svo_status choose_share(svo_gl *gl, svo_gl_share asked)
                              gl->share_reasons[SVO_GL_SHARE_COPY]);
 }
 
-static svo_status prepare(void *self, const svo_plan *plan)
+static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 {
+    (void)queue;
     svo_gl *gl = self;
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
     if (status == SVO_OK) {
@@ -236,8 +258,8 @@ static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_
     return status;
 }
 
-static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms)
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_gl *gl = self;
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
@@ -249,17 +271,17 @@ static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout 
     if (status == SVO_OK) {
         status = svo_i_raster_upload(gl->raster, plan, layout->chunk_count);
     }
-    *transfer_ms = svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     start_ms = svo_i_now_ms();
     if (status == SVO_OK) {
         status = draw_chunks(gl, plan, layout, list);
     }
-    *voxelize_ms = svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
     start_ms = svo_i_now_ms();
     if (status == SVO_OK) {
         status = hand_over(plan, queue, list);
     }
-    *transfer_ms += svo_i_now_ms() - start_ms;
+    svo_i_report_add(report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     svo_i_raster_drop(gl->raster);
     svo_i_gl_context_release_current(gl->context);
     return status;

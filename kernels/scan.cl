@@ -11,43 +11,11 @@
  * child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words, comes as an
  * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
  */
-#include "svocl/layout.h"
+#include "group.clh"
 
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS (SVO_GROUP_ITEMS * SVO_ITEM_ELEMENTS)
 #define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
-
-/* Exclusive sum over the group's items; *total receives the sum of all. scratch: SVO_GROUP_ITEMS elements. */
-static uint svo_group_exclusive(uint value, __local uint *scratch, uint *total)
-{
-    const uint item = (uint)get_local_id(0);
-    uint sum = value;
-    scratch[item] = sum;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint reach = 1; reach < SVO_GROUP_ITEMS; reach *= 2) {
-        const uint before = item >= reach ? scratch[item - reach] : 0u;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sum += before;
-        scratch[item] = sum;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    *total = scratch[SVO_GROUP_ITEMS - 1];
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return sum - value;
-}
-
-/* Sum over the group's items, for item 0; the others need not know. */
-static uint svo_group_sum(uint value, __local uint *scratch)
-{
-    const uint item = (uint)get_local_id(0);
-    scratch[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    uint sum = 0;
-    for (uint k = 0; k < (item == 0u ? SVO_GROUP_ITEMS : 0u); ++k) {
-        sum += scratch[k];
-    }
-    return sum;
-}
 
 /* The tiles of this group: first and one past last element, of count elements in all. */
 static uint2 svo_group_range(uint count)

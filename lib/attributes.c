@@ -13,6 +13,16 @@
 #define UV_LIMIT   32767.0
 #define NORMAL_ONE 32767.0
 
+#define STRETCH_ONE 1073741824.0 /* svo_triangle_record.stretch: 2^30 */
+
+/* Limits on the unit of weight, as powers of two: what one pair may weigh when its part's corners are rounded at their
+   worst, which doubles a tiny area; what all may, with what closed voxels count twice; and a face at least. */
+#define PAIR_LOG2_MAX  31
+#define TOTAL_LOG2_MAX 44
+#define FACE_LOG2_MIN  (SVO_I_FILL_LOG2 + 1u)
+/* More than the largest cut of a plane through a voxel: sqrt(2) faces. */
+#define CUT_FACES_MAX 1.5
+
 static svo_status no_memory(svo_plan *plan)
 {
     return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
@@ -134,13 +144,11 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, bool text
             return status;
         }
     }
-    const size_t count = mesh->material_count > 0 ? mesh->material_count : 1;
-    plan->materials = calloc(count, sizeof(svo_material_record));
+    plan->materials = calloc(plan->material_count, sizeof(svo_material_record));
     if (plan->materials == NULL) {
         free(offsets);
         return no_memory(plan);
     }
-    plan->material_count = (uint32_t)count;
     plan->materials[0].rgba = UINT32_MAX; /* white, for a mesh without materials */
     for (size_t i = 0; i < mesh->material_count; ++i) {
         const svo_material *from = &mesh->materials[i];
@@ -167,51 +175,111 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* The snapped triangle's own normal, and the axis of its largest component. Components are at most 2^61; doubles hold
-   their first 53 bits on every host alike. */
-static uint32_t own_normal(const svo_plan *plan, const uint32_t corners[3], int16_t out[3])
+/* Of a snapped triangle. Components of the normal are at most 2^61; doubles hold their first 53 bits on every host alike. */
+typedef struct shape {
+    int16_t unit[3]; /* its own normal */
+    uint32_t axis; /* of the normal's largest component */
+    double area; /* square grid units */
+    double stretch; /* the area over that of the projection along the axis; 1 for no area */
+} shape;
+
+static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
 {
     int64_t n[3];
+    shape s;
     svo_i_plan_normal(plan, corners, n);
-    unit_normal((double)n[0], (double)n[1], (double)n[2], out);
-    const uint32_t axis = llabs(n[1]) > llabs(n[0]) ? 1 : 0;
-    return llabs(n[2]) > llabs(n[axis]) ? 2 : axis;
+    const double x = (double)n[0];
+    const double y = (double)n[1];
+    const double z = (double)n[2];
+    unit_normal(x, y, z, s.unit);
+    s.axis = llabs(n[1]) > llabs(n[0]) ? 1 : 0;
+    s.axis = llabs(n[2]) > llabs(n[s.axis]) ? 2 : s.axis;
+    const double doubled_area = sqrt(x * x + y * y + z * z);
+    s.area = doubled_area * 0.5;
+    s.stretch = n[s.axis] != 0 ? doubled_area / fabs((double)n[s.axis]) : 1.0;
+    return s;
 }
 
-static svo_status make_records(svo_plan *plan, const svo_mesh *mesh)
+/* Whether the attributes are the same all over the triangle. */
+static bool is_flat(const svo_plan *plan, const uint32_t corners[3], uint32_t material)
+{
+    const bool textured = plan->uvs != NULL && plan->materials[material].width != 0;
+    return !textured && (plan->colors == NULL || same(plan->colors, sizeof(uint32_t), corners)) &&
+           (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
+}
+
+/* Half the bits of a record's normal. */
+static uint32_t half_word(int16_t value)
+{
+    return (uint16_t)value;
+}
+
+/* largest_area: of a triangle, in square grid units. */
+static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *largest_area)
 {
     plan->records = calloc((size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
     if (plan->records == NULL) {
         return no_memory(plan);
     }
+    *largest_area = 0.0;
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         const uint32_t *corners = plan->indices + (size_t)t * 3;
         svo_triangle_record *record = &plan->records[t];
         const uint32_t material =
             mesh->triangle_materials != NULL ? mesh->triangle_materials[plan->triangle_ids[t]] : 0;
         record->material = material < plan->material_count ? material : 0;
-        const bool textured = plan->uvs != NULL && plan->materials[record->material].width != 0;
-        const bool flat = !textured && (plan->colors == NULL || same(plan->colors, sizeof(uint32_t), corners)) &&
-                          (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
-        int16_t normal[3];
-        const uint32_t axis = own_normal(plan, corners, normal);
-        record->flags = (flat ? SVO_TRIANGLE_FLAT : 0u) | axis << SVO_TRIANGLE_AXIS_SHIFT;
-        record->normal_xy = (uint32_t)(uint16_t)normal[0] | (uint32_t)(uint16_t)normal[1] << 16;
-        record->normal_z = (uint32_t)(uint16_t)normal[2];
+        plan->materials_vary = plan->materials_vary || record->material != plan->records[0].material;
+        const shape s = shape_of(plan, corners);
+        record->normal_xy = half_word(s.unit[0]) | half_word(s.unit[1]) << 16;
+        record->normal_z_flags = half_word(s.unit[2]) | s.axis << SVO_TRIANGLE_AXIS_SHIFT |
+                                 (is_flat(plan, corners, record->material) ? SVO_TRIANGLE_FLAT : 0u);
+        record->stretch = (uint32_t)rint(s.stretch * STRETCH_ONE);
+        *largest_area = fmax(*largest_area, s.area);
     }
     return SVO_OK;
+}
+
+/* The least power of two above x; that of 1 for 0. */
+static int power_above(double x)
+{
+    int power = 0;
+    (void)frexp(x, &power);
+    return power;
+}
+
+/* The finest unit of weight with which neither a pair nor the whole tree can overflow. Areas in faces of a voxel. */
+static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
+{
+    const double face = ldexp(1.0, 2 * (int)plan->voxel_log2);
+    const double pair = fmin(largest_area / face, CUT_FACES_MAX);
+    const double total = plan->law[2] / face; /* the areas of three projections: no less than the area */
+    const int by_pair = PAIR_LOG2_MAX - power_above(pair);
+    const int by_total = TOTAL_LOG2_MAX - power_above(total);
+    const int log2 = by_pair < by_total ? by_pair : by_total;
+    return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
+}
+
+bool svo_i_plan_sorts_materials(const svo_plan *plan)
+{
+    return (plan->info.need & SVO_NEED_MATERIAL) != 0 && plan->materials_vary;
+}
+
+bool svo_i_plan_reads_surface(const svo_plan *plan)
+{
+    return (plan->info.need & SVO_I_NEED_FILTER) != 0 || svo_i_plan_sorts_materials(plan);
 }
 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
 {
     plan->info.need = resolve_need(plan->options.need, mesh);
-    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
-    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
-    if (!color && !normal) {
+    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
         return SVO_OK;
     }
+    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
+    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
     const bool textured = color && has_textures(mesh);
-    svo_status status = copy_materials(plan, mesh, textured);
+    plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
+    svo_status status = color ? copy_materials(plan, mesh, textured) : SVO_OK;
     if (status == SVO_OK && textured) {
         status = copy_uvs(plan, mesh);
     }
@@ -221,5 +289,10 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
     if (status == SVO_OK && normal && mesh->normals != NULL) {
         status = copy_normals(plan, mesh);
     }
-    return status == SVO_OK ? make_records(plan, mesh) : status;
+    double largest_area = 0.0;
+    if (status == SVO_OK) {
+        status = make_records(plan, mesh, &largest_area);
+    }
+    plan->weight_log2 = choose_weight_log2(plan, largest_area);
+    return status;
 }

@@ -80,14 +80,19 @@ void svo_i_build_free(svo_i_build *build, cl_mem *buffer)
     *buffer = NULL;
 }
 
+svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                            uint64_t bytes)
+{
+    cl_event event = NULL;
+    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
+                                             wait_count(build), wait_list(build), &event);
+    return follow(build, "clEnqueueFillBuffer", error, event);
+}
+
 svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes)
 {
     const cl_uint zero = 0;
-    const size_t pattern_bytes = bytes % sizeof zero == 0 ? sizeof zero : 1;
-    cl_event event = NULL;
-    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, &zero, pattern_bytes, 0, (size_t)bytes,
-                                             wait_count(build), wait_list(build), &event);
-    return follow(build, "clEnqueueFillBuffer", error, event);
+    return svo_i_build_fill(build, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
 }
 
 svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes)
@@ -101,6 +106,18 @@ svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t 
 svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out)
 {
     return svo_i_kernel_create(build->device, SVO_I_BUILD, build->program, name, out);
+}
+
+svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
+                           cl_uint argument_count, uint64_t items)
+{
+    cl_kernel kernel = NULL;
+    svo_status status = svo_i_build_kernel(build, name, &kernel);
+    if (status == SVO_OK) {
+        status = svo_i_build_launch(build, kernel, arguments, argument_count, items);
+        clReleaseKernel(kernel);
+    }
+    return status;
 }
 
 svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
@@ -142,12 +159,6 @@ static double event_span_ms(cl_event first, cl_event last)
     return (double)(end - start) * 1e-6;
 }
 
-static void add_time(svo_build_report *report, svo_stage stage, double ms, const char *clock)
-{
-    report->stages[stage].ms += ms;
-    report->stages[stage].clock = clock;
-}
-
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
 {
     if (build->stage_first == NULL) {
@@ -159,9 +170,9 @@ svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
     }
     const double span = build->profiling ? event_span_ms(build->stage_first, build->last) : -1.0;
     if (span >= 0.0) {
-        add_time(build->report, stage, span, "cl-event");
+        svo_i_report_add(build->report, stage, span, "cl-event");
     } else {
-        add_time(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
+        svo_i_report_add(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
     }
     clReleaseEvent(build->stage_first);
     build->stage_first = NULL;
@@ -173,11 +184,16 @@ static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
 {
     const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
     const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
+    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTRE"};
+    const bool weighs = svo_i_plan_reads_surface(plan);
     /* Every key begins with a space: some compilers choke on options that end in one. */
-    (void)snprintf(keys, bytes, "%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
+    (void)snprintf(keys, bytes, "%s%s%s%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
                    color ? " -DSVO_COLOR" : "", color && plan->colors != NULL ? " -DSVO_VERTEX_COLOR" : "",
                    color && plan->uvs != NULL ? " -DSVO_TEXTURE" : "", normal ? " -DSVO_NORMAL" : "",
-                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "");
+                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "",
+                   svo_i_plan_sorts_materials(plan) ? " -DSVO_MATERIAL" : "",
+                   (plan->info.need & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "",
+                   weighs ? weights[plan->options.weights] : "");
 }
 
 static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
@@ -201,6 +217,19 @@ static bool list_is_whole(svo_i_build *build, uint64_t *needed)
     return whole;
 }
 
+/* Lists the chunks' buffers, which live while the front end draws into them and after; or takes them off again. */
+static void list_chunks(svo_i_build *build, const svo_i_layout *layout, bool live)
+{
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        const uint64_t bytes = layout->chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan);
+        if (live) {
+            svo_i_plan_buffer_add(build->plan, "fragments", bytes);
+        } else {
+            svo_i_plan_buffer_remove(build->plan, bytes);
+        }
+    }
+}
+
 /* One attempt at the list, with the layout as it is. */
 static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
                             bool *whole)
@@ -214,16 +243,13 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
                                    layout->chunk_count);
         build->list.chunk_count = 0;
     } else {
-        double voxelize_ms = 0.0;
-        double transfer_ms = 0.0;
-        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, &voxelize_ms,
-                                    &transfer_ms);
-        add_time(build->report, SVO_STAGE_VOXELIZE, voxelize_ms, "wall");
-        add_time(build->report, SVO_STAGE_TRANSFER, transfer_ms, "wall");
+        list_chunks(build, layout, true);
+        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
+        list_chunks(build, layout, false);
         free(build->list.chunks);
         build->list = (svo_i_fragment_list){0};
     }
@@ -254,10 +280,6 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
         return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the scene has %llu fragments, above %u; lower the depth",
                                  (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
-    }
-    for (uint32_t i = 0; status == SVO_OK && i < build->list.chunk_count; ++i) {
-        svo_i_plan_buffer_add(build->plan, "fragments",
-                              build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
     }
     return status;
 }
@@ -364,6 +386,7 @@ static void fill_info(svo_i_build *build)
     to->snap_bits = from->snap_bits;
     to->coverage = from->coverage;
     to->need = from->need;
+    to->weights = build->plan->options.weights;
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
     to->scale = from->scale;
@@ -391,6 +414,29 @@ static svo_status check_size(svo_i_build *build)
     return SVO_OK;
 }
 
+/* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
+static svo_status make_payload(svo_i_build *build)
+{
+    const uint32_t need = build->plan->info.need;
+    svo_i_surface surface = {0};
+    const bool own_ranges = svo_i_plan_sorts_materials(build->plan) && (need & SVO_NEED_RAYS) == 0;
+    svo_status status = svo_i_plan_reads_surface(build->plan) ? svo_i_surface_upload(build, &surface) : SVO_OK;
+    if (status == SVO_OK && own_ranges) {
+        status = svo_i_pack(build, false);
+    }
+    if (status == SVO_OK && (need & SVO_NEED_MATERIAL) != 0) {
+        status = svo_i_material(build, &surface);
+    }
+    if (own_ranges) {
+        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
+    }
+    if (status == SVO_OK && (need & SVO_I_NEED_FILTER) != 0) {
+        status = svo_i_filter(build, &surface);
+    }
+    svo_i_surface_free(build, &surface);
+    return status;
+}
+
 static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
 {
     const uint32_t need = build->plan->info.need;
@@ -412,11 +458,11 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
             status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
         }
         if (status == SVO_OK) {
-            status = svo_i_pack(build);
+            status = svo_i_pack(build, true);
         }
     }
-    if (status == SVO_OK && (need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
-        status = svo_i_filter(build);
+    if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
+        status = make_payload(build);
     }
     return status;
 }
@@ -464,7 +510,7 @@ static const char *wrong_argument(const svo_plan *plan, const svo_frontend *fron
     return out == NULL ? "out is NULL" : NULL;
 }
 
-static bool queue_profiles(cl_command_queue queue)
+bool svo_i_queue_profiles(cl_command_queue queue)
 {
     cl_command_queue_properties properties = 0;
     clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
@@ -481,12 +527,12 @@ static svo_status compile(svo_i_build *build, svo_frontend *frontend)
     svo_status status =
         svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
     if (status == SVO_OK && fresh) {
-        status = svo_i_build_warm(build);
+        status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);
     }
     if (status == SVO_OK) {
-        status = frontend->prepare(frontend->self, build->plan);
+        status = frontend->prepare(frontend->self, build->plan, build->queue);
     }
-    add_time(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 
@@ -508,13 +554,13 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     svo_i_build build = {.device = plan->device,
                          .plan = plan,
                          .queue = queue,
-                         .profiling = queue_profiles(queue),
+                         .profiling = svo_i_queue_profiles(queue),
                          .report = report != NULL ? report : &unread};
     *build.report = (svo_build_report){.struct_size = sizeof *report,
                                        .frontend = frontend->name,
                                        .share = frontend->share,
                                        .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
-    add_time(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
+    svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();
     if (build.tree == NULL) {

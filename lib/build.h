@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build in progress: what the OpenCL stages (subdivide.c, pack.c, filter.c) share. build.c runs them in order.
+ * One build in progress: what the OpenCL stages (subdivide.c, pack.c, material.c, filter.c) share. build.c runs them in order.
  *
  * Every launch waits for the one before it by an event, so the caller's queue may be out-of-order.
  */
@@ -44,6 +44,8 @@ svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t byte
 svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out);
 void svo_i_build_free(svo_i_build *build, cl_mem *buffer);
 
+svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                            uint64_t bytes);
 svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes);
 /* Waits, and reads bytes from the start of the buffer. */
 svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes);
@@ -52,19 +54,42 @@ svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t 
 svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
                               cl_uint argument_count, uint64_t items);
 svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out);
+/* Both, for a kernel that is launched once or a few times a build. */
+svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
+                           cl_uint argument_count, uint64_t items);
+
+/* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
+bool svo_i_queue_profiles(cl_command_queue queue);
 
 /* Launches between begin and end are counted to the stage. Stages may be entered several times. */
 void svo_i_build_stage_begin(svo_i_build *build);
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
 
-/* warm.c: launches every kernel the plan needs once on nothing, so that the driver compiles it now. */
-svo_status svo_i_build_warm(svo_i_build *build);
+/* warm.c: launches every kernel of build->program that the plan needs once on nothing, so that the driver compiles it now.
+   kind: of the program. */
+svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind);
 /* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
-/* pack.c: list_begin and list. */
-svo_status svo_i_pack(svo_i_build *build);
-/* filter.c: links the leaves and makes the payload. */
-svo_status svo_i_filter(svo_i_build *build);
+/* pack.c: list_begin; and list, if asked for. */
+svo_status svo_i_pack(svo_i_build *build, bool with_lists);
+
+/* The mesh's attributes on the device; NULL where the plan does not have them. */
+typedef struct svo_i_surface {
+    cl_mem vertices, indices;
+    bool is_borrowed; /* those two are the tree's */
+    cl_mem records, colors, normals, uvs, materials, texels;
+} svo_i_surface;
+/* surface.c. Free also after a failure, and before the tree. */
+svo_status svo_i_surface_upload(svo_i_build *build, svo_i_surface *out);
+void svo_i_surface_free(svo_i_build *build, svo_i_surface *surface);
+/* filter.c: what the payload kernels' parameters have in common; and those for the nodes of a level. */
+svo_filter_params svo_i_payload_params(const svo_i_build *build);
+void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level);
+
+/* material.c: the nodes' materials. Needs list_begin unless there is only one material. */
+svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
+/* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
+svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);
 
 #endif

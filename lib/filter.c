@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Runs kernels/link.cl and kernels/filter.cl: the leaves' fragments are linked and their contributions summed up, then sums
- * travel up level by level and every node's payload is written.
+ * travel up level by level and every node's colour, normal and fill are written.
  *
  * A list of one chunk, the usual case, is gathered straight into the sums of the deepest inner level. Otherwise lists are
  * linked and gathered chunk by chunk, and the leaves need sums of their own in between.
@@ -17,20 +17,37 @@ typedef struct level_sums {
 
 typedef struct filterer {
     svo_i_build *build;
-    bool color, normal;
+    const svo_i_surface *surface;
+    bool color, normal, fill;
     cl_mem heads;
     level_sums sums[2]; /* of levels whose distance from the leaves is even, and odd */
-    /* The mesh's attributes; NULL where the variant does not read them. */
-    cl_mem indices, records, vertex_colors, vertex_normals, uvs, materials, texels;
-    bool owns_indices;
     cl_kernel link, gather, filter;
     bool one_chunk;
     svo_filter_params params;
 } filterer;
 
+svo_filter_params svo_i_payload_params(const svo_i_build *build)
+{
+    const svo_tree_info *info = &build->tree->info;
+    return (svo_filter_params){.depth = info->depth,
+                               .leaf_begin = (cl_uint)info->inner_count,
+                               .leaf_count = (cl_uint)info->leaf_count,
+                               .voxel_log2 = build->plan->voxel_log2,
+                               .weight_log2 = build->plan->weight_log2};
+}
+
+void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level)
+{
+    params->level = level;
+    params->level_begin = info->level_begin[level];
+    params->level_count = info->level_begin[level + 1] - info->level_begin[level];
+    params->child_begin = info->level_begin[level + 1];
+    params->fill_shift = params->weight_log2 + 2 * (info->depth - level - 1) - SVO_I_FILL_LOG2;
+}
+
 static svo_status allocate_sums(filterer *f, level_sums *sums, uint64_t nodes)
 {
-    svo_status status = svo_i_build_alloc(f->build, "weights", nodes * 4, &sums->weights);
+    svo_status status = svo_i_build_alloc(f->build, "weights", nodes * 8, &sums->weights);
     if (status == SVO_OK && f->color) {
         status = svo_i_build_alloc(f->build, "color_sums", nodes * 32, &sums->colors);
     }
@@ -60,45 +77,10 @@ static svo_status allocate(filterer *f)
     if (status == SVO_OK && f->normal) {
         status = svo_i_build_alloc(build, "normals", info->node_count * 6, &build->tree->buffers[SVO_TREE_NORMALS]);
     }
+    if (status == SVO_OK && f->fill) {
+        status = svo_i_build_alloc(build, "fills", info->node_count * 2, &build->tree->buffers[SVO_TREE_FILLS]);
+    }
     return status;
-}
-
-/* Uploads an attribute if the plan has it. */
-static svo_status upload(filterer *f, const char *name, const void *data, uint64_t bytes, cl_mem *out)
-{
-    return data != NULL ? svo_i_build_upload(f->build, name, data, bytes, out) : SVO_OK;
-}
-
-static svo_status upload_attributes(filterer *f)
-{
-    svo_i_build *build = f->build;
-    const svo_plan *plan = build->plan;
-    const uint64_t vertices = plan->vertex_count;
-    svo_status status = SVO_OK;
-    if (build->tree->buffers[SVO_TREE_INDICES] != NULL) {
-        f->indices = build->tree->buffers[SVO_TREE_INDICES];
-    } else {
-        f->owns_indices = true;
-        status = upload(f, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &f->indices);
-    }
-    if (status == SVO_OK) {
-        status = upload(f, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
-                        &f->records);
-    }
-    if (status == SVO_OK) {
-        status = upload(f, "vertex_colors", plan->colors, vertices * 4, &f->vertex_colors);
-    }
-    if (status == SVO_OK) {
-        status = upload(f, "vertex_normals", plan->normals, vertices * 8, &f->vertex_normals);
-    }
-    if (status == SVO_OK) {
-        status = upload(f, "uvs", plan->uvs, vertices * 8, &f->uvs);
-    }
-    if (status == SVO_OK) {
-        status =
-            upload(f, "materials", plan->materials, plan->material_count * sizeof(svo_material_record), &f->materials);
-    }
-    return status == SVO_OK ? upload(f, "texels", plan->texels, plan->texel_count * 4, &f->texels) : status;
 }
 
 static svo_status create_kernels(filterer *f)
@@ -118,13 +100,8 @@ static void release(filterer *f)
             clReleaseKernel(kernels[i]);
         }
     }
-    if (f->owns_indices) {
-        svo_i_build_free(f->build, &f->indices);
-    }
-    cl_mem *buffers[] = {
-        &f->heads,           &f->records,        &f->vertex_colors,   &f->vertex_normals, &f->uvs,
-        &f->materials,       &f->texels,         &f->sums[0].weights, &f->sums[0].colors, &f->sums[0].normals,
-        &f->sums[1].weights, &f->sums[1].colors, &f->sums[1].normals};
+    cl_mem *buffers[] = {&f->heads,           &f->sums[0].weights, &f->sums[0].colors, &f->sums[0].normals,
+                         &f->sums[1].weights, &f->sums[1].colors,  &f->sums[1].normals};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_build_free(f->build, buffers[i]);
     }
@@ -142,16 +119,6 @@ static svo_status link_chunk(filterer *f, uint32_t chunk)
     return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_LINK) : status;
 }
 
-/* The parameters for the nodes of a level. */
-static void set_level(filterer *f, uint32_t level)
-{
-    const svo_tree_info *info = &f->build->tree->info;
-    f->params.level = level;
-    f->params.level_begin = info->level_begin[level];
-    f->params.level_count = info->level_begin[level + 1] - info->level_begin[level];
-    f->params.child_begin = info->level_begin[level + 1];
-}
-
 /* Gathers a chunk: into the leaves' sums, or where it is the only one into those of the level above. */
 static svo_status gather_chunk(filterer *f, uint32_t chunk)
 {
@@ -162,28 +129,29 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
         SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
         SVO_I_ARGUMENT(build->cursors[chunk]),
         SVO_I_ARGUMENT(f->heads),
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
-        SVO_I_ARGUMENT(f->indices),
-        SVO_I_ARGUMENT(f->records),
-        SVO_I_ARGUMENT(f->vertex_colors),
-        SVO_I_ARGUMENT(f->vertex_normals),
-        SVO_I_ARGUMENT(f->uvs),
-        SVO_I_ARGUMENT(f->materials),
-        SVO_I_ARGUMENT(f->texels),
+        SVO_I_ARGUMENT(f->surface->vertices),
+        SVO_I_ARGUMENT(f->surface->indices),
+        SVO_I_ARGUMENT(f->surface->records),
+        SVO_I_ARGUMENT(f->surface->colors),
+        SVO_I_ARGUMENT(f->surface->normals),
+        SVO_I_ARGUMENT(f->surface->uvs),
+        SVO_I_ARGUMENT(f->surface->materials),
+        SVO_I_ARGUMENT(f->surface->texels),
         SVO_I_ARGUMENT(sums->weights),
         SVO_I_ARGUMENT(sums->colors),
         SVO_I_ARGUMENT(sums->normals),
     };
     enum { COMMON = sizeof common / sizeof common[0] };
-    svo_i_argument arguments[COMMON + 5];
+    svo_i_argument arguments[COMMON + 6];
     cl_uint count = COMMON;
     memcpy(arguments, common, sizeof common);
-    set_level(f, tree->info.depth - 1);
+    svo_i_params_of_level(&f->params, &tree->info, tree->info.depth - 1);
     if (f->one_chunk) {
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]);
+        arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]);
     }
     arguments[count++] = SVO_I_ARGUMENT(f->params);
     svo_i_build_stage_begin(build);
@@ -221,8 +189,9 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(nodes->normals),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->params)};
-    return svo_i_build_launch(f->build, f->filter, arguments, 11, f->params.level_count);
+    return svo_i_build_launch(f->build, f->filter, arguments, 12, f->params.level_count);
 }
 
 static svo_status filter_levels(filterer *f)
@@ -232,7 +201,7 @@ static svo_status filter_levels(filterer *f)
     svo_status status = SVO_OK;
     for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > 0 && status == SVO_OK;) {
         const unsigned odd = (depth - level) % 2;
-        set_level(f, level);
+        svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         status = filter_level(f, &f->sums[1 - odd], &f->sums[odd]);
     }
     return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_FILTER) : status;
@@ -249,51 +218,36 @@ static svo_status clear_payload(filterer *f)
     if (status == SVO_OK && f->normal) {
         status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_NORMALS], 6);
     }
+    if (status == SVO_OK && f->fill) {
+        status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_FILLS], 2);
+    }
     return status;
 }
 
 static svo_status run(filterer *f)
 {
-    svo_i_build *build = f->build;
     svo_status status = allocate(f);
-    if (status != SVO_OK || build->tree->info.leaf_count == 0) {
+    if (status != SVO_OK || f->build->tree->info.leaf_count == 0) {
         return status == SVO_OK ? clear_payload(f) : status;
     }
-    svo_i_build_stage_begin(build);
-    if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
-        status = svo_i_build_upload(build, "vertices", build->plan->vertices, (uint64_t)build->plan->vertex_count * 12,
-                                    &build->tree->buffers[SVO_TREE_VERTICES]);
-    }
-    if (status == SVO_OK) {
-        status = upload_attributes(f);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
-    }
-    if (status == SVO_OK) {
-        status = create_kernels(f);
-    }
+    status = create_kernels(f);
     if (status == SVO_OK) {
         status = gather_leaves(f);
     }
     return status == SVO_OK ? filter_levels(f) : status;
 }
 
-svo_status svo_i_filter(svo_i_build *build)
+svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface)
 {
-    const svo_tree_info *info = &build->tree->info;
+    const uint32_t need = build->tree->info.need;
     filterer f = {.build = build,
-                  .color = (info->need & SVO_NEED_COLOR) != 0,
-                  .normal = (info->need & SVO_NEED_NORMAL) != 0,
+                  .surface = surface,
+                  .color = (need & SVO_NEED_COLOR) != 0,
+                  .normal = (need & SVO_NEED_NORMAL) != 0,
+                  .fill = (need & SVO_NEED_FILL) != 0,
                   .one_chunk = build->list.chunk_count == 1,
-                  .params = {.depth = info->depth,
-                             .leaf_begin = (cl_uint)info->inner_count,
-                             .leaf_count = (cl_uint)info->leaf_count,
-                             .voxel_log2 = build->plan->voxel_log2}};
+                  .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);
     release(&f);
-    if ((info->need & SVO_NEED_RAYS) == 0) {
-        svo_i_build_free(build, &build->tree->buffers[SVO_TREE_VERTICES]);
-    }
     return status;
 }

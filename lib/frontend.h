@@ -23,21 +23,31 @@ typedef struct svo_i_fragment_list {
 } svo_i_fragment_list;
 
 struct svo_frontend {
-    const char *name; /* "gl-expand", ... */
-    const char *share; /* "host", ... */
+    const char *name; /* "cl", "gl-expand", ... */
+    const char *share; /* "none", "host", ... */
     const char *renderer; /* OpenGL's; NULL without OpenGL */
     void *self;
     svo_device *device;
     uint64_t chunk_bytes_max; /* largest chunk the front end can write */
 
     /* Compiles what the plan's draws need. */
-    svo_status (*prepare)(void *self, const svo_plan *plan);
+    svo_status (*prepare)(void *self, svo_plan *plan, cl_command_queue queue);
     /* Draws the layout into list->chunks (chunk_count entries, zeroed): one buffer per chunk, counted to the end whether
-       or not it fits. Times: milliseconds of wall clock spent in drawing and in handing over. */
-    svo_status (*voxelize)(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms);
+       or not it fits. Adds the times of drawing and of handing over to the report's stages, and OpenCL buffers of the
+       front end's own to the plan's list. */
+    svo_status (*voxelize)(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report);
     /* Releases the buffers of a list, also of one that voxelize left half done. */
     void (*release)(void *self, svo_i_fragment_list *list);
+    /* Frees self, for svo_frontend_destroy; NULL where something else owns the front end. */
+    void (*destroy)(void *self);
 };
+
+/* Adds to a stage's time. clock: a static string. */
+static inline void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
+{
+    report->stages[stage].ms += ms;
+    report->stages[stage].clock = clock;
+}
 
 #endif

@@ -23,7 +23,7 @@
 #define NARROW_UNITS (1 << 14)
 /* Largest grid, as a power of two of its units, whose planes fit 64 bits. */
 #define REGULAR_BITS 20u
-/* A triangle this many times as long as high is drawn as a rectangle: the corners of its expanded form lie too far out for
+/* A triangle this many times as long as high is drawn by its bounds: the corners of its expanded form lie too far out for
    float arithmetic. */
 #define NEEDLE_RATIO 4096.0
 
@@ -236,24 +236,25 @@ static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsi
     return longest;
 }
 
-/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent, so
-   that columns are short. Needles (altitude under a pixel) and what reaches outside are drawn as rectangles. */
+/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent
+   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches
+   outside are drawn by their bounds. */
 static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
 {
     unsigned axis = 0;
     unsigned shortest = 0;
     for (unsigned k = 1; k < 3; ++k) {
         axis = llabs(normal[k]) > llabs(normal[axis]) ? k : axis;
-        shortest = p->last[k] - p->first[k] < p->last[shortest] - p->first[shortest] ? k : shortest;
+        shortest = p->high[k] - p->low[k] < p->high[shortest] - p->low[shortest] ? k : shortest;
     }
     if (normal[axis] == 0) {
-        return shortest | SVO_DRAW_RECTANGLE;
+        return shortest | SVO_DRAW_BOUNDS;
     }
     const double voxel = (double)(1u << plan->voxel_log2);
     const double area = (double)llabs(normal[axis]);
     const double longest = longest_edge(plan, corners, axis);
     const bool needle = area < voxel * longest || area * NEEDLE_RATIO < longest * longest;
-    return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_RECTANGLE : 0u);
+    return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
 }
 
 /* Keeps accepted triangles that meet the grid, counts the others. Items come in the order of the mesh; classes[] says

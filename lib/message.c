@@ -30,6 +30,14 @@ svo_status svo_i_fail(svo_message *message, svo_status status, const char *forma
     return status;
 }
 
+void svo_i_message_set(svo_message *message, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(message, SVO_OK, format, arguments);
+    va_end(arguments);
+}
+
 bool svo_i_mul_size(size_t a, size_t b, size_t *out)
 {
     if (b != 0 && a > SIZE_MAX / b) {

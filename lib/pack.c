@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs kernels/pack.cl and the list scans of kernels/scan.cl: sorted leaf lists, for requests that read them. */
+/*
+ * Runs kernels/pack.cl and the list scans of kernels/scan.cl: where each leaf's range of entries begins, and sorted leaf
+ * lists, for requests that read them.
+ */
 #include "build.h"
 
 typedef struct packer {
@@ -9,40 +12,32 @@ typedef struct packer {
     svo_filter_params params;
 } packer;
 
-/* One launch of a kernel that is used once a build. */
-static svo_status run(packer *p, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
-                      uint64_t items)
-{
-    cl_kernel kernel = NULL;
-    svo_status status = svo_i_build_kernel(p->build, name, &kernel);
-    if (status == SVO_OK) {
-        status = svo_i_build_launch(p->build, kernel, arguments, argument_count, items);
-        clReleaseKernel(kernel);
-    }
-    return status;
-}
-
-static svo_status allocate(packer *p)
+static svo_status allocate_ranges(packer *p)
 {
     svo_i_build *build = p->build;
-    svo_tree_info *info = &build->tree->info;
-    info->list_count = build->fragment_count;
+    const svo_tree_info *info = &build->tree->info;
     svo_status status =
         svo_i_build_alloc(build, "list_begin", (info->leaf_count + 1) * 4, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
     if (status == SVO_OK) {
-        status = svo_i_build_alloc(build, "list", build->fragment_count * 4, &build->tree->buffers[SVO_TREE_LIST]);
-    }
-    if (status == SVO_OK) {
         status = svo_i_build_alloc(build, "list_counts", info->leaf_count * 4, &p->counts);
     }
+    p->list_begin = build->tree->buffers[SVO_TREE_LIST_BEGIN];
+    return status;
+}
+
+static svo_status allocate_lists(packer *p)
+{
+    svo_i_build *build = p->build;
+    const uint64_t long_leaves = build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
+    build->tree->info.list_count = build->fragment_count;
+    svo_status status =
+        svo_i_build_alloc(build, "list", build->fragment_count * 4, &build->tree->buffers[SVO_TREE_LIST]);
     if (status == SVO_OK) {
         status = svo_i_build_alloc(build, "list_spare", build->fragment_count * 4, &p->spare);
     }
     if (status == SVO_OK) {
-        const uint64_t leaves = build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
-        status = svo_i_build_alloc(build, "long_leaves", leaves * 4, &p->long_leaves);
+        status = svo_i_build_alloc(build, "long_leaves", long_leaves * 4, &p->long_leaves);
     }
-    p->list_begin = build->tree->buffers[SVO_TREE_LIST_BEGIN];
     p->list = build->tree->buffers[SVO_TREE_LIST];
     return status;
 }
@@ -55,7 +50,7 @@ static svo_status count_lists(packer *p)
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[i]), SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(p->params)};
-        status = run(p, "svo_k_count", arguments, 3, p->params.fragment_count);
+        status = svo_i_build_run(p->build, "svo_k_count", arguments, 3, p->params.fragment_count);
     }
     return status;
 }
@@ -71,11 +66,11 @@ static svo_status scan_lists(packer *p)
                                        SVO_I_ARGUMENT(p->params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
                                   SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->params), scratch};
-    svo_status status = run(p, "svo_k_scan_lists_reduce", reduce, 4, items);
+    svo_status status = svo_i_build_run(p->build, "svo_k_scan_lists_reduce", reduce, 4, items);
     if (status == SVO_OK) {
-        status = run(p, "svo_k_scan_lists_partials", partials, 4, SVO_GROUP_ITEMS);
+        status = svo_i_build_run(p->build, "svo_k_scan_lists_partials", partials, 4, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? run(p, "svo_k_scan_lists_add", add, 5, items) : status;
+    return status == SVO_OK ? svo_i_build_run(p->build, "svo_k_scan_lists_add", add, 5, items) : status;
 }
 
 static svo_status scatter(packer *p)
@@ -90,7 +85,7 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(p->list_begin),
                                             SVO_I_ARGUMENT(p->list),
                                             SVO_I_ARGUMENT(p->params)};
-        status = run(p, "svo_k_scatter", arguments, 6, p->params.fragment_count);
+        status = svo_i_build_run(p->build, "svo_k_scatter", arguments, 6, p->params.fragment_count);
     }
     return status;
 }
@@ -101,7 +96,7 @@ static svo_status sort_lists(packer *p)
     const svo_i_argument short_lists[] = {SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->list),
                                           SVO_I_ARGUMENT(p->long_leaves), SVO_I_ARGUMENT(build->state),
                                           SVO_I_ARGUMENT(p->params)};
-    svo_status status = run(p, "svo_k_sort_short", short_lists, 5, p->params.leaf_count);
+    svo_status status = svo_i_build_run(p->build, "svo_k_sort_short", short_lists, 5, p->params.leaf_count);
     const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin),
                                          SVO_I_ARGUMENT(p->list),
                                          SVO_I_ARGUMENT(p->spare),
@@ -111,7 +106,8 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
     if (status == SVO_OK) {
-        status = run(p, "svo_k_sort_long", long_lists, 8, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
+        status =
+            svo_i_build_run(p->build, "svo_k_sort_long", long_lists, 8, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
     }
     return status;
 }
@@ -127,7 +123,25 @@ static uint32_t digit_passes(uint32_t triangle_count)
     return passes;
 }
 
-svo_status svo_i_pack(svo_i_build *build)
+static svo_status make_ranges(packer *p)
+{
+    svo_status status = allocate_ranges(p);
+    if (status == SVO_OK) {
+        status = count_lists(p);
+    }
+    return status == SVO_OK ? scan_lists(p) : status;
+}
+
+static svo_status make_lists(packer *p)
+{
+    svo_status status = allocate_lists(p);
+    if (status == SVO_OK) {
+        status = scatter(p);
+    }
+    return status == SVO_OK ? sort_lists(p) : status;
+}
+
+svo_status svo_i_pack(svo_i_build *build, bool with_lists)
 {
     const svo_tree_info *info = &build->tree->info;
     packer p = {.build = build,
@@ -135,18 +149,9 @@ svo_status svo_i_pack(svo_i_build *build)
                            .leaf_count = (cl_uint)info->leaf_count,
                            .digit_passes = digit_passes(build->plan->triangle_count)}};
     svo_i_build_stage_begin(build);
-    svo_status status = allocate(&p);
-    if (status == SVO_OK) {
-        status = count_lists(&p);
-    }
-    if (status == SVO_OK) {
-        status = scan_lists(&p);
-    }
-    if (status == SVO_OK) {
-        status = scatter(&p);
-    }
-    if (status == SVO_OK) {
-        status = sort_lists(&p);
+    svo_status status = make_ranges(&p);
+    if (status == SVO_OK && with_lists) {
+        status = make_lists(&p);
     }
     if (status == SVO_OK) {
         status = svo_i_build_stage_end(build, SVO_STAGE_PACK);

@@ -16,12 +16,35 @@
 #define DEEP_VOXEL_LOG2     8u
 /* A chunk holds at least the fragments of one column of one triangle, with a lot to spare. */
 #define CHUNK_BYTES_MIN 16384
-#define NEED_BITS       ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
 
 const char *svo_coverage_name(svo_coverage coverage)
 {
     static const char *const names[] = {"half-open", "closed", "thin"};
     return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
+}
+
+const char *svo_need_name(svo_need bit)
+{
+    switch (bit) {
+    case SVO_NEED_COLOR:
+        return "color";
+    case SVO_NEED_NORMAL:
+        return "normal";
+    case SVO_NEED_RAYS:
+        return "rays";
+    case SVO_NEED_MATERIAL:
+        return "material";
+    case SVO_NEED_FILL:
+        return "fill";
+    default:
+        return "none";
+    }
+}
+
+const char *svo_weights_name(svo_weights weights)
+{
+    static const char *const names[] = {"area", "uniform", "centre"};
+    return (unsigned)weights <= SVO_WEIGHTS_CENTRE ? names[weights] : "unknown weights";
 }
 
 static svo_status check_options(svo_device *device, const svo_plan_options *options)
@@ -30,7 +53,7 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.struct_size is %zu, not %zu",
                                  options->struct_size, sizeof *options);
     }
-    if ((options->need & ~(NEED_BITS | (uint32_t)SVO_NEED_NONE)) != 0 ||
+    if ((options->need & ~((uint32_t)SVO_NEED_ALL | (uint32_t)SVO_NEED_NONE)) != 0 ||
         ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_plan_create: options.need 0x%x is not a combination of svo_need", options->need);
@@ -38,6 +61,16 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
     if ((unsigned)options->coverage > SVO_COVERAGE_THIN) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.coverage %d is not in 0 .. %d",
                                  (int)options->coverage, (int)SVO_COVERAGE_THIN);
+    }
+    if ((unsigned)options->weights > SVO_WEIGHTS_CENTRE) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.weights %d is not in 0 .. %d",
+                                 (int)options->weights, (int)SVO_WEIGHTS_CENTRE);
+    }
+    if ((options->need & SVO_NEED_FILL) != 0 && options->weights != SVO_WEIGHTS_AREA) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.need asks for fill, which is made of areas, and "
+                                 "options.weights is %s",
+                                 svo_weights_name(options->weights));
     }
     if (!isfinite(options->edge) || options->edge < 0.0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -147,33 +180,41 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-/* What is uploaded of the mesh itself, for the lists and for the filter. */
-static void predict_geometry(svo_plan *plan)
+/* What is uploaded of the mesh itself, for the lists and for the payload. */
+static void predict_geometry(svo_plan *plan, bool with_vertices)
 {
-    svo_i_plan_buffer_add(plan, "vertices", (uint64_t)plan->vertex_count * 12);
+    if (with_vertices) {
+        svo_i_plan_buffer_add(plan, "vertices", (uint64_t)plan->vertex_count * 12);
+    }
     svo_i_plan_buffer_add(plan, "indices", (uint64_t)plan->triangle_count * 12);
+}
+
+/* Where lists begin; the scratch is released when they are sorted. */
+static void predict_ranges(svo_plan *plan, uint64_t leaves)
+{
+    svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
+    svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
 }
 
 /* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
 static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
 {
     const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
-    predict_geometry(plan);
+    predict_geometry(plan, true);
     svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
-    svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
+    predict_ranges(plan, leaves);
     svo_i_plan_buffer_add(plan, "list", fragments * 4);
-    svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
     svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
     svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
     svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
 }
 
 /* The attributes this mesh has and this request reads. */
-static void predict_attributes(svo_plan *plan)
+static void predict_surface(svo_plan *plan)
 {
     const uint64_t vertices = plan->vertex_count;
     if ((plan->info.need & SVO_NEED_RAYS) == 0) {
-        predict_geometry(plan);
+        predict_geometry(plan, plan->options.weights != SVO_WEIGHTS_UNIFORM);
     }
     svo_i_plan_buffer_add(plan, "records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record));
     if (plan->colors != NULL) {
@@ -185,16 +226,51 @@ static void predict_attributes(svo_plan *plan)
     if (plan->uvs != NULL) {
         svo_i_plan_buffer_add(plan, "uvs", vertices * 8);
     }
-    svo_i_plan_buffer_add(plan, "materials", plan->material_count * sizeof(svo_material_record));
+    if (plan->materials != NULL) {
+        svo_i_plan_buffer_add(plan, "material_records", plan->material_count * sizeof(svo_material_record));
+    }
     if (plan->texels != NULL) {
         svo_i_plan_buffer_add(plan, "texels", plan->texel_count * 4);
+    }
+}
+
+/* Nodes expected on the deepest inner level and on the one above. */
+static uint64_t expected_parents(const svo_plan *plan)
+{
+    return svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 1));
+}
+
+static uint64_t expected_grandparents(const svo_plan *plan)
+{
+    return plan->info.depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 2)) : 1;
+}
+
+/* The materials and, where they differ, the entries they are chosen from, which are released when they are. */
+static void predict_materials(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
+{
+    const bool own_ranges = (plan->info.need & SVO_NEED_RAYS) == 0;
+    const uint64_t levels[2] = {expected_grandparents(plan), expected_parents(plan)};
+    if (svo_i_plan_sorts_materials(plan) && own_ranges) {
+        predict_ranges(plan, leaves);
+        svo_i_plan_buffer_remove(plan, leaves * 4);
+    }
+    svo_i_plan_buffer_add(plan, "materials", nodes * 2);
+    if (svo_i_plan_sorts_materials(plan)) {
+        svo_i_plan_buffer_add(plan, "entry_counts", leaves * 4);
+        svo_i_plan_buffer_add(plan, "entry_begins", levels[0] * 4);
+        svo_i_plan_buffer_add(plan, "entry_counts", levels[1] * 4);
+        svo_i_plan_buffer_add(plan, "entry_begins", levels[1] * 4);
+        svo_i_plan_buffer_add(plan, "entries", fragments * 8);
+        svo_i_plan_buffer_add(plan, "entries", fragments * 8);
+        svo_i_plan_buffer_remove(plan, (leaves + levels[0] + 2 * levels[1]) * 4 + fragments * 16);
+        svo_i_plan_buffer_remove(plan, own_ranges ? (leaves + 1) * 4 : 0);
     }
 }
 
 /* The sums of the nodes of one level. */
 static void predict_sums(svo_plan *plan, uint64_t nodes)
 {
-    svo_i_plan_buffer_add(plan, "weights", nodes * 4);
+    svo_i_plan_buffer_add(plan, "weights", nodes * 8);
     if ((plan->info.need & SVO_NEED_COLOR) != 0) {
         svo_i_plan_buffer_add(plan, "color_sums", nodes * 32);
     }
@@ -203,20 +279,34 @@ static void predict_sums(svo_plan *plan, uint64_t nodes)
     }
 }
 
-/* What the filter needs: list heads, the sums of two levels, the payload itself, and the attributes it comes from. */
-static void predict_payload(svo_plan *plan, uint64_t nodes, uint64_t leaves)
+/* What the filter needs: list heads, the sums of two levels, and the payload itself. */
+static void predict_filter(svo_plan *plan, uint64_t nodes, uint64_t leaves)
 {
-    const uint32_t depth = plan->info.depth;
     svo_i_plan_buffer_add(plan, "heads", leaves * 4);
-    predict_sums(plan, depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, depth - 2)) : 1);
-    predict_sums(plan, svo_i_with_slack(svo_i_plan_expected(plan, depth - 1)));
+    predict_sums(plan, expected_grandparents(plan));
+    predict_sums(plan, expected_parents(plan));
     if ((plan->info.need & SVO_NEED_COLOR) != 0) {
         svo_i_plan_buffer_add(plan, "colors", nodes * 4);
     }
     if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
         svo_i_plan_buffer_add(plan, "normals", nodes * 6);
     }
-    predict_attributes(plan);
+    if ((plan->info.need & SVO_NEED_FILL) != 0) {
+        svo_i_plan_buffer_add(plan, "fills", nodes * 2);
+    }
+}
+
+static void predict_payload(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
+{
+    if (svo_i_plan_reads_surface(plan)) {
+        predict_surface(plan);
+    }
+    if ((plan->info.need & SVO_NEED_MATERIAL) != 0) {
+        predict_materials(plan, nodes, fragments, leaves);
+    }
+    if ((plan->info.need & SVO_I_NEED_FILTER) != 0) {
+        predict_filter(plan, nodes, leaves);
+    }
 }
 
 /* The sizes before a build: the same buffers the builder asks for, with expected counts in place of real ones, for a list
@@ -243,8 +333,8 @@ static void predict_buffers(svo_plan *plan)
     if ((plan->info.need & SVO_NEED_RAYS) != 0) {
         predict_lists(plan, fragments, leaves);
     }
-    if ((plan->info.need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {
-        predict_payload(plan, inner + leaves, leaves);
+    if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
+        predict_payload(plan, inner + leaves, fragments, leaves);
     }
 }
 

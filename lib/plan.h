@@ -49,7 +49,14 @@ typedef struct svo_i_layout {
 /* Fragments and nodes are counted in 32 bits, and scans run over whole tiles of them. */
 #define SVO_I_FRAGMENTS_MAX (UINT32_MAX - 65536u)
 
-#define SVO_I_BUFFERS_MAX 40
+#define SVO_I_BUFFERS_MAX 48
+
+/* The needs that are means or sums over triangles (filter.c), and all that are made of the mesh's attributes. */
+#define SVO_I_NEED_FILTER  ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL)
+#define SVO_I_NEED_PAYLOAD (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL)
+
+/* A node's face as its fill counts it. */
+#define SVO_I_FILL_LOG2 12u
 
 struct svo_plan {
     svo_device *device;
@@ -76,9 +83,11 @@ struct svo_plan {
     int16_t *normals; /* x, y, z, 0 per vertex */
     int32_t *uvs; /* u, v per vertex, 65536 = 1 */
     svo_material_record *materials;
-    uint32_t material_count;
+    uint32_t material_count; /* at least 1 */
+    bool materials_vary; /* not all kept triangles have that of the first */
     uint32_t *texels;
     uint64_t texel_count;
+    uint32_t weight_log2; /* a voxel's face in units of weight, at least SVO_I_FILL_LOG2 + 1 */
 
     /* What a build allocates. */
     svo_buffer_info buffers[SVO_I_BUFFERS_MAX];
@@ -95,6 +104,11 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh);
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3]);
 /* attributes.c: resolves need and fills the payload inputs. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
+
+/* attributes.c: whether nodes may have different materials. */
+bool svo_i_plan_sorts_materials(const svo_plan *plan);
+/* attributes.c: whether any stage looks at the mesh's attributes. */
+bool svo_i_plan_reads_surface(const svo_plan *plan);
 
 /* law.c: adds a kept triangle to the count law; returns the fragments expected of it alone. */
 float svo_i_law_add(svo_plan *plan, const uint32_t corners[3]);

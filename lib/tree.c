@@ -44,8 +44,9 @@ void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
 
 const char *svo_tree_buffer_name(svo_tree_buffer buffer)
 {
-    static const char *const names[SVO_TREE_BUFFER_COUNT] = {
-        "child_mask", "first_child", "colors", "normals", "list_begin", "list", "vertices", "indices", "triangle_ids"};
+    static const char *const names[SVO_TREE_BUFFER_COUNT] = {"child_mask",   "first_child", "colors",   "normals",
+                                                             "list_begin",   "list",        "vertices", "indices",
+                                                             "triangle_ids", "materials",   "fills"};
     return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
@@ -59,6 +60,10 @@ bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
         return (info->need & SVO_NEED_COLOR) != 0;
     case SVO_TREE_NORMALS:
         return (info->need & SVO_NEED_NORMAL) != 0;
+    case SVO_TREE_MATERIALS:
+        return (info->need & SVO_NEED_MATERIAL) != 0;
+    case SVO_TREE_FILLS:
+        return (info->need & SVO_NEED_FILL) != 0;
     default:
         return (info->need & SVO_NEED_RAYS) != 0;
     }
@@ -72,6 +77,8 @@ uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buf
         return info->inner_count;
     case SVO_TREE_COLORS:
     case SVO_TREE_NORMALS:
+    case SVO_TREE_MATERIALS:
+    case SVO_TREE_FILLS:
         return info->node_count;
     case SVO_TREE_LIST_BEGIN:
         return info->leaf_count + 1;
@@ -89,6 +96,9 @@ size_t svo_i_tree_element_bytes(svo_tree_buffer buffer)
     switch (buffer) {
     case SVO_TREE_CHILD_MASK:
         return 1;
+    case SVO_TREE_MATERIALS:
+    case SVO_TREE_FILLS:
+        return 2;
     case SVO_TREE_NORMALS:
         return 6;
     case SVO_TREE_VERTICES:
@@ -115,6 +125,8 @@ void svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
     arrays->vertices = tree->host[SVO_TREE_VERTICES];
     arrays->indices = tree->host[SVO_TREE_INDICES];
     arrays->triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS];
+    arrays->materials = tree->host[SVO_TREE_MATERIALS];
+    arrays->fills = tree->host[SVO_TREE_FILLS];
 }
 
 /* Bytes of an array the tree holds; 0 where it does not, or where the size does not fit the host. */
@@ -250,6 +262,8 @@ svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[S
         hash_array(state, tree, SVO_TREE_LIST);
         hash_array(state, tree, SVO_TREE_COLORS);
         hash_array(state, tree, SVO_TREE_NORMALS);
+        hash_array(state, tree, SVO_TREE_MATERIALS);
+        hash_array(state, tree, SVO_TREE_FILLS);
     }
     const XXH128_hash_t hash = XXH3_128bits_digest(state);
     XXH3_freeState(state);

@@ -24,29 +24,37 @@ typedef struct kernel_shape {
     cl_uint locals;
     launch_size size;
     uint32_t need; /* svo_need bits one of which makes the build launch it; 0: always */
+    svo_i_program_kind kind; /* the program it belongs to */
 } kernel_shape;
 
-#define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+/* Where each leaf's entries begin. */
+#define RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
 static const kernel_shape shapes[] = {
-    {"svo_k_mark", 3, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
-    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0},
-    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0},
-    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
-    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS},
-    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, PAYLOAD},
-    {"svo_k_gather_level", 18, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
-    {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
+    {"svo_k_mark", 3, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_BUILD},
+    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_material_scatter", 8, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
+     SVO_I_PROGRAM_BUILD},
+    {"svo_k_material_leaves", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
+     SVO_I_PROGRAM_BUILD},
+    {"svo_k_material_merge", 9, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_NEED_MATERIAL, SVO_I_PROGRAM_BUILD},
+    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_gather_level", 19, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_filter", 11, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_voxelize", 6, sizeof(svo_voxelize_params), 2, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_VOXELIZE},
 };
 
-#define BUFFERS_MAX   18
+#define BUFFERS_MAX   19
 #define ARGUMENTS_MAX (BUFFERS_MAX + 3)
 /* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing. */
 #define ZERO_BYTES  4096
@@ -107,13 +115,17 @@ static svo_status make_zeros(svo_i_build *build, cl_mem *zeros)
     return status;
 }
 
-svo_status svo_i_build_warm(svo_i_build *build)
+svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind)
 {
     cl_mem zeros[BUFFERS_MAX] = {NULL};
     const double start_ms = svo_i_now_ms();
+    /* One material everywhere needs no kernel. */
+    const uint32_t need =
+        build->plan->info.need & (svo_i_plan_sorts_materials(build->plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
     svo_status status = make_zeros(build, zeros);
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0] && status == SVO_OK; ++i) {
-        if (shapes[i].need == 0 || (shapes[i].need & build->plan->info.need) != 0) {
+        const bool needed = shapes[i].need == 0 || (shapes[i].need & need) != 0;
+        if (shapes[i].kind == kind && needed) {
             status = launch_sizes(build, &shapes[i], zeros);
         }
     }

@@ -8,8 +8,10 @@
 
 #include <cmocka.h>
 
-/* Ends the running test as skipped. */
-static void skip_with(fixture *opened, const char *reason)
+#include "../lib/plan.h"
+#include "scenes.h"
+
+void fixture_skip(fixture *opened, const char *reason)
 {
     print_message("skipped: %s\n", reason);
     fixture_close(opened);
@@ -21,7 +23,7 @@ static void open_device(const fixture_options *options, fixture *out)
     svo_message message = {""};
     const svo_status status = svo_device_create_default(NULL, &out->device, &message);
     if (status == SVO_NO_DEVICE) {
-        skip_with(out, message.text);
+        fixture_skip(out, message.text);
     }
     if (status != SVO_OK) {
         fail_msg("%s", message.text);
@@ -30,48 +32,29 @@ static void open_device(const fixture_options *options, fixture *out)
     out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device),
                                       options->queue_properties, &error);
     if (error == CL_INVALID_QUEUE_PROPERTIES) {
-        skip_with(out, "the device has no queues with these properties");
+        fixture_skip(out, "the device has no queues with these properties");
     }
     assert_int_equal(error, CL_SUCCESS);
 }
 
-static void open_context(const fixture_options *options, fixture *out)
-{
-    svo_message message = {""};
-    const unsigned first = options->context > 0 ? options->context - 1 : 0;
-    const unsigned end = options->context > 0 ? options->context : SVO_GL_CONTEXT_KINDS;
-    for (unsigned kind = first; kind < end; ++kind) {
-        if (svo_gl_context_create((svo_gl_context_kind)kind, 0, &out->context, &message) == SVO_OK) {
-            return;
-        }
-    }
-    skip_with(out, message.text);
-}
-
-void fixture_open(const fixture_options *options, fixture *out)
+void fixture_open_cl(const fixture_options *options, fixture *out)
 {
     *out = (fixture){0};
     open_device(options, out);
-    open_context(options, out);
-    const svo_gl_options gl_options = {
-        .struct_size = sizeof gl_options, .share = options->share, .no_int64 = options->no_int64};
-    const svo_status status = svo_gl_create(out->device, out->context, &gl_options, &out->gl);
-    if (status == SVO_UNSUPPORTED && options->share != SVO_GL_SHARE_AUTO) {
-        skip_with(out, svo_device_message(out->device));
-    }
-    if (status != SVO_OK) {
+    if (svo_frontend_create_cl(out->device, &out->cl) != SVO_OK) {
         fail_msg("%s", svo_device_message(out->device));
     }
+    out->frontend = out->cl;
 }
 
 void fixture_close(fixture *opened)
 {
-    svo_gl_destroy(&opened->gl);
+    fixture_close_gl(opened);
+    svo_frontend_destroy(&opened->cl);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }
     svo_device_destroy(&opened->device);
-    svo_gl_context_destroy(&opened->context);
     *opened = (fixture){0};
 }
 
@@ -98,6 +81,27 @@ fixture *fixture_of_group(void **state)
     return opened;
 }
 
+scene *fixture_scene(const char *spec)
+{
+    svo_message message = {""};
+    scene *made = NULL;
+    if (scene_create(spec, &made, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
+}
+
+fixture fixture_cl_of_group(void **state)
+{
+    fixture *opened = *state;
+    if (opened->device == NULL) {
+        fixture_open_cl(&(fixture_options){.queue_properties = CL_QUEUE_PROFILING_ENABLE}, opened);
+    }
+    fixture by_cl = *opened;
+    by_cl.frontend = opened->cl;
+    return by_cl;
+}
+
 /* The plan's buffers as they are now. */
 static void list_buffers(const svo_plan *plan, built *out)
 {
@@ -117,7 +121,7 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
     svo_plan *plan = NULL;
     svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &out->tree, &out->report);
+        status = svo_build(plan, opened->frontend, opened->queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, opened->queue);
@@ -132,6 +136,7 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
         fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
     }
     svo_plan_get_info(plan, &out->plan);
+    out->weight_log2 = plan->weight_log2;
     list_buffers(plan, out);
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);

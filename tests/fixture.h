@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What tests of whole builds have open: a device with a queue, an OpenGL context and its front end, and the results of a
- * build side by side. The functions belong inside a running cmocka test: what this machine lacks skips it, with the reason
- * printed; what is there and does not work fails it, with the library's message.
+ * What tests of whole builds have open: a device with a queue, the front end of OpenCL alone and, where it is asked for, an
+ * OpenGL context with its front end; scenes; and the results of a build side by side. The functions belong inside a running
+ * cmocka test: what this machine lacks skips it, with the reason printed; what is there and does not work fails it, with
+ * the library's message.
  */
 #ifndef SVOCL_FIXTURE_H
 #define SVOCL_FIXTURE_H
@@ -22,15 +23,29 @@ typedef struct fixture {
     cl_command_queue queue;
     svo_gl_context *context;
     svo_gl *gl;
+    svo_frontend *cl; /* owned */
+    svo_frontend *frontend; /* that fixture_build goes through */
 } fixture;
 
+/* With OpenGL, and built by its front end. */
 void fixture_open(const fixture_options *options, fixture *out);
+/* Without OpenGL, and built by OpenCL alone. */
+void fixture_open_cl(const fixture_options *options, fixture *out);
 void fixture_close(fixture *opened); /* one that is all zero is allowed */
 
 /* One fixture for all tests of a program: group setup and teardown, and the fixture itself, opened when first asked for. */
 int fixture_group_setup(void **state);
 int fixture_group_teardown(void **state);
 fixture *fixture_of_group(void **state);
+/* The same to build by OpenCL alone; opens no OpenGL. A view, not to be closed. */
+fixture fixture_cl_of_group(void **state);
+
+/* Closes the fixture and ends the running test as skipped. */
+void fixture_skip(fixture *opened, const char *reason);
+void fixture_close_gl(fixture *opened); /* for fixture_close */
+
+/* A procedural scene by its specification, as the program takes it. Released by scene_destroy. */
+struct scene *fixture_scene(const char *spec);
 
 #define FIXTURE_BUFFERS_MAX 48
 
@@ -42,6 +57,7 @@ typedef struct built {
     char hash[SVO_HASH_TEXT_BYTES], nodes_hash[SVO_HASH_TEXT_BYTES];
     svo_build_report report;
     svo_plan_info plan;
+    uint32_t weight_log2; /* a voxel's face in the plan's units of weight */
     svo_buffer_info buffers[FIXTURE_BUFFERS_MAX]; /* the plan's list after the build */
     size_t buffer_count;
 } built;

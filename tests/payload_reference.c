@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The payload by the definition, twice: in integers, bit for bit what the kernels make, and in doubles, what it should be. */
+/* The payload by the definition, in integers: bit for bit what the kernels make. */
 #include "payload_reference.h"
 
 #include <setjmp.h>
@@ -11,12 +11,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clip.clh"
+#include "payload_pair.h"
+
 #define WEIGHT_BITS 16
 #define WEIGHT_ONE  (INT64_C(1) << WEIGHT_BITS)
 
+typedef struct payload_reference {
+    uint8_t *colors; /* node_count * 4 */
+    int16_t *normals; /* node_count * 3 */
+    uint16_t *materials, *fills; /* node_count */
+} payload_reference;
+
 /* What a node's pairs add up to. */
 typedef struct sums {
-    int64_t pair_count;
+    int64_t weight;
     int64_t color[4], normal[3];
 } sums;
 
@@ -24,7 +33,15 @@ typedef struct sums {
 typedef struct surface {
     const svo_mesh *mesh;
     const exact *snapped;
+    svo_weights weights;
+    uint32_t weight_log2;
+    size_t material_count; /* at least 1 */
 } surface;
+
+/* What it contributes: how much, and the weights of the triangle's corners, WEIGHT_ONE in all. */
+typedef struct share {
+    int64_t weight, corners[3];
+} share;
 
 /* numerator / denominator rounded half up; denominator > 0. */
 static int64_t round_half_up(int64_t numerator, int64_t denominator)
@@ -34,39 +51,31 @@ static int64_t round_half_up(int64_t numerator, int64_t denominator)
     return doubled % (2 * denominator) < 0 ? quotient - 1 : quotient;
 }
 
-static int64_t floor_remainder(int64_t value, int64_t period)
-{
-    return (value % period + period) % period;
-}
+/* A point of the voxel seen along an axis: u and v in 2^-bits of a grid unit from its corner. */
+typedef struct seen_point {
+    int64_t u, v;
+    unsigned bits;
+} seen_point;
 
-/* Twice the signed area of the triangle (point, p, q) seen along axis. */
-static int64_t area_seen(const int64_t point[3], const int32_t p[3], const int32_t q[3], unsigned axis)
+/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the point's own square cancels out. */
+static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsigned axis, seen_point point)
 {
+    const __int128 one = (__int128)1 << point.bits;
     const unsigned u = (axis + 1) % 3;
     const unsigned v = (axis + 2) % 3;
-    return (p[u] - point[u]) * (q[v] - point[v]) - (p[v] - point[v]) * (q[u] - point[u]);
+    const __int128 p_u = ((__int128)pair->corners[p][u] - pair->box.corner[u]) * one - point.u;
+    const __int128 p_v = ((__int128)pair->corners[p][v] - pair->box.corner[v]) * one - point.v;
+    const __int128 q_u = ((__int128)pair->corners[q][u] - pair->box.corner[u]) * one - point.u;
+    const __int128 q_v = ((__int128)pair->corners[q][v] - pair->box.corner[v]) * one - point.v;
+    return (int64_t)((p_u * q_v - p_v * q_u) / one);
 }
 
-/* The axis along which the triangle looks largest; of equals the first. */
-static unsigned axis_of_view(const int32_t *const corners[3])
+/* The parts of the triangle opposite each corner, seen from the point; none negative, all 0 for a triangle of no area. */
+static void corner_parts(const payload_pair *pair, unsigned axis, seen_point point, int64_t parts[3])
 {
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
-    int64_t areas[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        areas[axis] = llabs(area_seen(first, corners[1], corners[2], axis));
-    }
-    unsigned best = 0;
-    best = areas[1] > areas[best] ? 1 : best;
-    return areas[2] > areas[best] ? 2 : best;
-}
-
-/* The parts of the triangle opposite each corner, seen from point; none negative, all 0 for a triangle of no area. */
-static void corner_parts(const int32_t *const corners[3], const int64_t point[3], int64_t parts[3])
-{
-    const unsigned axis = axis_of_view(corners);
-    parts[0] = area_seen(point, corners[1], corners[2], axis);
-    parts[1] = area_seen(point, corners[2], corners[0], axis);
-    parts[2] = area_seen(point, corners[0], corners[1], axis);
+    parts[0] = area_from(pair, 1, 2, axis, point);
+    parts[1] = area_from(pair, 2, 0, axis, point);
+    parts[2] = area_from(pair, 0, 1, axis, point);
     const int64_t area = parts[0] + parts[1] + parts[2];
     const int64_t turn = area < 0 ? -1 : area > 0 ? 1 : 0;
     for (unsigned k = 0; k < 3; ++k) {
@@ -76,10 +85,10 @@ static void corner_parts(const int32_t *const corners[3], const int64_t point[3]
 
 /* Corner weights that add up to WEIGHT_ONE: shares of the 16 leading bits of the whole, cut; the first corner has what is
    left. */
-static void corner_weights(const int32_t *const corners[3], const int64_t point[3], int64_t weights[3])
+static void corner_weights(const payload_pair *pair, unsigned axis, seen_point point, int64_t weights[3])
 {
     int64_t parts[3];
-    corner_parts(corners, point, parts);
+    corner_parts(pair, axis, point, parts);
     int64_t whole = parts[0] + parts[1] + parts[2];
     if (whole == 0) {
         weights[1] = weights[2] = WEIGHT_ONE / 3;
@@ -94,43 +103,91 @@ static void corner_weights(const int32_t *const corners[3], const int64_t point[
     weights[0] = WEIGHT_ONE - weights[1] - weights[2];
 }
 
+static void normal_of(const int32_t *const corners[3], double normal[3])
+{
+    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        normal[axis] = (double)payload_area_seen(first, corners[1], corners[2], axis);
+    }
+}
+
+/* The true area over that of the projection, 2^30 = 1. */
+static uint32_t stretch_of(const int32_t *const corners[3], unsigned axis)
+{
+    double n[3];
+    normal_of(corners, n);
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    return (uint32_t)rint((n[axis] != 0.0 ? length / fabs(n[axis]) : 1.0) * 1073741824.0);
+}
+
+/* Whether the triangle stays within 2^24 units of a unit of the voxel, in the projection. */
+static bool is_near(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
+{
+    bool near = true;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        const unsigned along_u = (axis + 1) % 3;
+        const unsigned along_v = (axis + 2) % 3;
+        near = near && llabs(pair->corners[corner][along_u] - pair->box.corner[along_u] - u) < 1 << 24 &&
+               llabs(pair->corners[corner][along_v] - pair->box.corner[along_v] - v) < 1 << 24;
+    }
+    return near;
+}
+
+/* A point in sub-units as the kernels see it: of triangles that reach far the point counts in whole units. */
+static seen_point point_at(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
+{
+    const int64_t sub_units = (INT64_C(1) << SVO_SUB_LOG2) / pair->box.width;
+    const int64_t whole_u = u / sub_units;
+    const int64_t whole_v = v / sub_units;
+    if (!is_near(pair, axis, whole_u, whole_v)) {
+        return (seen_point){whole_u, whole_v, 0};
+    }
+    int64_t coarser = 1; /* down to 2^-12 of a unit */
+    unsigned bits = 0;
+    for (; sub_units / coarser > 4096; coarser *= 2) {
+    }
+    while ((INT64_C(1) << bits) < sub_units / coarser) {
+        ++bits;
+    }
+    return (seen_point){u / coarser, v / coarser, bits};
+}
+
+static void share_by_area(const surface *of, const payload_pair *pair, share *out)
+{
+    const unsigned axis = payload_pair_axis(pair->corners);
+    int64_t polygons[2 * SVO_PART_WORDS];
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        for (unsigned k = 0; k < 3; ++k) {
+            const unsigned along = (axis + 1 + k) % 3;
+            polygons[3 * corner + k] = ((int64_t)pair->corners[corner][along] - pair->box.corner[along]) *
+                                       ((INT64_C(1) << SVO_SUB_LOG2) / pair->box.width);
+        }
+    }
+    const svo_part part = svo_clip(polygons);
+    out->weight = svo_part_weight(part.doubled_area, stretch_of(pair->corners, axis), of->weight_log2);
+    corner_weights(pair, axis, point_at(pair, axis, part.u, part.v), out->corners);
+}
+
+static void share_of(const surface *of, const payload_pair *pair, share *out)
+{
+    const unsigned axis = payload_pair_axis(pair->corners);
+    out->weight = 1;
+    switch (of->weights) {
+    case SVO_WEIGHTS_AREA:
+        share_by_area(of, pair, out);
+        break;
+    case SVO_WEIGHTS_CENTRE:
+        corner_weights(pair, axis, (seen_point){pair->box.width / 2, pair->box.width / 2, 0}, out->corners);
+        break;
+    default:
+        out->corners[1] = out->corners[2] = WEIGHT_ONE / 3;
+        out->corners[0] = WEIGHT_ONE - 2 * out->corners[1];
+    }
+}
+
 static int64_t blend(const int64_t values[3], const int64_t weights[3])
 {
     return round_half_up(values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2], WEIGHT_ONE);
-}
-
-/* The triangle's material, or NULL for white. */
-static const svo_material *material_of(const svo_mesh *mesh, uint32_t triangle)
-{
-    const uint32_t given = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
-    return mesh->material_count > 0 ? &mesh->materials[given < mesh->material_count ? given : 0] : NULL;
-}
-
-static const svo_texture *texture_of(const svo_mesh *mesh, uint32_t triangle)
-{
-    const svo_material *material = material_of(mesh, triangle);
-    return mesh->uvs != NULL && material != NULL && material->texture_index < mesh->texture_count
-               ? &mesh->textures[material->texture_index]
-               : NULL;
-}
-
-static int64_t wrapped_texel(int64_t texel, int64_t texel_count, svo_wrap wrap)
-{
-    if (wrap == SVO_WRAP_CLAMP) {
-        return texel < 0 ? 0 : texel >= texel_count ? texel_count - 1 : texel;
-    }
-    if (wrap == SVO_WRAP_REPEAT) {
-        return floor_remainder(texel, texel_count);
-    }
-    const int64_t inside = floor_remainder(texel, 2 * texel_count);
-    return inside < texel_count ? inside : 2 * texel_count - 1 - inside;
-}
-
-static int64_t texel_value(const svo_texture *texture, int64_t x, int64_t y, unsigned channel)
-{
-    const int64_t column = wrapped_texel(x, texture->width, texture->wrap_u);
-    const int64_t row = wrapped_texel(y, texture->height, texture->wrap_v);
-    return texture->rgba[(row * texture->width + column) * 4 + channel];
 }
 
 /* Texture coordinate, WEIGHT_ONE = 1, to 256ths of a texel from the middle of the first. */
@@ -143,14 +200,14 @@ static int64_t sampled(const svo_texture *texture, const int64_t uv[2], unsigned
 {
     const int64_t x = texel_position(uv[0], texture->width);
     const int64_t y = texel_position(uv[1], texture->height);
-    const int64_t right = floor_remainder(x, 256);
-    const int64_t below = floor_remainder(y, 256);
+    const int64_t right = payload_remainder(x, 256);
+    const int64_t below = payload_remainder(y, 256);
     const int64_t column = (x - right) / 256;
     const int64_t row = (y - below) / 256;
-    const int64_t upper = texel_value(texture, column, row, channel) * (256 - right) +
-                          texel_value(texture, column + 1, row, channel) * right;
-    const int64_t lower = texel_value(texture, column, row + 1, channel) * (256 - right) +
-                          texel_value(texture, column + 1, row + 1, channel) * right;
+    const int64_t upper = payload_texel(texture, column, row, channel) * (256 - right) +
+                          payload_texel(texture, column + 1, row, channel) * right;
+    const int64_t lower = payload_texel(texture, column, row + 1, channel) * (256 - right) +
+                          payload_texel(texture, column + 1, row + 1, channel) * right;
     return round_half_up(upper * (256 - below) + lower * below, 65536);
 }
 
@@ -174,14 +231,14 @@ static void sample_uv(const svo_mesh *mesh, const uint32_t corners[3], const int
     }
 }
 
-static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t corners[3], const int64_t weights[3],
+static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t corners[3], const share *by,
                       int64_t color[4])
 {
-    const svo_material *material = material_of(mesh, triangle);
-    const svo_texture *texture = texture_of(mesh, triangle);
+    const svo_material *material = payload_material(mesh, triangle);
+    const svo_texture *texture = payload_texture(mesh, triangle);
     int64_t uv[2] = {0, 0};
     if (texture != NULL) {
-        sample_uv(mesh, corners, weights, uv);
+        sample_uv(mesh, corners, by->corners, uv);
     }
     for (unsigned channel = 0; channel < 4; ++channel) {
         int64_t value = material != NULL ? material->rgba[channel] : 255;
@@ -190,12 +247,12 @@ static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t co
             for (unsigned corner = 0; corner < 3; ++corner) {
                 values[corner] = mesh->colors[(size_t)corners[corner] * 4 + channel];
             }
-            value = round_half_up(value * blend(values, weights), 255);
+            value = round_half_up(value * blend(values, by->corners), 255);
         }
         if (texture != NULL) {
             value = round_half_up(value * sampled(texture, uv, channel), 255);
         }
-        color[channel] += value;
+        color[channel] += by->weight * value;
     }
 }
 
@@ -210,24 +267,20 @@ static void fixed_unit(const double vector[3], int64_t out[3])
 
 static void own_normal(const int32_t *const corners[3], int64_t out[3])
 {
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
     double normal[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        normal[axis] = (double)area_seen(first, corners[1], corners[2], axis);
-    }
+    normal_of(corners, normal);
     fixed_unit(normal, out);
 }
 
-static void add_normal(const svo_mesh *mesh, const uint32_t indices[3], const int32_t *const corners[3],
-                       const int64_t weights[3], int64_t normal[3])
+static void add_normal(const svo_mesh *mesh, const payload_pair *pair, const share *by, int64_t normal[3])
 {
     int64_t own[3];
     int64_t values[3][3]; /* axis, corner */
-    own_normal(corners, own);
+    own_normal(pair->corners, own);
     for (unsigned corner = 0; corner < 3; ++corner) {
         int64_t unit[3] = {0, 0, 0};
         if (mesh->normals != NULL) {
-            const float *n = mesh->normals + (size_t)indices[corner] * 3;
+            const float *n = mesh->normals + (size_t)pair->indices[corner] * 3;
             fixed_unit((const double[3]){(double)n[0], (double)n[1], (double)n[2]}, unit);
         }
         const int64_t *chosen = unit[0] == 0 && unit[1] == 0 && unit[2] == 0 ? own : unit;
@@ -236,47 +289,27 @@ static void add_normal(const svo_mesh *mesh, const uint32_t indices[3], const in
         }
     }
     for (unsigned axis = 0; axis < 3; ++axis) {
-        normal[axis] += blend(values[axis], weights);
+        normal[axis] += by->weight * blend(values[axis], by->corners);
     }
 }
 
-/* A pair's triangle, given by its id, and the middle of its voxel. */
-static void open_pair(const exact *expected, const oracle_pair *pair, uint32_t indices[3], const int32_t *corners[3],
-                      int64_t middle[3])
+/* by_material: sums of weights per material. */
+static void add_pair(const surface *of, const oracle_pair *pair, sums *leaf, int64_t *by_material)
 {
-    size_t low = 0;
-    size_t high = expected->triangle_count;
-    while (high - low > 1) {
-        const size_t half = (low + high) / 2;
-        *(expected->triangle_ids[half] <= pair->triangle ? &low : &high) = half;
-    }
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        indices[corner] = expected->indices[low * 3 + corner];
-        corners[corner] = expected->vertices + (size_t)indices[corner] * 3;
-    }
-    oracle_box box;
-    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &box);
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        middle[axis] = box.corner[axis] + box.width / 2;
-    }
-}
-
-static void add_pair(const surface *of, const oracle_pair *pair, sums *leaf)
-{
-    uint32_t indices[3];
-    const int32_t *corners[3];
-    int64_t middle[3];
-    int64_t weights[3];
-    open_pair(of->snapped, pair, indices, corners, middle);
-    corner_weights(corners, middle, weights);
-    ++leaf->pair_count;
-    add_color(of->mesh, pair->triangle, indices, weights, leaf->color);
-    add_normal(of->mesh, indices, corners, weights, leaf->normal);
+    payload_pair opened;
+    share by;
+    payload_pair_open(of->snapped, pair, &opened);
+    share_of(of, &opened, &by);
+    leaf->weight += by.weight;
+    add_color(of->mesh, pair->triangle, opened.indices, &by, leaf->color);
+    add_normal(of->mesh, &opened, &by, leaf->normal);
+    const size_t material = of->mesh->triangle_materials != NULL ? of->mesh->triangle_materials[pair->triangle] : 0;
+    by_material[material < of->material_count ? material : 0] += by.weight;
 }
 
 static void add_sums(sums *to, const sums *from)
 {
-    to->pair_count += from->pair_count;
+    to->weight += from->weight;
     for (unsigned channel = 0; channel < 4; ++channel) {
         to->color[channel] += from->color[channel];
     }
@@ -286,123 +319,119 @@ static void add_sums(sums *to, const sums *from)
 }
 
 /* Leaves from the pairs, then every inner node from its children, the last one first. */
-static void sum_nodes(const surface *of, sums *nodes)
+static void sum_nodes(const surface *of, sums *nodes, int64_t *by_material)
 {
     const oracle_tree *tree = &of->snapped->tree;
     const oracle_pairs *pairs = &of->snapped->pairs;
     size_t leaf = tree->inner_count;
     for (size_t i = 0; i < pairs->count; ++i) {
         leaf += i > 0 && pairs->pairs[i].code != pairs->pairs[i - 1].code ? 1 : 0;
-        add_pair(of, &pairs->pairs[i], &nodes[leaf]);
+        add_pair(of, &pairs->pairs[i], &nodes[leaf], by_material + leaf * of->material_count);
     }
     for (size_t node = tree->inner_count; node-- > 0;) {
         size_t child = tree->first_child[node];
-        for (unsigned octant = 0; octant < 8; ++octant) {
-            if ((tree->child_mask[node] >> octant & 1) != 0) {
-                add_sums(&nodes[node], &nodes[child++]);
+        for (unsigned mask = tree->child_mask[node]; mask != 0; mask &= mask - 1) {
+            add_sums(&nodes[node], &nodes[child]);
+            for (size_t m = 0; m < of->material_count; ++m) {
+                by_material[node * of->material_count + m] += by_material[child * of->material_count + m];
             }
+            ++child;
         }
     }
 }
 
-void payload_reference_create(const svo_mesh *mesh, const exact *expected, payload_reference *out)
+static uint16_t heaviest(const int64_t *by_material, size_t material_count)
 {
-    const size_t node_count = expected->tree.node_count;
-    const surface of = {mesh, expected};
-    sums *nodes = calloc(node_count, sizeof *nodes);
-    out->colors = calloc(node_count, 4);
-    out->normals = calloc(node_count * 3, sizeof(int16_t));
+    size_t best = 0;
+    for (size_t m = 1; m < material_count; ++m) {
+        best = by_material[m] > by_material[best] ? m : best;
+    }
+    return (uint16_t)best;
+}
+
+/* Weight in 4096ths of the face of a node so many levels above the leaves. */
+static uint16_t fill_of(int64_t weight, uint32_t weight_log2, uint32_t levels_above)
+{
+    const long double face = ldexpl(1.0L, (int)(weight_log2 + 2 * levels_above));
+    const long double fill = floorl((long double)weight * 4096.0L / face + 0.5L);
+    return fill > 65535.0L ? 65535 : (uint16_t)fill;
+}
+
+static void write_node(const surface *of, size_t node, uint32_t level, const sums *from, const int64_t *by_material,
+                       payload_reference *out)
+{
+    const int64_t weight = from->weight > 0 ? from->weight : 1; /* an empty root: zeros */
+    for (unsigned channel = 0; channel < 4; ++channel) {
+        out->colors[node * 4 + channel] = (uint8_t)round_half_up(from->color[channel], weight);
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        out->normals[node * 3 + axis] = (int16_t)round_half_up(from->normal[axis], weight);
+    }
+    out->materials[node] = heaviest(by_material, of->material_count);
+    out->fills[node] = fill_of(from->weight, of->weight_log2, of->snapped->tree.depth - level);
+}
+
+static void reference_create(const svo_mesh *mesh, const exact *expected, const built *as, payload_reference *out)
+{
+    const oracle_tree *tree = &expected->tree;
+    const surface of = {mesh, expected, (svo_weights)as->info.weights, as->weight_log2,
+                        mesh->material_count > 0 ? mesh->material_count : 1};
+    sums *nodes = calloc(tree->node_count, sizeof *nodes);
+    int64_t *by_material = calloc(tree->node_count * of.material_count, sizeof *by_material);
+    out->colors = calloc(tree->node_count, 4);
+    out->normals = calloc(tree->node_count * 3, sizeof(int16_t));
+    out->materials = calloc(tree->node_count, sizeof(uint16_t));
+    out->fills = calloc(tree->node_count, sizeof(uint16_t));
     assert_non_null(nodes);
+    assert_non_null(by_material);
     assert_non_null(out->colors);
     assert_non_null(out->normals);
-    sum_nodes(&of, nodes);
-    for (size_t node = 0; node < node_count; ++node) {
-        const int64_t pair_count = nodes[node].pair_count > 0 ? nodes[node].pair_count : 1; /* an empty root: zeros */
-        for (unsigned channel = 0; channel < 4; ++channel) {
-            out->colors[node * 4 + channel] = (uint8_t)round_half_up(nodes[node].color[channel], pair_count);
+    assert_non_null(out->materials);
+    assert_non_null(out->fills);
+    sum_nodes(&of, nodes, by_material);
+    uint32_t level = 0;
+    for (size_t node = 0; node < tree->node_count; ++node) {
+        while (node >= tree->level_begin[level + 1]) {
+            ++level;
         }
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            out->normals[node * 3 + axis] = (int16_t)round_half_up(nodes[node].normal[axis], pair_count);
-        }
+        write_node(&of, node, level, &nodes[node], by_material + node * of.material_count, out);
     }
+    free(by_material);
     free(nodes);
 }
 
-void payload_reference_destroy(payload_reference *made)
+static void reference_destroy(payload_reference *made)
 {
     free(made->colors);
     free(made->normals);
+    free(made->materials);
+    free(made->fills);
     *made = (payload_reference){0};
 }
 
-/* Bilinear, in texels from the middle of the first. */
-static double double_sample(const svo_texture *texture, double u, double v, unsigned channel)
+void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const built *actual)
 {
-    const double x = u * texture->width - 0.5;
-    const double y = v * texture->height - 0.5;
-    const int64_t column = (int64_t)floor(x);
-    const int64_t row = (int64_t)floor(y);
-    const double right = x - (double)column;
-    const double below = y - (double)row;
-    const double upper = (double)texel_value(texture, column, row, channel) * (1.0 - right) +
-                         (double)texel_value(texture, column + 1, row, channel) * right;
-    const double lower = (double)texel_value(texture, column, row + 1, channel) * (1.0 - right) +
-                         (double)texel_value(texture, column + 1, row + 1, channel) * right;
-    return upper * (1.0 - below) + lower * below;
-}
-
-static void add_double_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t indices[3],
-                             const double weights[3], double color[4])
-{
-    const svo_material *material = material_of(mesh, triangle);
-    const svo_texture *texture = texture_of(mesh, triangle);
-    double uv[2] = {0.0, 0.0};
-    for (unsigned corner = 0; corner < 3 && texture != NULL; ++corner) {
-        uv[0] += weights[corner] * (double)mesh->uvs[(size_t)indices[corner] * 2];
-        uv[1] += weights[corner] * (double)mesh->uvs[(size_t)indices[corner] * 2 + 1];
-    }
-    for (unsigned channel = 0; channel < 4; ++channel) {
-        double value = material != NULL ? material->rgba[channel] : 255.0;
-        if (mesh->colors != NULL) {
-            double mixed = 0.0;
-            for (unsigned corner = 0; corner < 3; ++corner) {
-                mixed += weights[corner] * mesh->colors[(size_t)indices[corner] * 4 + channel];
+    payload_reference payload;
+    reference_create(mesh, expected, actual, &payload);
+    const struct {
+        const char *name;
+        const void *actual, *expected;
+        size_t node_bytes;
+    } arrays[] = {{"colour", actual->arrays.colors, payload.colors, 4},
+                  {"normal", actual->arrays.normals, payload.normals, 6},
+                  {"material", actual->arrays.materials, payload.materials, 2},
+                  {"fill", actual->arrays.fills, payload.fills, 2}};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
+        const size_t bytes = arrays[i].node_bytes;
+        for (size_t node = 0; arrays[i].actual != NULL && node < actual->info.node_count; ++node) {
+            const uint8_t *a = (const uint8_t *)arrays[i].actual + node * bytes;
+            const uint8_t *e = (const uint8_t *)arrays[i].expected + node * bytes;
+            if (memcmp(a, e, bytes) != 0) {
+                fail_msg("%s of node %zu of %llu (%llu inner): bytes %02x %02x .., not %02x %02x ..", arrays[i].name,
+                         node, (unsigned long long)actual->info.node_count,
+                         (unsigned long long)actual->info.inner_count, a[0], a[1], e[0], e[1]);
             }
-            value *= mixed / 255.0;
         }
-        color[channel] += texture != NULL ? value * double_sample(texture, uv[0], uv[1], channel) / 255.0 : value;
     }
-}
-
-static void double_weights(const int32_t *const corners[3], const int64_t middle[3], double weights[3])
-{
-    int64_t parts[3];
-    corner_parts(corners, middle, parts);
-    const double whole = (double)(parts[0] + parts[1] + parts[2]);
-    for (unsigned k = 0; k < 3; ++k) {
-        weights[k] = whole > 0.0 ? (double)parts[k] / whole : 1.0 / 3.0;
-    }
-}
-
-void payload_double_colors(const svo_mesh *mesh, const exact *expected, double *rgba)
-{
-    const oracle_pairs *pairs = &expected->pairs;
-    size_t leaf = 0;
-    for (size_t begin = 0; begin < pairs->count; ++leaf) {
-        double color[4] = {0.0, 0.0, 0.0, 0.0};
-        size_t end = begin;
-        for (; end < pairs->count && pairs->pairs[end].code == pairs->pairs[begin].code; ++end) {
-            uint32_t indices[3];
-            const int32_t *corners[3];
-            int64_t middle[3];
-            double weights[3];
-            open_pair(expected, &pairs->pairs[end], indices, corners, middle);
-            double_weights(corners, middle, weights);
-            add_double_color(mesh, pairs->pairs[end].triangle, indices, weights, color);
-        }
-        for (unsigned channel = 0; channel < 4; ++channel) {
-            rgba[leaf * 4 + channel] = color[channel] / (double)(end - begin);
-        }
-        begin = end;
-    }
+    reference_destroy(&payload);
 }

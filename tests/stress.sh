@@ -1,21 +1,25 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# svocl stress on little work: every case passes, and the JSON has its names, every row and every way.
+# svocl stress on little work, through OpenGL where there is one and through OpenCL alone: every case passes, and the JSON has
+# its names, every row and every way.
 #
 # usage: stress.sh PROGRAM
 set -euo pipefail
 
 readonly program=$1
-document=$("$program" stress --count 1 --json) || failed=1
-for word in device renderer seed count cases name way false_negatives false_positives figure unit ms judged passed; do
-    [[ $document == *"\"$word\":"* ]] || { echo "no \"$word\" in the JSON"; failed=1; }
+for frontend in auto cl; do
+    document=$("$program" stress --count 1 --frontend "$frontend" --json) || failed=1
+    for word in device frontend frontend_reason renderer seed count cases name way false_negatives false_positives figure unit ms judged passed; do
+        [[ $document == *"\"$word\":"* ]] || { echo "no \"$word\" in the JSON"; failed=1; }
+    done
+    for row in T1 T2 T3 T4 T5 T6 T7 T8 T9 T10 T14 T15 T16; do
+        [[ $document == *"\"$row "* ]] || { echo "no row $row"; failed=1; }
+    done
+    for way in svocl Schwarz-Seidel box-centred 'pixel centres' '4 samples' expanded; do
+        [[ $document == *"\"$way\""* ]] || { echo "no way $way"; failed=1; }
+    done
+    echo "$document" | grep -E '"(name|reason)"' | grep -B 1 '"reason"' || true
+    echo "$frontend: $(grep -c '"judged":[[:space:]]*true' <<<"$document") judged cases"
 done
-for row in T1 T2 T3 T4 T5 T6 T7 T8 T9 T10 T14 T15 T16; do
-    [[ $document == *"\"$row "* ]] || { echo "no row $row"; failed=1; }
-done
-for way in svocl Schwarz-Seidel box-centred 'pixel centres' '4 samples' expanded; do
-    [[ $document == *"\"$way\""* ]] || { echo "no way $way"; failed=1; }
-done
-echo "$document" | grep -E '"(name|reason)"' | grep -B 1 '"reason"' || true
 exit "${failed:-0}"

@@ -28,16 +28,6 @@ static void check_mesh(const fixture *opened, const svo_mesh *mesh, unsigned dep
     built_destroy(&actual);
 }
 
-static scene *open_scene(const char *spec)
-{
-    svo_message message = {""};
-    scene *made = NULL;
-    if (scene_create(spec, &made, &message) != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return made;
-}
-
 static void scenes_are_exact(void **state)
 {
     static const struct {
@@ -48,7 +38,7 @@ static void scenes_are_exact(void **state)
                  {"cornell", {4, 7, 8}},       {"statue:120000:2", {7, 8, 10}}, {"cube", {1, 5, 8}}};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        scene *made = open_scene(cases[i].spec);
+        scene *made = fixture_scene(cases[i].spec);
         for (unsigned k = 0; k < 3; ++k) {
             print_message("%s at depth %u\n", cases[i].spec, cases[i].depths[k]);
             check_mesh(opened, scene_mesh(made), cases[i].depths[k], &with_lists);
@@ -60,7 +50,7 @@ static void scenes_are_exact(void **state)
 static void all_depths_are_exact(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = open_scene("knot:1000");
+    scene *made = fixture_scene("knot:1000");
     for (unsigned depth = SVO_DEPTH_MIN; depth <= 9; ++depth) {
         check_mesh(opened, scene_mesh(made), depth, &with_lists);
     }
@@ -218,7 +208,7 @@ static void abutting_grids_partition_the_scene(void **state)
 static void trees_nest(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = open_scene("statue:20000");
+    scene *made = fixture_scene("statue:20000");
     built deep;
     fixture_build(opened, scene_mesh(made), 10, &(svo_plan_options){.need = SVO_NEED_NONE}, &deep);
     for (unsigned depth = 1; depth < 10; depth += depth < 5 ? 2 : 1) {
@@ -397,7 +387,7 @@ static void one_leaf_holds_very_many_triangles(void **state)
 static void lists_of_all_lengths_are_sorted(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = open_scene("dust:300000");
+    scene *made = fixture_scene("dust:300000");
     for (unsigned depth = 1; depth <= 7; depth += 2) {
         check_mesh(opened, scene_mesh(made), depth, &with_lists);
     }

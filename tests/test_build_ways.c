@@ -22,16 +22,6 @@
 
 static const svo_plan_options everything = {.need = NEED_ALL};
 
-static scene *open_scene(const char *spec)
-{
-    svo_message message = {""};
-    scene *made = NULL;
-    if (scene_create(spec, &made, &message) != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return made;
-}
-
 /* The tree all others must be, and what was compared with it. */
 typedef struct baseline {
     scene *scene;
@@ -43,7 +33,7 @@ typedef struct baseline {
 static void make_baseline(void **state, const char *spec, unsigned depth, baseline *out)
 {
     const fixture *opened = fixture_of_group(state);
-    *out = (baseline){.scene = open_scene(spec), .depth = depth};
+    *out = (baseline){.scene = fixture_scene(spec), .depth = depth};
     out->mesh = scene_mesh(out->scene);
     built actual;
     fixture_build(opened, out->mesh, depth, &everything, &actual);
@@ -314,7 +304,7 @@ static void permuted_triangles_give_the_same_nodes_and_payload(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const svo_plan_options options = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL};
-    scene *made = open_scene("knot:20000");
+    scene *made = fixture_scene("knot:20000");
     svo_mesh mesh = *scene_mesh(made);
     built expected;
     fixture_build(opened, &mesh, 7, &options, &expected);
@@ -341,7 +331,7 @@ static void forms_of_the_same_mesh_give_the_same_tree(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const svo_plan_options options = {.need = SVO_NEED_NORMAL};
-    scene *made = open_scene("terrain:5000");
+    scene *made = fixture_scene("terrain:5000");
     const svo_mesh *mesh = scene_mesh(made);
     built expected;
     fixture_build(opened, mesh, 8, &options, &expected);

@@ -30,7 +30,7 @@
 #include "svocl/plan.h"
 
 #define DEPTH      3
-#define NEED_ALL   (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
+#define NEED_ALL   ((uint32_t)SVO_NEED_ALL)
 #define PATH_BYTES 512
 
 static char directory[PATH_BYTES];
@@ -56,12 +56,18 @@ static void fill_payload(svo_tree *tree)
     svo_tree_info *info = &tree->info;
     uint8_t *colors = allocate(info->node_count * 4);
     int16_t *normals = allocate(info->node_count * 6);
+    uint16_t *materials = allocate(info->node_count * 2);
+    uint16_t *fills = allocate(info->node_count * 2);
     for (uint64_t i = 0; i < info->node_count; ++i) {
         memset(colors + 4 * i, (int)(i * 7 % 256), 4);
         normals[3 * i] = (int16_t)(i * 100);
+        materials[i] = (uint16_t)(i * 11);
+        fills[i] = (uint16_t)(i * 13 + 1);
     }
     tree->host[SVO_TREE_COLORS] = colors;
     tree->host[SVO_TREE_NORMALS] = normals;
+    tree->host[SVO_TREE_MATERIALS] = materials;
+    tree->host[SVO_TREE_FILLS] = fills;
 
     /* Leaf k meets triangle 0 and, if k is odd, triangle 1 of the two. */
     info->vertex_count = 4;
@@ -246,7 +252,8 @@ static void round_trip(const svo_tree *tree, uint32_t compress)
 static void test_round_trips(void **unused)
 {
     (void)unused;
-    static const uint32_t needs[] = {0, SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_RAYS, NEED_ALL};
+    static const uint32_t needs[] = {
+        0, SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_FILL, NEED_ALL};
     uint32_t all_codes[512];
     for (uint32_t i = 0; i < 512; ++i) {
         all_codes[i] = i;
@@ -296,18 +303,18 @@ static void test_layout_is_the_documented_one(void **unused)
     memcpy(&edge, bytes + 80, 8);
     memcpy(&triangles, bytes + 104, 8);
     memcpy(level_begin, bytes + 128, 8);
-    memcpy(&kind, bytes + 200 + 40 * 8, 4);
+    memcpy(&kind, bytes + 200 + 40 * 10, 4);
     assert_memory_equal(bytes, "\x89SVO\r\n\x1a\n", 8);
     assert_int_equal(words[0], 1);
-    assert_int_equal(words[1], 200 + 40 * 9);
+    assert_int_equal(words[1], 200 + 40 * 11);
     assert_int_equal(words[2], DEPTH);
     assert_int_equal(file_bytes, byte_count);
-    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 9 - 32));
+    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 11 - 32));
     assert_true(edge == 2);
     assert_int_equal(triangles, 9);
     assert_int_equal(level_begin[0], 0);
     assert_int_equal(level_begin[1], 1);
-    assert_int_equal(kind, SVO_TREE_TRIANGLE_IDS);
+    assert_int_equal(kind, SVO_TREE_FILLS);
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -432,14 +439,15 @@ static void test_broken_headers_are_named(void **unused)
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     expect_word_refused(bytes, byte_count, 8, 2, "version 2 is not known");
-    expect_word_refused(bytes, byte_count, 32, 10, "10 chunks, at most 9");
+    expect_word_refused(bytes, byte_count, 32, 12, "12 chunks, at most 11");
     expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
     expect_word_refused(bytes, byte_count, 44, 3, "coverage 3 is not known");
-    expect_word_refused(bytes, byte_count, 48, 8, "unknown bits");
-    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~SVO_NEED_COLOR, "chunk 2: kind is 2, 3 (normals) expected");
-    expect_word_refused(bytes, byte_count, 52, 1, "bytes 52 .. 56");
+    expect_word_refused(bytes, byte_count, 48, 32, "unknown bits");
+    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_COLOR,
+                        "chunk 2: kind is 2, 3 (normals) expected");
+    expect_word_refused(bytes, byte_count, 52, 3, "weights 3 are not known");
     expect_word_refused(bytes, byte_count, 60, 0x7ff00000, "origin is not finite");
     expect_word_refused(bytes, byte_count, 84, 0xbff00000, "edge");
     expect_word_refused(bytes, byte_count, 112, 100, "100 of 9 triangles refused");

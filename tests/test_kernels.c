@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h), trees and
- * payload are compared with them, and nothing may depend on the order of the fragments, on the cut of the list, or on what
+ * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h) and from the
+ * front end of OpenCL, trees and payload are compared with the references, and nothing may depend on the order of the fragments, on the cut of the list, or on what
  * was in the buffers before (dirty_buffers.c).
  *
  * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
@@ -22,7 +22,7 @@
 #include "payload_reference.h"
 #include "walk_frontend.h"
 
-#define PAYLOAD  ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+#define PAYLOAD  (SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS)
 #define NEED_ALL (PAYLOAD | (uint32_t)SVO_NEED_RAYS)
 /* The least there may be: 2048 fragments of short codes a chunk. */
 #define SMALL_CHUNK_BYTES 16384
@@ -72,6 +72,7 @@ static void skip_without_device(void **state)
 /* How a tree is built; which way must not show. */
 typedef struct way {
     uint64_t seed; /* of the fragments' order */
+    bool cl; /* by the front end of OpenCL, whose order is its own */
     uint64_t chunk_bytes; /* 0: one chunk */
     uint64_t fragment_capacity; /* 0: by the count law */
 } way;
@@ -81,6 +82,7 @@ typedef struct request {
     unsigned depth;
     uint32_t need;
     double edge; /* of the grid at the origin; 0: fitted */
+    svo_weights weights;
 } request;
 
 static svo_plan_options options_of(const request *asked, const way *by)
@@ -88,6 +90,7 @@ static svo_plan_options options_of(const request *asked, const way *by)
     return (svo_plan_options){.struct_size = sizeof(svo_plan_options),
                               .need = asked->need,
                               .edge = asked->edge,
+                              .weights = asked->weights,
                               .fragment_capacity = by->fragment_capacity,
                               .chunk_bytes = by->chunk_bytes};
 }
@@ -97,11 +100,15 @@ static void build(const request *asked, const way *by, built *out)
     const svo_plan_options options = options_of(asked, by);
     *out = (built){.report = {.struct_size = sizeof out->report}};
     walk_frontend walk;
+    svo_frontend *cl = NULL;
     walk_frontend_init(bench.device, by->seed, &walk);
     svo_plan *plan = NULL;
     svo_status status = svo_plan_create(bench.device, asked->mesh, asked->depth, &options, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, &walk.frontend, bench.queue, &out->tree, &out->report);
+        status = svo_frontend_create_cl(bench.device, &cl);
+    }
+    if (status == SVO_OK) {
+        status = svo_build(plan, by->cl ? cl : &walk.frontend, bench.queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, bench.queue);
@@ -112,6 +119,8 @@ static void build(const request *asked, const way *by, built *out)
     if (status != SVO_OK) {
         fail_msg("%s: %s", svo_status_name(status), svo_device_message(bench.device));
     }
+    out->weight_log2 = plan->weight_log2;
+    svo_frontend_destroy(&cl);
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);
     svo_tree_get_arrays(out->tree, &out->arrays);
@@ -138,6 +147,12 @@ static void assert_same_tree(const built *actual, const built *expected)
     if (expected->arrays.normals != NULL) {
         assert_memory_equal(actual->arrays.normals, expected->arrays.normals, nodes * 6);
     }
+    if (expected->arrays.materials != NULL) {
+        assert_memory_equal(actual->arrays.materials, expected->arrays.materials, nodes * 2);
+    }
+    if (expected->arrays.fills != NULL) {
+        assert_memory_equal(actual->arrays.fills, expected->arrays.fills, nodes * 2);
+    }
     assert_string_equal(actual->hash, expected->hash);
 }
 
@@ -148,21 +163,13 @@ static void assert_true_tree(const request *asked, const svo_plan_options *optio
     exact_create(asked->mesh, asked->depth, options, &reference);
     assert_tree_is_exact(actual, &reference);
     if ((asked->need & PAYLOAD) != 0) {
-        payload_reference payload;
-        payload_reference_create(asked->mesh, &reference, &payload);
-        if (actual->arrays.colors != NULL) {
-            assert_memory_equal(actual->arrays.colors, payload.colors, actual->info.node_count * 4);
-        }
-        if (actual->arrays.normals != NULL) {
-            assert_memory_equal(actual->arrays.normals, payload.normals, actual->info.node_count * 6);
-        }
-        payload_reference_destroy(&payload);
+        assert_payload_is_exact(asked->mesh, &reference, actual);
     }
     exact_destroy(&reference);
 }
 
-/* In one chunk, in another order, in many chunks, and drawn again because the list was too small. The reports are those of
-   the last two. */
+/* In one chunk, in another order, in many chunks, and drawn again because the list was too small, by the references' walk
+   and by the front end of OpenCL. The reports are those of the walk's many chunks and of its list that grew. */
 static void check_all_ways(const request *asked, svo_build_report *cut, svo_build_report *grown)
 {
     const way plain = {.seed = 1};
@@ -173,9 +180,12 @@ static void check_all_ways(const request *asked, svo_build_report *cut, svo_buil
     assert_in_range(expected.report.list_chunks, 0, 1);
     const way others[] = {{.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
                           {.seed = 3, .fragment_capacity = expected.info.fragments / 3 + 1},
+                          {.cl = true, .chunk_bytes = SMALL_CHUNK_BYTES},
+                          {.cl = true, .fragment_capacity = expected.info.fragments / 3 + 1},
+                          {.cl = true},
                           {.seed = 4}};
-    svo_build_report reports[3] = {{0}};
-    for (size_t i = 0; i < (bench.small ? 2 : 3); ++i) {
+    svo_build_report reports[6] = {{0}};
+    for (size_t i = 0; i < (bench.small ? 4 : 6); ++i) {
         built actual;
         build(asked, &others[i], &actual);
         assert_same_tree(&actual, &expected);
@@ -276,8 +286,8 @@ static void trees_are_exact(void **state)
         print_message("depth %u\n", depths[i]);
         owned_mesh made;
         mesh_for_depth(i, bench.small ? 12 : 150, depths[i], 24.0, &made);
-        const request asked = {&made.mesh, depths[i], SVO_NEED_RAYS, 1.0};
-        const request nodes_alone = {&made.mesh, depths[i], SVO_NEED_NONE, 1.0};
+        const request asked = {&made.mesh, depths[i], SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA};
+        const request nodes_alone = {&made.mesh, depths[i], SVO_NEED_NONE, 1.0, SVO_WEIGHTS_AREA};
         svo_build_report reports[2];
         if (bench.small) {
             check_exact(&asked, &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, reports);
@@ -300,9 +310,10 @@ static void random_meshes_are_exact(void **state)
         random_mesh(seed, bench.small ? 30 : 300, seed % 2 == 0 ? 0.0 : 0.5, &made);
         svo_build_report reports[2];
         if (!bench.small) {
-            check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 0.0}, &reports[0], &reports[1]);
+            check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 0.0, SVO_WEIGHTS_AREA}, &reports[0],
+                           &reports[1]);
         }
-        check_all_ways(&(request){&made.mesh, depth, NEED_ALL, 1.0}, &reports[0], &reports[1]);
+        check_all_ways(&(request){&made.mesh, depth, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &reports[0], &reports[1]);
         owned_mesh_free(&made);
     }
 }
@@ -313,11 +324,18 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
     static const struct {
         uint32_t need;
         bool colors, normals, textures;
+        svo_weights weights;
     } cases[] = {
-        {PAYLOAD, true, true, true},           {NEED_ALL, true, true, true},
-        {SVO_NEED_COLOR, false, false, false}, {SVO_NEED_COLOR, true, false, false},
-        {SVO_NEED_COLOR, false, true, true},   {SVO_NEED_NORMAL, true, false, false},
-        {SVO_NEED_NORMAL, false, true, false},
+        {PAYLOAD, true, true, true, SVO_WEIGHTS_AREA},
+        {NEED_ALL, true, true, true, SVO_WEIGHTS_AREA},
+        {SVO_NEED_COLOR, false, false, false, SVO_WEIGHTS_CENTRE},
+        {SVO_NEED_COLOR, true, false, false, SVO_WEIGHTS_UNIFORM},
+        {SVO_NEED_COLOR, false, true, true, SVO_WEIGHTS_AREA},
+        {SVO_NEED_NORMAL, true, false, false, SVO_WEIGHTS_AREA},
+        {SVO_NEED_NORMAL, false, true, false, SVO_WEIGHTS_CENTRE},
+        {SVO_NEED_MATERIAL, false, false, false, SVO_WEIGHTS_AREA},
+        {SVO_NEED_MATERIAL | SVO_NEED_NORMAL, true, true, false, SVO_WEIGHTS_UNIFORM},
+        {SVO_NEED_FILL, true, true, false, SVO_WEIGHTS_AREA},
     };
     static const unsigned depths[] = {5, 1, 4, 10, 11};
     skip_without_device(state);
@@ -333,7 +351,7 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
             made.mesh.texture_count = cases[i].textures ? 2 : 0;
             svo_build_report cut;
             svo_build_report grown;
-            check_all_ways(&(request){&made.mesh, depths[k], cases[i].need, 1.0}, &cut, &grown);
+            check_all_ways(&(request){&made.mesh, depths[k], cases[i].need, 1.0, cases[i].weights}, &cut, &grown);
             assert_true(depths[k] < 4 || cut.list_chunks > 1);
             assert_true(depths[k] < 4 || grown.reruns > 0);
             painted_free(&made);
@@ -357,7 +375,7 @@ static void a_mesh_of_one_colour_gives_it_to_every_node(void **state)
         memcpy(made.normals + v * 3, upwards, sizeof upwards);
     }
     built actual;
-    build(&(request){&made.mesh, 4, PAYLOAD, 1.0}, &(way){.seed = 1}, &actual);
+    build(&(request){&made.mesh, 4, PAYLOAD, 1.0, SVO_WEIGHTS_AREA}, &(way){.seed = 1}, &actual);
     assert_in_range(actual.info.node_count, 100, UINT32_MAX);
     for (uint64_t node = 0; node < actual.info.node_count; ++node) {
         assert_memory_equal(actual.arrays.colors + node * 4, rgba, sizeof rgba);
@@ -375,7 +393,7 @@ static void a_mesh_without_triangles_gives_a_root(void **state)
     skip_without_device(state);
     for (size_t i = 0; i < 3; ++i) {
         const svo_mesh mesh = {.struct_size = sizeof mesh};
-        const request asked = {&mesh, 1 + (bench.small ? 1 : 5) * (unsigned)i, needs[i], 0.0};
+        const request asked = {&mesh, 1 + (bench.small ? 1 : 5) * (unsigned)i, needs[i], 0.0, SVO_WEIGHTS_AREA};
         built actual;
         build(&asked, &(way){.seed = 1}, &actual);
         assert_int_equal(actual.info.node_count, 1);
@@ -399,10 +417,10 @@ static void one_leaf_holds_thousands_of_triangles(void **state)
         svo_build_report cut;
         svo_build_report grown;
         if (bench.small) {
-            check_exact(&(request){&made.mesh, 3, SVO_NEED_RAYS, 1.0},
+            check_exact(&(request){&made.mesh, 3, SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA},
                         &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
         } else {
-            check_all_ways(&(request){&made.mesh, 5, NEED_ALL, 1.0}, &cut, &grown);
+            check_all_ways(&(request){&made.mesh, 5, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
             assert_in_range(cut.list_chunks, (counts[i] + 2047) / 2048, counts[i] / 256 + 1);
         }
         owned_mesh_free(&made);
@@ -427,7 +445,7 @@ static void lists_of_all_lengths_are_sorted(void **state)
     }
     svo_build_report reports[2];
     for (unsigned depth = 2; depth <= (bench.small ? 2 : 6); ++depth) {
-        check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 1.0}, &reports[0], &reports[1]);
+        check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA}, &reports[0], &reports[1]);
     }
     owned_mesh_free(&made);
 }
@@ -441,11 +459,11 @@ static void a_scene_that_defies_the_count_law_is_built_again(void **state)
     corner_mesh(bench.small ? 8 : 24, &made);
     svo_build_report cut;
     if (bench.small) {
-        check_exact(&(request){&made.mesh, 4, SVO_NEED_NONE, 1.0}, &(way){.seed = 1, .chunk_bytes = SMALL_CHUNK_BYTES},
-                    &cut);
+        check_exact(&(request){&made.mesh, 4, SVO_NEED_NONE, 1.0, SVO_WEIGHTS_AREA},
+                    &(way){.seed = 1, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
     } else {
         svo_build_report grown;
-        check_all_ways(&(request){&made.mesh, 10, NEED_ALL, 1.0}, &cut, &grown);
+        check_all_ways(&(request){&made.mesh, 10, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
         assert_in_range(grown.reruns, 2, 32); /* the list, and the nodes */
     }
     assert_in_range(cut.reruns, 1, 32);

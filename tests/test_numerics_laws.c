@@ -508,8 +508,10 @@ static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
             colors[i] = i % 12 < 4 ? (uint8_t)random_word(&random) : colors[i - 4];
         }
         made.mesh.colors = colors;
-        const svo_plan_options options = {
-            .need = SVO_NEED_COLOR, .edge = EDGE, .coverage = coverages[seed % COVERAGES]};
+        const svo_plan_options options = {.need = SVO_NEED_COLOR,
+                                          .weights = SVO_WEIGHTS_UNIFORM,
+                                          .edge = EDGE,
+                                          .coverage = coverages[seed % COVERAGES]};
         built actual;
         exact expected;
         fixture_build(opened, &made.mesh, FILTER_DEPTH, &options, &actual);

@@ -2,7 +2,8 @@
 /*
  * T17 mutation: the tests find mistakes. The shared overlap test with one comparison flipped, one axis left out, or one term
  * dropped fails the golden counts (T1) and the random pairs (T4); rasterization without the expansion's margin fails the
- * golden counts. The text without a mistake passes both the same way.
+ * golden counts. The text without a mistake passes both the same way. That svocl stress finds mistakes too is shown by the
+ * programs of tests/mutants.
  */
 #include <setjmp.h>
 #include <stdarg.h>

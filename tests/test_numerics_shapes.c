@@ -196,6 +196,45 @@ static void t3_slivers_of_any_aspect_are_exact(void **state)
     compare_all_coverages(opened, &mesh, 4, 0.0);
 }
 
+/* A needle through a point of the unit cube, its ends up to reach beyond the cube, the third corner on it or nearly so. */
+static void needle_through_cube(uint64_t *random, double reach, double *corners)
+{
+    static const double widths[] = {0.0, 1e-7, 1e-5};
+    const double width = widths[random_below(random, 3)];
+    const double ahead = random_unit(random);
+    const double along = random_unit(random);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const double through = random_unit(random);
+        corners[axis] = random_unit(random) * (1.0 + 2.0 * reach) - reach;
+        corners[3 + axis] = through + (through - corners[axis]) * ahead;
+        const double inside = corners[axis] + along * (corners[3 + axis] - corners[axis]);
+        corners[6 + axis] = inside + (random_unit(random) - 0.5) * width;
+    }
+}
+
+/* Needles are drawn as bands: from end to end of the deepest grids, and far out of them. */
+static void t3_needles_across_deep_grids_are_exact(void **state)
+{
+    enum { NEEDLES = 3 };
+    static const double reaches[] = {0.0, 0.5, 15.0};
+    static const unsigned depths[] = {11, 14, 16};
+    const fixture *opened = fixture_of_group(state);
+    const uint64_t seed = 20240302;
+    uint64_t random = seed;
+    print_message("seed %llu\n", (unsigned long long)seed);
+    for (unsigned d = 0; d < 3; ++d) {
+        for (unsigned r = 0; r < 3; ++r) {
+            double positions[NEEDLES * 9];
+            const svo_mesh mesh = mesh_of(positions, NEEDLES);
+            for (unsigned i = 0; i < NEEDLES; ++i) {
+                needle_through_cube(&random, reaches[r], positions + (size_t)i * 9);
+            }
+            const svo_plan_options options = {.need = SVO_NEED_RAYS, .edge = 1.0, .coverage = coverages[r]};
+            build_and_compare(opened, &mesh, depths[d], &options);
+        }
+    }
+}
+
 /*
  * T4 pairs, far from the origin: what the snap makes of the mesh is exact, and its error is reported, not hidden.
  */
@@ -358,6 +397,7 @@ int main(void)
         cmocka_unit_test(t2_points_have_one_voxel_a_level),
         cmocka_unit_test(t3_conformance_shapes_are_exact),
         cmocka_unit_test(t3_slivers_of_any_aspect_are_exact),
+        cmocka_unit_test(t3_needles_across_deep_grids_are_exact),
         cmocka_unit_test(t4_meshes_at_any_offset_are_exact),
         cmocka_unit_test(t8_garbage_is_refused_and_counted_or_exact),
         cmocka_unit_test(t8_an_extent_beyond_doubles_is_refused),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload: colour and normal of every leaf and every inner node equal the reference byte for byte, for every sort of
+ * The payload: colour, normal, material and fill of every leaf and every inner node equal the reference byte for byte, for every sort of
  * attribute a mesh can have; colours are what doubles say; means over very many triangles are exact; and neither order nor
  * the cut of the list matters.
  */
@@ -19,7 +19,9 @@
 #include "payload_reference.h"
 #include "scenes.h"
 
-#define NEED_BOTH ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+#define NEED_MEANS ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
+/* Payload of every sort. */
+#define NEED_PAYLOAD (NEED_MEANS | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
 
 enum { MATERIAL_COUNT = 8, TEXTURE_COUNT = 5 };
 
@@ -142,44 +144,14 @@ static void attributed_mesh_destroy(attributed_mesh *made)
     owned_mesh_free(&made->base);
 }
 
-static void assert_same_colors(const built *actual, const uint8_t *expected)
-{
-    for (size_t i = 0; i < actual->info.node_count * 4; ++i) {
-        if (actual->arrays.colors[i] != expected[i]) {
-            fail_msg("node %zu of %llu (%llu inner), channel %zu: %u, not %u", i / 4,
-                     (unsigned long long)actual->info.node_count, (unsigned long long)actual->info.inner_count, i % 4,
-                     actual->arrays.colors[i], expected[i]);
-        }
-    }
-}
-
-static void assert_same_normals(const built *actual, const int16_t *expected)
-{
-    for (size_t i = 0; i < actual->info.node_count * 3; ++i) {
-        if (actual->arrays.normals[i] != expected[i]) {
-            fail_msg("node %zu of %llu (%llu inner), normal's axis %zu: %d, not %d", i / 3,
-                     (unsigned long long)actual->info.node_count, (unsigned long long)actual->info.inner_count, i % 3,
-                     actual->arrays.normals[i], expected[i]);
-        }
-    }
-}
-
 static void check_payload(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options)
 {
     built actual;
     exact expected;
-    payload_reference payload;
     fixture_build(opened, mesh, depth, options, &actual);
     exact_create(mesh, depth, options, &expected);
     assert_tree_is_exact(&actual, &expected);
-    payload_reference_create(mesh, &expected, &payload);
-    if ((options->need & SVO_NEED_COLOR) != 0) {
-        assert_same_colors(&actual, payload.colors);
-    }
-    if ((options->need & SVO_NEED_NORMAL) != 0) {
-        assert_same_normals(&actual, payload.normals);
-    }
-    payload_reference_destroy(&payload);
+    assert_payload_is_exact(mesh, &expected, &actual);
     exact_destroy(&expected);
     built_destroy(&actual);
 }
@@ -192,8 +164,12 @@ static void payload_of_every_attribute_is_exact(void **state)
         print_message("seed %llu at depth %u\n", (unsigned long long)seed, depth);
         attributed_mesh made;
         attributed_mesh_create(seed, seed % 4 == 0 ? 3 : 300, 0.0, &made);
-        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH});
-        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH | SVO_NEED_RAYS, .edge = 1.0});
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD});
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = SVO_NEED_ALL, .edge = 1.0});
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+            const svo_plan_options options = {.need = NEED_MEANS | SVO_NEED_MATERIAL, .weights = (svo_weights)weights};
+            check_payload(opened, &made.mesh, depth, &options);
+        }
         attributed_mesh_destroy(&made);
     }
 }
@@ -212,7 +188,9 @@ static void payload_without_some_attributes_is_exact(void **state)
         mesh.triangle_materials = (without & 8) != 0 ? NULL : mesh.triangle_materials;
         mesh.material_count = (without & 16) != 0 ? 0 : mesh.material_count;
         mesh.texture_count = (without & 32) != 0 ? 0 : mesh.texture_count;
-        const uint32_t need = without % 3 == 0 ? NEED_BOTH : without % 3 == 1 ? SVO_NEED_COLOR : SVO_NEED_NORMAL;
+        static const uint32_t needs[] = {NEED_PAYLOAD, SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_MATERIAL,
+                                         SVO_NEED_FILL};
+        const uint32_t need = needs[without % 5];
         check_payload(opened, &mesh, 5, &(svo_plan_options){.need = need});
         attributed_mesh_destroy(&made);
     }
@@ -226,7 +204,7 @@ static void payload_of_wide_triangles_is_exact(void **state)
     for (size_t i = 0; i < 4; ++i) {
         attributed_mesh made;
         attributed_mesh_create(50 + i, 200, reaches[i], &made);
-        check_payload(opened, &made.mesh, 4 + (unsigned)i % 3, &(svo_plan_options){.need = NEED_BOTH, .edge = 1.0});
+        check_payload(opened, &made.mesh, 4 + (unsigned)i % 3, &(svo_plan_options){.need = NEED_PAYLOAD, .edge = 1.0});
         attributed_mesh_destroy(&made);
     }
 }
@@ -240,7 +218,7 @@ static void payload_at_great_depths_is_exact(void **state)
     for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
         /* Larger grids keep the voxels of depth 12, or there would be thousands of millions. */
         const double edge = depth <= 12 ? 0.0 : ldexp(1.0, (int)depth - 12);
-        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH, .edge = edge});
+        check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD, .edge = edge});
     }
     attributed_mesh_destroy(&made);
 }
@@ -250,31 +228,42 @@ static void payload_of_scenes_is_exact(void **state)
     static const char *const specs[] = {"atrium", "statue:20000", "knot:5000", "terrain:20000", "cornell", "cube"};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        svo_message message = {""};
-        scene *made = NULL;
-        if (scene_create(specs[i], &made, &message) != SVO_OK) {
-            fail_msg("%s", message.text);
-        }
-        check_payload(opened, scene_mesh(made), 8, &(svo_plan_options){.need = NEED_BOTH});
+        scene *made = fixture_scene(specs[i]);
+        check_payload(opened, scene_mesh(made), 8, &(svo_plan_options){.need = NEED_PAYLOAD});
         scene_destroy(&made);
     }
 }
 
+/* Where there is less surface in a voxel, in faces, rounding has a say in which triangle weighs more. */
+#define AREA_THAT_COUNTS 1e-4
+
 /* The distance of built leaf colours from those in doubles. */
-static double largest_color_error(const fixture *opened, const svo_mesh *mesh, unsigned depth)
+static double largest_color_error(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_weights weights)
 {
+    const svo_plan_options options = {.need = SVO_NEED_COLOR, .weights = weights};
     built actual;
     exact expected;
-    fixture_build(opened, mesh, depth, &(svo_plan_options){.need = SVO_NEED_COLOR}, &actual);
+    fixture_build(opened, mesh, depth, &options, &actual);
     exact_create(mesh, depth, NULL, &expected);
     assert_tree_is_exact(&actual, &expected);
     double *rgba = malloc(actual.info.leaf_count * 4 * sizeof *rgba);
+    double *areas = malloc(actual.info.leaf_count * sizeof *areas);
     assert_non_null(rgba);
-    payload_double_colors(mesh, &expected, rgba);
+    assert_non_null(areas);
+    payload_double_colors(mesh, &expected, weights, rgba);
+    payload_double_areas(&expected, areas);
     double largest = 0.0;
-    for (size_t i = 0; i < actual.info.leaf_count * 4; ++i) {
-        largest = fmax(largest, fabs(rgba[i] - actual.arrays.colors[actual.info.inner_count * 4 + i]));
+    size_t compared = 0;
+    for (size_t leaf = 0; leaf < actual.info.leaf_count; ++leaf) {
+        const uint8_t *found = actual.arrays.colors + (actual.info.inner_count + leaf) * 4;
+        const bool is_weighed = weights != SVO_WEIGHTS_AREA || areas[leaf] > AREA_THAT_COUNTS;
+        compared += is_weighed ? 1 : 0;
+        for (size_t channel = 0; is_weighed && channel < 4; ++channel) {
+            largest = fmax(largest, fabs(rgba[leaf * 4 + channel] - found[channel]));
+        }
     }
+    assert_in_range(compared, actual.info.leaf_count * 9 / 10, actual.info.leaf_count);
+    free(areas);
     free(rgba);
     exact_destroy(&expected);
     built_destroy(&actual);
@@ -289,9 +278,12 @@ static void colors_are_what_doubles_say(void **state)
         attributed_mesh made;
         attributed_mesh_create(seed, 300, 0.0, &made);
         made.mesh.texture_count = 0;
-        const double error = largest_color_error(opened, &made.mesh, 6);
-        print_message("colours and materials, seed %llu: %.3f units\n", (unsigned long long)seed, error);
-        assert_true(error <= 1.5);
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+            const double error = largest_color_error(opened, &made.mesh, 6, (svo_weights)weights);
+            print_message("colours and materials, %s, seed %llu: %.3f units\n", svo_weights_name((svo_weights)weights),
+                          (unsigned long long)seed, error);
+            assert_true(error <= 1.5);
+        }
         attributed_mesh_destroy(&made);
     }
 }
@@ -308,7 +300,7 @@ static void textures_are_what_doubles_say(void **state)
         for (size_t i = 0; i < made.mesh.vertex_count * 2; ++i) {
             made.uvs[i] = isfinite(made.uvs[i]) ? fmodf(made.uvs[i], 1.0F) : 0.0F;
         }
-        const double error = largest_color_error(opened, &made.mesh, 6);
+        const double error = largest_color_error(opened, &made.mesh, 6, SVO_WEIGHTS_CENTRE);
         print_message("textures, seed %llu: %.3f units\n", (unsigned long long)seed, error);
         assert_true(error <= 3.0);
         attributed_mesh_destroy(&made);
@@ -397,7 +389,7 @@ static void t14_means_over_many_triangles_are_exact(void **state)
 {
     static const size_t counts[] = {1, 2, 15, 16, 17, 63, 64, 255, 256, 257, 16383, 16384, 100000};
     const fixture *opened = fixture_of_group(state);
-    const svo_plan_options options = {.need = NEED_BOTH, .edge = 1.0};
+    const svo_plan_options options = {.need = NEED_MEANS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         crowd made;
         built actual;
@@ -441,7 +433,7 @@ static void t14_means_over_millions_of_triangles_are_exact(void **state)
                            .materials = materials,
                            .material_count = 2};
     built actual;
-    fixture_build(fixture_of_group(state), &mesh, 2, &(svo_plan_options){.need = NEED_BOTH, .edge = 1.0}, &actual);
+    fixture_build(fixture_of_group(state), &mesh, 2, &(svo_plan_options){.need = NEED_PAYLOAD, .edge = 1.0}, &actual);
     assert_int_equal(actual.info.node_count, 3);
     for (unsigned node = 0; node < 3; ++node) {
         for (unsigned k = 0; k < 4; ++k) {
@@ -458,6 +450,99 @@ static void t14_means_over_millions_of_triangles_are_exact(void **state)
     free(indices);
 }
 
+/* A hundred thousand triangles of sixty thousand materials in one voxel, and of a few materials in some hundreds. */
+static void materials_of_crowds_are_exact(void **state)
+{
+    static const struct {
+        size_t triangle_count, material_count;
+        double width;
+        unsigned depth;
+        uint64_t chunk_bytes;
+    } cases[] = {
+        {100000, 60000, 0.001, 3, 0}, {20000, 5, 0.2, 5, 0}, {20000, 300, 0.2, 4, 65536}, {33, 1, 0.001, 4, 0}};
+    static const double corner[3] = {0.3, 0.6, 0.7};
+    const fixture *opened = fixture_of_group(state);
+    svo_material *materials = calloc(60000, sizeof *materials);
+    assert_non_null(materials);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        owned_mesh made;
+        uint64_t random = i;
+        const size_t triangle_count = cases[i].triangle_count;
+        random_dust(i + 1, triangle_count, corner, cases[i].width, &made);
+        uint16_t *given = malloc(triangle_count * sizeof *given);
+        assert_non_null(given);
+        for (size_t t = 0; t < triangle_count; ++t) {
+            given[t] = (uint16_t)random_below(&random, (uint32_t)cases[i].material_count);
+        }
+        made.mesh.triangle_materials = given;
+        made.mesh.materials = materials;
+        made.mesh.material_count = cases[i].material_count;
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+            const svo_plan_options options = {.need = SVO_NEED_MATERIAL | (weights % 2 == 0 ? 0 : SVO_NEED_RAYS),
+                                              .weights = (svo_weights)weights,
+                                              .edge = 1.0,
+                                              .chunk_bytes = cases[i].chunk_bytes};
+            check_payload(opened, &made.mesh, cases[i].depth, &options);
+        }
+        free(given);
+        owned_mesh_free(&made);
+    }
+    free(materials);
+}
+
+/* Leaves say how much surface is in them to half a step, nodes above how much there is below them. */
+static void fills_are_areas(void **state)
+{
+    static const char *const specs[] = {"knot:2000", "statue:3000", "cube", "needles:200"};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
+        scene *made = fixture_scene(specs[i]);
+        built actual;
+        exact expected;
+        fixture_build(opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_FILL}, &actual);
+        exact_create(scene_mesh(made), 6, NULL, &expected);
+        double *areas = malloc(actual.info.leaf_count * sizeof *areas);
+        assert_non_null(areas);
+        payload_double_areas(&expected, areas);
+        double total = 0.0;
+        for (size_t leaf = 0; leaf < actual.info.leaf_count; ++leaf) {
+            const double fill = fmin(areas[leaf] * 4096.0, 65535.0);
+            assert_true(fabs(fill - actual.arrays.fills[actual.info.inner_count + leaf]) <= 0.51);
+            total += areas[leaf];
+        }
+        assert_true(fabs(total - actual.arrays.fills[0]) <= 0.51); /* 64 x 64 faces to the root's */
+        print_message("%s: %.6f faces of the grid\n", specs[i], total / 4096.0);
+        free(areas);
+        exact_destroy(&expected);
+        built_destroy(&actual);
+        scene_destroy(&made);
+    }
+}
+
+/* Segments, points and triangles that only touch a voxel weigh alike there, whatever their size. */
+static void what_has_no_area_weighs_alike(void **state)
+{
+    /* A point, a short and a long segment in one voxel of 8; colours of the three. */
+    static const float positions[] = {0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F,
+                                      0.31F, 0.3F,  0.3F, 0.32F, 0.3F,  0.3F, 0.33F, 0.3F,  0.3F,
+                                      0.3F,  0.27F, 0.3F, 0.3F,  0.29F, 0.3F, 0.3F,  0.36F, 0.3F};
+    static const uint8_t colors[] = {250, 0,   0, 255, 250, 0,   0, 255, 250, 0,   0, 255, 0, 100, 0, 255, 0, 100,
+                                     0,   255, 0, 100, 0,   255, 0, 0,   7,   255, 0, 0,   7, 255, 0, 0,   7, 255};
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = positions, .vertex_count = 9, .triangle_count = 3, .colors = colors};
+    built actual;
+    fixture_build(fixture_of_group(state), &mesh, 3, &(svo_plan_options){.need = SVO_NEED_COLOR, .edge = 1.0}, &actual);
+    assert_int_equal(actual.info.leaf_count, 1);
+    for (size_t node = 0; node < actual.info.node_count; ++node) {
+        const uint8_t *found = actual.arrays.colors + node * 4;
+        assert_int_equal(found[0], 83);
+        assert_int_equal(found[1], 33);
+        assert_int_equal(found[2], 2);
+        assert_int_equal(found[3], 255);
+    }
+    built_destroy(&actual);
+}
+
 static void payload_does_not_depend_on_the_chunks(void **state)
 {
     static const uint64_t sizes_bytes[] = {16384, 65536, 300000};
@@ -466,10 +551,10 @@ static void payload_does_not_depend_on_the_chunks(void **state)
     attributed_mesh_create(99, 400, 0.0, &made);
     for (unsigned depth = 1; depth <= 7; depth += 3) {
         built whole;
-        fixture_build(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_BOTH}, &whole);
+        fixture_build(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD}, &whole);
         assert_int_equal(whole.report.list_chunks, 1);
         for (size_t i = 0; i < sizeof sizes_bytes / sizeof sizes_bytes[0]; ++i) {
-            const svo_plan_options options = {.need = NEED_BOTH, .chunk_bytes = sizes_bytes[i]};
+            const svo_plan_options options = {.need = NEED_PAYLOAD, .chunk_bytes = sizes_bytes[i]};
             built cut;
             fixture_build(opened, &made.mesh, depth, &options, &cut);
             assert_in_range(cut.report.list_chunks, depth == 7 ? 2 : 1, UINT32_MAX);
@@ -478,7 +563,7 @@ static void payload_does_not_depend_on_the_chunks(void **state)
         }
         built_destroy(&whole);
     }
-    check_payload(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_BOTH, .chunk_bytes = 16384});
+    check_payload(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_PAYLOAD, .chunk_bytes = 16384});
     attributed_mesh_destroy(&made);
 }
 
@@ -494,6 +579,9 @@ int main(void)
         cmocka_unit_test(textures_are_what_doubles_say),
         cmocka_unit_test(t14_means_over_many_triangles_are_exact),
         cmocka_unit_test(t14_means_over_millions_of_triangles_are_exact),
+        cmocka_unit_test(materials_of_crowds_are_exact),
+        cmocka_unit_test(fills_are_areas),
+        cmocka_unit_test(what_has_no_area_weighs_alike),
         cmocka_unit_test(payload_does_not_depend_on_the_chunks),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

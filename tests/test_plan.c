@@ -18,16 +18,6 @@
 #include "meshes.h"
 #include "scenes.h"
 
-static scene *open_scene(const char *spec)
-{
-    svo_message message = {""};
-    scene *made = NULL;
-    if (scene_create(spec, &made, &message) != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return made;
-}
-
 static svo_plan_info plan_info(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
 {
     options.struct_size = sizeof options;
@@ -47,7 +37,7 @@ static void the_count_law_predicts_the_fragments(void **state)
     static const char *const specs[] = {"statue:120000", "statue:20000", "terrain:100000", "knot", "needles:5000"};
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
-        scene *made = open_scene(specs[i]);
+        scene *made = fixture_scene(specs[i]);
         for (unsigned depth = 7; depth <= 9; ++depth) {
             built actual;
             fixture_build(opened, scene_mesh(made), depth, &(svo_plan_options){.need = SVO_NEED_NONE}, &actual);
@@ -169,17 +159,23 @@ static const struct {
     const char *name;
     uint32_t needs; /* any of these */
 } optional_buffers[] = {
-    {"list_begin", SVO_NEED_RAYS},
+    {"list_begin", SVO_NEED_RAYS | SVO_NEED_MATERIAL},
     {"list", SVO_NEED_RAYS},
-    {"list_counts", SVO_NEED_RAYS},
+    {"list_counts", SVO_NEED_RAYS | SVO_NEED_MATERIAL},
     {"list_spare", SVO_NEED_RAYS},
     {"long_leaves", SVO_NEED_RAYS},
     {"triangle_ids", SVO_NEED_RAYS},
-    {"vertices", SVO_NEED_RAYS | SVO_NEED_COLOR | SVO_NEED_NORMAL},
-    {"indices", SVO_NEED_RAYS | SVO_NEED_COLOR | SVO_NEED_NORMAL},
-    {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL},
-    {"weights", SVO_NEED_COLOR | SVO_NEED_NORMAL},
-    {"records", SVO_NEED_COLOR | SVO_NEED_NORMAL},
+    {"vertices", SVO_NEED_ALL},
+    {"indices", SVO_NEED_ALL},
+    {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL},
+    {"weights", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL},
+    {"records", SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS},
+    {"material_records", SVO_NEED_COLOR},
+    {"materials", SVO_NEED_MATERIAL},
+    {"entries", SVO_NEED_MATERIAL},
+    {"entry_begins", SVO_NEED_MATERIAL},
+    {"entry_counts", SVO_NEED_MATERIAL},
+    {"fills", SVO_NEED_FILL},
     {"color_sums", SVO_NEED_COLOR},
     {"colors", SVO_NEED_COLOR},
     {"vertex_colors", SVO_NEED_COLOR},
@@ -203,9 +199,7 @@ static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_
         }
         expected_count += needed ? 1 : 0;
     }
-    const size_t materials = (need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0 ? 1 : 0;
-    assert_int_equal(has_buffer(buffers, count, "materials"), materials);
-    assert_int_equal(count, expected_count + materials);
+    assert_int_equal(count, expected_count);
 }
 
 /* The arrays of the tree: what was asked for, of the sizes the header promises, and nothing else. */
@@ -223,11 +217,13 @@ static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
         [SVO_TREE_VERTICES] = rays ? info->vertex_count * 12 : 0,
         [SVO_TREE_INDICES] = rays ? info->list_triangle_count * 12 : 0,
         [SVO_TREE_TRIANGLE_IDS] = rays ? info->list_triangle_count * 4 : 0,
+        [SVO_TREE_MATERIALS] = (need & SVO_NEED_MATERIAL) != 0 ? info->node_count * 2 : 0,
+        [SVO_TREE_FILLS] = (need & SVO_NEED_FILL) != 0 ? info->node_count * 2 : 0,
     };
     const void *const arrays[SVO_TREE_BUFFER_COUNT] = {
-        actual->arrays.child_mask, actual->arrays.first_child, actual->arrays.colors,
-        actual->arrays.normals,    actual->arrays.list_begin,  actual->arrays.list,
-        actual->arrays.vertices,   actual->arrays.indices,     actual->arrays.triangle_ids};
+        actual->arrays.child_mask,   actual->arrays.first_child, actual->arrays.colors,   actual->arrays.normals,
+        actual->arrays.list_begin,   actual->arrays.list,        actual->arrays.vertices, actual->arrays.indices,
+        actual->arrays.triangle_ids, actual->arrays.materials,   actual->arrays.fills};
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const cl_mem buffer = svo_tree_get_buffer(actual->tree, (svo_tree_buffer)i);
         size_t held_bytes = 0;
@@ -277,10 +273,10 @@ static void assert_prediction_holds(const built *actual, const svo_buffer_info *
 static void what_is_not_asked_for_is_not_there(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = open_scene("cornell");
+    scene *made = fixture_scene("cornell");
     svo_mesh mesh = *scene_mesh(made);
     char nodes_hash[SVO_HASH_TEXT_BYTES] = "";
-    for (uint32_t bits = 0; bits < 8; ++bits) {
+    for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {
         const uint32_t need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits;
         built actual;
         fixture_build(opened, &mesh, 7, &(svo_plan_options){.need = need}, &actual);
@@ -292,9 +288,11 @@ static void what_is_not_asked_for_is_not_there(void **state)
         assert_string_equal(actual.nodes_hash, nodes_hash);
         assert_tree_has_what_is_needed(&actual, bits);
         assert_plan_has_what_is_needed(actual.buffers, actual.buffer_count, bits);
-        assert_int_equal(actual.report.stages[SVO_STAGE_PACK].clock != NULL, (bits & SVO_NEED_RAYS) != 0);
-        assert_int_equal(actual.report.stages[SVO_STAGE_FILTER].clock != NULL, (bits & 3) != 0);
-        assert_int_equal(actual.report.stages[SVO_STAGE_LINK].clock != NULL, (bits & 3) != 0);
+        assert_int_equal(actual.report.stages[SVO_STAGE_PACK].clock != NULL,
+                         (bits & (SVO_NEED_RAYS | SVO_NEED_MATERIAL)) != 0);
+        assert_int_equal(actual.report.stages[SVO_STAGE_FILTER].clock != NULL, (bits & ~(uint32_t)SVO_NEED_RAYS) != 0);
+        assert_int_equal(actual.report.stages[SVO_STAGE_LINK].clock != NULL,
+                         (bits & (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL)) != 0);
         svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
         const size_t count = predicted_buffers(opened, &mesh, need, predicted);
         assert_plan_has_what_is_needed(predicted, count, bits);
@@ -347,11 +345,15 @@ static void options_out_of_range_are_refused(void **state)
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.struct_size"));
     options.struct_size = 0;
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.struct_size", "0"));
-    static const uint32_t bad_needs[] = {8, 0x80000000u, (uint32_t)SVO_NEED_NONE | SVO_NEED_COLOR, 0x3fffffffu};
+    static const uint32_t bad_needs[] = {32, 0x80000000u, (uint32_t)SVO_NEED_NONE | SVO_NEED_COLOR, 0x3fffffffu};
     for (size_t i = 0; i < 4; ++i) {
         options = (svo_plan_options){.struct_size = sizeof options, .need = bad_needs[i]};
         assert_refused(opened, &small_mesh, 5, &options, WORDS("options.need 0x"));
     }
+    options = (svo_plan_options){.struct_size = sizeof options, .weights = (svo_weights)3};
+    assert_refused(opened, &small_mesh, 5, &options, WORDS("options.weights 3", "0 .. 2"));
+    options = (svo_plan_options){.struct_size = sizeof options, .need = SVO_NEED_FILL, .weights = SVO_WEIGHTS_CENTRE};
+    assert_refused(opened, &small_mesh, 5, &options, WORDS("fill", "options.weights is centre"));
     static const double bad_edges[] = {-1.0, -0x1p-1074, NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < 5; ++i) {
         options = (svo_plan_options){.struct_size = sizeof options, .edge = bad_edges[i]};

@@ -45,7 +45,9 @@ static svo_status create_gl(fixture *opened, svo_gl_share share)
 {
     svo_gl_destroy(&opened->gl);
     const svo_gl_options options = {.struct_size = sizeof options, .share = share};
-    return svo_gl_create(opened->device, opened->context, &options, &opened->gl);
+    const svo_status status = svo_gl_create(opened->device, opened->context, &options, &opened->gl);
+    opened->frontend = opened->gl != NULL ? svo_gl_frontend(opened->gl) : NULL;
+    return status;
 }
 
 static void build_hash(const shared_pair *pair, const svo_plan_options *options, const char *share,

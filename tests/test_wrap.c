@@ -54,6 +54,7 @@ static void expected_hash(const svo_mesh *mesh, unsigned depth, char hash[SVO_HA
 
 static void open_wrapped(svo_gl_share share, fixture *out)
 {
+    *out = (fixture){0};
     cl_int error = CL_SUCCESS;
     out->device = machine_device_or_skip();
     out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device), 0, &error);
@@ -63,6 +64,7 @@ static void open_wrapped(svo_gl_share share, fixture *out)
     if (svo_gl_create(out->device, out->context, &options, &out->gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(out->device));
     }
+    out->frontend = svo_gl_frontend(out->gl);
 }
 
 static void check_build(const fixture *opened, const odd_state *odd, unsigned depth, size_t triangle_count)
@@ -224,6 +226,7 @@ static void wrapped_context_shares_with_opencl(void **state)
     if (svo_gl_create(opened.device, opened.context, &options, &opened.gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
+    opened.frontend = svo_gl_frontend(opened.gl);
     fixture_build(&opened, &made.mesh, 7, &everything, &finished);
     assert_string_equal(finished.hash, hash);
     assert_string_equal(finished.report.share, "sharing");

@@ -167,15 +167,16 @@ static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_
     return status;
 }
 
-static svo_status prepare(void *self, const svo_plan *plan)
+static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 {
+    (void)queue;
     (void)self;
     (void)plan;
     return SVO_OK;
 }
 
-static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms)
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report)
 {
     const double start_ms = svo_i_now_ms();
     walk w;
@@ -184,8 +185,7 @@ static svo_status voxelize(void *self, const svo_plan *plan, const svo_i_layout 
         status = make_chunks(&w, layout, ((const walk_frontend *)self)->seed, queue, list);
     }
     walk_free(&w);
-    *voxelize_ms = svo_i_now_ms() - start_ms;
-    *transfer_ms = 0.0;
+    svo_i_report_add(report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 

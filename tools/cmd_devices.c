@@ -9,23 +9,19 @@
 #include <string.h>
 
 #include "commands.h"
-#include "json.h"
-#include "svocl/gl.h"
-#include "svocl/svocl.h"
+#include "devices.h"
+#include "opengl.h"
 #include "table.h"
 
 #define PLATFORMS_MAX 16
 #define DEVICES_MAX   32 /* per platform and in all */
-#define RENDERERS_MAX 32
 #define TEXT_BYTES    512
 
-/* A working OpenCL device and a working OpenGL renderer, open as long as the pairs are probed. */
+/* Working OpenCL devices, open as long as their pairs with renderers are probed. */
 typedef struct opened_devices {
     svo_device *devices[DEVICES_MAX];
     cl_context contexts[DEVICES_MAX];
     size_t device_count;
-    svo_gl_context *renderers[RENDERERS_MAX];
-    size_t renderer_count;
 } opened_devices;
 
 static void add_platform_text(cJSON *object, const char *name, cl_platform_id platform, cl_platform_info what)
@@ -52,6 +48,26 @@ static const char *device_type_name(cl_device_id device)
                                                       : "other";
 }
 
+/* reason: "" if it works. */
+void devices_add_way(cJSON *array, const char *name, const char *reason)
+{
+    cJSON *way = cJSON_CreateObject();
+    json_add_text(way, "name", name);
+    cJSON_AddBoolToObject(way, "works", reason[0] == '\0');
+    json_add_text(way, "reason", reason);
+    cJSON_AddItemToArray(array, way);
+}
+
+/* What works without OpenGL. */
+static void add_frontends(cJSON *object, svo_device *device)
+{
+    svo_frontend *frontend = NULL;
+    cJSON *frontends = cJSON_AddArrayToObject(object, "frontends");
+    const bool made = svo_frontend_create_cl(device, &frontend) == SVO_OK;
+    devices_add_way(frontends, "cl", made ? "" : program_words(svo_device_message(device)));
+    svo_frontend_destroy(&frontend);
+}
+
 /* Opens the device for the pairs and adds whether svocl can use it. */
 static void open_device(program *state, cJSON *object, cl_device_id device, opened_devices *opened)
 {
@@ -71,6 +87,7 @@ static void open_device(program *state, cJSON *object, cl_device_id device, open
     cJSON_AddBoolToObject(object, "works", handle != NULL);
     json_add_text(object, "reason", program_words(message.text));
     if (handle != NULL) {
+        add_frontends(object, handle);
         opened->devices[opened->device_count] = handle;
         opened->contexts[opened->device_count++] = context;
     } else if (context != NULL) {
@@ -130,98 +147,8 @@ static void gather_platforms(program *state, cJSON *document, opened_devices *op
     }
 }
 
-static void gather_renderer(cJSON *renderers, svo_gl_context_kind kind, uint32_t device_index, opened_devices *opened)
-{
-    svo_message message = {""};
-    svo_gl_context *context = NULL;
-    svo_gl_context_info info = {.kind = kind, .device_index = device_index};
-    if (opened->renderer_count < RENDERERS_MAX) {
-        if (svo_gl_context_create(kind, device_index, &context, &message) == SVO_OK) {
-            svo_gl_context_get_info(context, &info);
-            opened->renderers[opened->renderer_count++] = context;
-        }
-    } else {
-        snprintf(message.text, sizeof message.text, "not probed: more than %d renderers", RENDERERS_MAX);
-    }
-    cJSON *object = cJSON_CreateObject();
-    json_add_text(object, "context", svo_gl_context_kind_name(kind));
-    json_add_count(object, "device_index", device_index);
-    cJSON_AddBoolToObject(object, "works", context != NULL);
-    json_add_text(object, "reason", program_words(message.text));
-    json_add_text(object, "vendor", info.vendor);
-    json_add_text(object, "renderer", info.renderer);
-    json_add_text(object, "version", info.version);
-    cJSON_AddItemToArray(renderers, object);
-}
-
-static void gather_renderers(cJSON *document, opened_devices *opened)
-{
-    cJSON *renderers = cJSON_AddArrayToObject(document, "renderers");
-    gather_renderer(renderers, SVO_GL_SURFACELESS, 0, opened);
-    const uint32_t egl_devices = svo_gl_egl_device_count();
-    for (uint32_t i = 0; i < egl_devices || i == 0; ++i) { /* without any, once for the reason */
-        gather_renderer(renderers, SVO_GL_EGL_DEVICE, i, opened);
-    }
-    gather_renderer(renderers, SVO_GL_OSMESA, 0, opened);
-}
-
-/* reason: "" if it works. */
-static void add_way(cJSON *array, const char *name, const char *reason)
-{
-    cJSON *way = cJSON_CreateObject();
-    json_add_text(way, "name", name);
-    cJSON_AddBoolToObject(way, "works", reason[0] == '\0');
-    json_add_text(way, "reason", reason);
-    cJSON_AddItemToArray(array, way);
-}
-
-static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
-{
-    /* The same device on an OpenCL context that can share with the renderer, where there is such a thing. */
-    svo_device *joined = NULL;
-    (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
-    svo_device *device = joined != NULL ? joined : alone;
-    svo_gl_context_info info;
-    svo_gl_context_get_info(renderer, &info);
-    cJSON *pair = cJSON_CreateObject();
-    json_add_text(pair, "device", svo_device_name(device));
-    json_add_text(pair, "renderer", info.renderer);
-    json_add_text(pair, "context", svo_gl_context_kind_name(info.kind));
-    json_add_count(pair, "device_index", info.device_index);
-    cJSON *frontends = cJSON_AddArrayToObject(pair, "frontends");
-    cJSON *shares = cJSON_AddArrayToObject(pair, "shares");
-    svo_gl *gl = NULL;
-    /* Why nothing at all works; NULL where something may. */
-    const char *failure = NULL;
-    if (svo_gl_create(device, renderer, NULL, &gl) != SVO_OK) {
-        failure = program_words(svo_device_message(device));
-    }
-    for (svo_gl_raster raster = SVO_GL_RASTER_EXPAND; raster <= SVO_GL_RASTER_HW; ++raster) {
-        add_way(frontends, svo_gl_raster_name(raster), failure != NULL ? failure : svo_gl_raster_reason(gl, raster));
-    }
-    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
-        add_way(shares, svo_gl_share_name(share), failure != NULL ? failure : svo_gl_share_reason(gl, share));
-    }
-    svo_gl_destroy(&gl);
-    svo_device_destroy(&joined);
-    return pair;
-}
-
-static void gather_pairs(cJSON *document, const opened_devices *opened)
-{
-    cJSON *pairs = cJSON_AddArrayToObject(document, "pairs");
-    for (size_t d = 0; d < opened->device_count; ++d) {
-        for (size_t r = 0; r < opened->renderer_count; ++r) {
-            cJSON_AddItemToArray(pairs, gather_pair(opened->devices[d], opened->renderers[r]));
-        }
-    }
-}
-
 static void close_all(opened_devices *opened)
 {
-    for (size_t i = 0; i < opened->renderer_count; ++i) {
-        svo_gl_context_destroy(&opened->renderers[i]);
-    }
     for (size_t i = 0; i < opened->device_count; ++i) {
         svo_device_destroy(&opened->devices[i]);
         clReleaseContext(opened->contexts[i]);
@@ -245,6 +172,16 @@ static bool works(const cJSON *object)
     return cJSON_IsTrue(cJSON_GetObjectItem(object, "works"));
 }
 
+static void print_ways(table *rows, const cJSON *ways)
+{
+    const cJSON *way = NULL;
+    cJSON_ArrayForEach(way, ways)
+    {
+        table_cell(rows, "%s", text_of(way, "name"));
+        table_cell(rows, "%s%s", works(way) ? "works" : "no: ", text_of(way, "reason"));
+    }
+}
+
 static void print_devices(const cJSON *platform, int platform_index)
 {
     const cJSON *device = NULL;
@@ -260,6 +197,7 @@ static void print_devices(const cJSON *platform, int platform_index)
         table_cell(rows, "%s, %u compute units, %s memory, %s per buffer", text_of(device, "type"),
                    (unsigned)count_of(device, "compute_units"), figure_bytes(count_of(device, "memory_bytes")).text,
                    figure_bytes(count_of(device, "max_allocation_bytes")).text);
+        print_ways(rows, cJSON_GetObjectItem(device, "frontends"));
         if (!works(device)) {
             table_cell(rows, "%s", "");
             table_cell(rows, "cannot be used: %s", text_of(device, "reason"));
@@ -283,11 +221,12 @@ static void print_platforms(const cJSON *document)
 static void print_renderers(const cJSON *document)
 {
     const cJSON *renderer = NULL;
-    table_heading("OpenGL renderers");
+    table_heading(cJSON_GetArraySize(cJSON_GetObjectItem(document, "renderers")) > 0 ? "OpenGL renderers"
+                                                                                     : "No OpenGL in this svocl");
     table *rows = table_create("ll");
     cJSON_ArrayForEach(renderer, cJSON_GetObjectItem(document, "renderers"))
     {
-        if (strcmp(text_of(renderer, "context"), svo_gl_context_kind_name(SVO_GL_EGL_DEVICE)) == 0) {
+        if (strcmp(text_of(renderer, "context"), "egl-device") == 0) {
             table_cell(rows, "%s %u", text_of(renderer, "context"), (unsigned)count_of(renderer, "device_index"));
         } else {
             table_cell(rows, "%s", text_of(renderer, "context"));
@@ -301,16 +240,6 @@ static void print_renderers(const cJSON *document)
         }
     }
     table_print(rows);
-}
-
-static void print_ways(table *rows, const cJSON *ways)
-{
-    const cJSON *way = NULL;
-    cJSON_ArrayForEach(way, ways)
-    {
-        table_cell(rows, "%s", text_of(way, "name"));
-        table_cell(rows, "%s%s", works(way) ? "works" : "no: ", text_of(way, "reason"));
-    }
 }
 
 /* Whether the two pairs are of one device and the same ways work, for the same reasons. */
@@ -351,10 +280,8 @@ int command_devices(program *state)
     opened_devices opened = {0};
     cJSON *document = cJSON_CreateObject();
     gather_platforms(state, document, &opened);
-    gather_renderers(document, &opened);
-    gather_pairs(document, &opened);
+    opengl_describe(document, opened.devices, opened.device_count);
     const bool has_device = opened.device_count > 0;
-    const bool has_renderer = opened.renderer_count > 0;
     close_all(&opened);
     int exit_code = PROGRAM_DONE;
     if (state->options.json) {
@@ -367,9 +294,6 @@ int command_devices(program *state)
     }
     if (exit_code == PROGRAM_DONE && !has_device) {
         exit_code = program_fail(state, PROGRAM_FAILED, "no OpenCL device that svocl can use was found");
-    }
-    if (exit_code == PROGRAM_DONE && !has_renderer) {
-        exit_code = program_fail(state, PROGRAM_FAILED, "no OpenGL context of any kind can be made");
     }
     return exit_code;
 }

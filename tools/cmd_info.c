@@ -17,13 +17,6 @@ typedef struct file_facts {
     char nodes_hash[SVO_HASH_TEXT_BYTES];
 } file_facts;
 
-static const struct {
-    uint32_t bit;
-    const char *name;
-} needs[] = {{SVO_NEED_COLOR, "color"}, {SVO_NEED_NORMAL, "normal"}, {SVO_NEED_RAYS, "rays"}};
-
-#define NEED_COUNT (sizeof needs / sizeof needs[0])
-
 static cJSON *to_json(const program *state, const file_facts *facts)
 {
     const svo_tree_info *info = &facts->info;
@@ -35,11 +28,12 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_count(document, "snap_bits", info->snap_bits);
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
     cJSON *need = cJSON_AddArrayToObject(document, "need");
-    for (size_t i = 0; i < NEED_COUNT; ++i) {
-        if ((info->need & needs[i].bit) != 0) {
-            cJSON_AddItemToArray(need, cJSON_CreateString(needs[i].name));
+    for (uint32_t bit = 1; bit < SVO_NEED_ALL; bit *= 2) {
+        if ((info->need & bit) != 0) {
+            cJSON_AddItemToArray(need, cJSON_CreateString(svo_need_name((svo_need)bit)));
         }
     }
+    json_add_text(document, "weights", svo_weights_name((svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
     cJSON_AddNumberToObject(document, "edge", info->edge);
     cJSON_AddNumberToObject(document, "scale", info->scale);
@@ -75,9 +69,15 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "edge");
     table_cell(rows, "%.9g, snapped to %u bits, snap error %.3g", info->edge, info->snap_bits, info->snap_error);
     table_cell(rows, "holds");
-    table_cell(rows, "nodes%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colours" : "",
+    table_cell(rows, "nodes%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colours" : "",
                (info->need & SVO_NEED_NORMAL) != 0 ? ", normals" : "",
+               (info->need & SVO_NEED_MATERIAL) != 0 ? ", materials" : "",
+               (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    if ((info->need & ~(uint32_t)SVO_NEED_RAYS) != 0) {
+        table_cell(rows, "weights");
+        table_cell(rows, "%s", svo_weights_name((svo_weights)info->weights));
+    }
     table_cell(rows, "triangles");
     table_cell(rows, "%s, %s refused", figure_count(info->triangles).text, figure_count(info->refused_triangles).text);
     table_cell(rows, "fragments");

@@ -49,8 +49,9 @@ static void print_case(table *rows, const stress_case *one)
 
 static void print_cases(const stress *run)
 {
-    table_heading("Stiff and extreme cases on %s and %s, seed %" PRIu64, svo_device_name(run->opened.device),
-                  run->opened.gl_info.renderer, run->seed);
+    table_heading("Stiff and extreme cases on %s, frontend %s, renderer %s, seed %" PRIu64,
+                  svo_device_name(run->opened.device), svo_frontend_name(run->opened.frontend),
+                  session_renderer(&run->opened), run->seed);
     table *rows = table_create("llrrrlrl");
     static const char *const titles[] = {"case", "way", "missed", "surplus", "figure", "", "time", "verdict"};
     for (size_t i = 0; i < sizeof titles / sizeof titles[0]; ++i) {
@@ -74,7 +75,9 @@ static cJSON *to_json(const stress *run)
 {
     cJSON *document = cJSON_CreateObject();
     json_add_text(document, "device", svo_device_name(run->opened.device));
-    json_add_text(document, "renderer", run->opened.gl_info.renderer);
+    json_add_text(document, "renderer", session_renderer(&run->opened));
+    json_add_text(document, "frontend", svo_frontend_name(run->opened.frontend));
+    json_add_text(document, "frontend_reason", run->opened.reason.text);
     json_add_count(document, "seed", run->seed);
     json_add_count(document, "count", run->count);
     cJSON *cases = cJSON_AddArrayToObject(document, "cases");
@@ -126,6 +129,7 @@ int command_stress(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    session_choose_opengl(state, &run.opened);
     program_begin_progress(state, 3);
     progress_step(state->progress, "closed forms, count law, symmetry");
     stress_cases_forms(&run);

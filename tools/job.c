@@ -18,22 +18,24 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
 }
 
 /* One build from the mesh to the tree; an earlier build's tree in result is replaced. */
-static int build_once(program *state, const session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
 {
     const options *given = &state->options;
     svo_plan_options plan_options = {.struct_size = sizeof plan_options,
                                      .need = need,
                                      .coverage = (svo_coverage)given->coverage,
+                                     .weights = (svo_weights)given->weights,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
     progress_step(state->progress, "snapping to the grid");
     svo_status status = svo_plan_create(opened->device, mesh, (unsigned)given->depth, &plan_options, &plan);
     if (status == SVO_OK) {
+        session_choose(state, opened, plan);
         progress_step(state->progress, "building the tree");
         svo_tree_destroy(&result->tree);
         result->report = (svo_build_report){.struct_size = sizeof result->report};
-        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &result->tree, &result->report);
+        status = svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
     }
     if (status == SVO_OK) {
         svo_plan_get_info(plan, &result->plan);
@@ -65,8 +67,7 @@ static void take_medians(double *times, size_t repeats, svo_build_report *report
     }
 }
 
-static int build_repeatedly(program *state, const session *opened, const svo_mesh *mesh, uint32_t need,
-                            build_result *result)
+static int build_repeatedly(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
 {
     const size_t repeats = (size_t)state->options.repeat;
     double *times = calloc(repeats * SVO_STAGE_COUNT, sizeof *times); /* per stage, the builds after the first */
@@ -120,11 +121,13 @@ void job_release(job *done)
 void job_add_what_ran(cJSON *document, const job *done)
 {
     json_add_text(document, "frontend", done->result.report.frontend);
+    json_add_text(document, "frontend_reason", done->opened.reason.text);
     json_add_text(document, "share", done->result.report.share);
     json_add_text(document, "builder", "cl");
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
-    json_add_text(document, "context", svo_gl_context_kind_name(done->opened.gl_info.kind));
+    json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
+    json_add_text(document, "context", session_context(&done->opened));
     json_add_text(document, "device", svo_device_name(done->opened.device));
-    json_add_text(document, "renderer", done->opened.gl_info.renderer);
+    json_add_text(document, "renderer", session_renderer(&done->opened));
     json_add_count(document, "depth", done->result.info.depth);
 }

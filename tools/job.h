@@ -32,7 +32,7 @@ typedef struct job {
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 void job_release(job *done);
 
-/* Adds what ran: frontend, share, builder, coverage, context, device, renderer, depth. */
+/* Adds what ran: frontend and why, share, builder, coverage, context, device, renderer, depth. */
 void job_add_what_ran(cJSON *document, const job *done);
 
 #endif

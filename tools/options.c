@@ -33,10 +33,10 @@ struct rule {
     const char *help;
 };
 
-static const choice frontends[] = {{"auto", SVO_GL_RASTER_AUTO, false},
-                                   {"gl-expand", SVO_GL_RASTER_EXPAND, false},
-                                   {"gl-hw", SVO_GL_RASTER_HW, false},
-                                   {"cl", 0, true},
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO, false},
+                                   {"cl", OPTION_FRONTEND_CL, false},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND, false},
+                                   {"gl-hw", OPTION_FRONTEND_GL_HW, false},
                                    {NULL, 0, false}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"sharing", SVO_GL_SHARE_SHARING, false},
@@ -48,6 +48,10 @@ static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
                                    {"closed", SVO_COVERAGE_CLOSED, false},
                                    {"thin", SVO_COVERAGE_THIN, false},
                                    {NULL, 0, false}};
+static const choice weights[] = {{"area", SVO_WEIGHTS_AREA, false},
+                                 {"uniform", SVO_WEIGHTS_UNIFORM, false},
+                                 {"centre", SVO_WEIGHTS_CENTRE, false},
+                                 {NULL, 0, false}};
 static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"surfaceless", SVO_GL_SURFACELESS, false},
                                   {"egl-device", SVO_GL_EGL_DEVICE, false},
@@ -158,13 +162,10 @@ static int read_edge(program *state, const rule *option, const char *value)
 
 static uint32_t need_bit(const char *name, size_t length)
 {
-    static const struct {
-        const char *name;
-        uint32_t bit;
-    } needs[] = {{"color", SVO_NEED_COLOR}, {"normal", SVO_NEED_NORMAL}, {"rays", SVO_NEED_RAYS}};
-    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
-        if (strlen(needs[i].name) == length && strncmp(needs[i].name, name, length) == 0) {
-            return needs[i].bit;
+    for (uint32_t bit = 1; bit < SVO_NEED_ALL; bit *= 2) {
+        const char *known = svo_need_name((svo_need)bit);
+        if (strlen(known) == length && strncmp(known, name, length) == 0) {
+            return bit;
         }
     }
     return 0;
@@ -177,8 +178,8 @@ static int read_need(program *state, const rule *option, const char *value)
         const size_t length = strcspn(name, ",");
         const uint32_t bit = need_bit(name, length);
         if (bit == 0) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "--need '%s' is no list of color, normal, rays, nor none",
-                                value);
+            return program_fail(state, PROGRAM_WRONG_USAGE,
+                                "--need '%s' is no list of color, normal, rays, material, fill, nor none", value);
         }
         need |= bit;
         if (name[length] == '\0') {
@@ -226,14 +227,16 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_count, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
-     "color,normal,rays or none (colours and normals of the mesh)"},
+     "color,normal,rays,material,fill or none (colours and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, with --edge (fitted)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
+    {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
+     "area, uniform, centre: what a triangle weighs in a mean (area)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
-     "auto, gl-expand, gl-hw (auto)"},
+     "auto, cl, gl-expand, gl-hw (auto: by speed)"},
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, sharing, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
@@ -250,8 +253,8 @@ static const rule rules[] = {
      "about how many triangles (the scene's own)"},
     {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL,
      "random seed (1)"},
-    {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 1, 1000, NULL,
-     "how much work: triangles per case grow with it (8)"},
+    {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
+     "how much work: triangles per case grow with it (8); 0: the least"},
     {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
@@ -335,6 +338,12 @@ static int parse_all(program *state, const command *which, int argument_count, c
     return PROGRAM_DONE;
 }
 
+bool options_ask_for_gl(const options *given)
+{
+    return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
+           given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW;
+}
+
 /* What no single option can see. */
 static int check_together(program *state, const command *which)
 {
@@ -352,6 +361,10 @@ static int check_together(program *state, const command *which)
     }
     if (given->gl_device != NULL && given->context != SVO_GL_EGL_DEVICE) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
+    }
+    if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s is for OpenGL, which --frontend cl does without",
+                            given->share != SVO_GL_SHARE_AUTO ? "share" : "context");
     }
     return PROGRAM_DONE;
 }

@@ -28,6 +28,13 @@ enum option_group {
     OPTION_STRESS_COMMAND = 1024 /* count, seed */
 };
 
+enum option_frontend {
+    OPTION_FRONTEND_AUTO = 0,
+    OPTION_FRONTEND_CL, /* OpenCL alone */
+    OPTION_FRONTEND_GL_EXPAND,
+    OPTION_FRONTEND_GL_HW
+};
+
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
 
@@ -40,10 +47,11 @@ typedef struct options {
     uint64_t threads; /* 0: as many as the drivers like */
 
     uint64_t depth;
-    int frontend; /* svo_gl_raster */
+    int frontend; /* option_frontend */
     int share; /* svo_gl_share */
     int builder; /* one value in this version */
     int coverage; /* svo_coverage */
+    int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     const char *gl_device; /* EGL device by index or name; NULL: not given */
     double origin[3];
@@ -71,6 +79,9 @@ typedef struct command {
 
 /* Reads what follows the command's name into state->options, defaults where nothing is given. Returns the exit code. */
 int options_parse(struct program *state, const command *which, int argument_count, char **arguments);
+
+/* Whether OpenGL was asked for: by its front end, a share path or a context. */
+bool options_ask_for_gl(const options *given);
 
 /* Prints a command's usage and options to standard output. */
 void options_print_help(const command *which);

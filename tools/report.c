@@ -59,9 +59,15 @@ static void print_what_ran(const job *done)
     table_cell(rows, "opencl");
     table_cell(rows, "%s", svo_device_name(done->opened.device));
     table_cell(rows, "opengl");
-    table_cell(rows, "%s, %s", done->opened.gl_info.renderer, svo_gl_context_kind_name(done->opened.gl_info.kind));
+    if (done->opened.frontend == done->opened.cl) {
+        table_cell(rows, "%s", "not used");
+    } else {
+        table_cell(rows, "%s, %s", session_renderer(&done->opened), session_context(&done->opened));
+    }
     table_cell(rows, "ways");
     table_cell(rows, "frontend %s, share %s, builder cl", result->report.frontend, result->report.share);
+    table_cell(rows, "%s", "");
+    table_cell(rows, "%s: %s", result->report.frontend, done->opened.reason.text);
     table_print(rows);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens devices and contexts by the options. */
+/* Opens devices by the options, and chooses front ends. */
 #include "session.h"
 
 #include <stdio.h>
@@ -20,28 +20,22 @@ static int set_threads(program *state)
     return PROGRAM_DONE;
 }
 
-/* The device, on an OpenCL context made against the OpenGL one where there is one and the two can share; and a queue. */
-static int open_device(program *state, session *opened)
+static svo_device_options device_options_of(program *state)
 {
-    const svo_device_options device_options = {.struct_size = sizeof device_options,
-                                               .log = program_log,
-                                               .log_user = state,
-                                               .device_name = state->options.device_name};
-    svo_message message = {""};
-    const svo_status status =
-        opened->gl_context != NULL
-            ? svo_gl_device_create(opened->gl_context, NULL, &device_options, &opened->device, &message)
-            : svo_device_create_default(&device_options, &opened->device, &message);
-    if (status != SVO_OK) {
-        return program_fail_library(state, message.text);
-    }
+    return (svo_device_options){.struct_size = sizeof(svo_device_options),
+                                .log = program_log,
+                                .log_user = state,
+                                .device_name = state->options.device_name};
+}
+
+static int open_queue(program *state, session *opened)
+{
     cl_int error = CL_SUCCESS;
     opened->queue = clCreateCommandQueue(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device),
                                          CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)", svo_device_name(opened->device),
-                     error);
-        return PROGRAM_FAILED;
+        return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)",
+                            svo_device_name(opened->device), error);
     }
     return PROGRAM_DONE;
 }
@@ -50,65 +44,87 @@ int session_open_device(program *state, session *opened)
 {
     *opened = (session){0};
     int result = set_threads(state);
-    if (result == PROGRAM_DONE) {
-        result = open_device(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
     }
+    const svo_device_options device_options = device_options_of(state);
+    svo_message message = {""};
+    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    result = open_queue(state, opened);
     if (result != PROGRAM_DONE) {
         session_close(opened);
     }
     return result;
 }
 
-static svo_status create_gl_context(const program *state, svo_gl_context_kind kind, svo_gl_context **out,
-                                    svo_message *message)
+static int use(session *opened, svo_frontend *frontend)
 {
-    const char *name = state->options.gl_device;
-    return name != NULL ? svo_gl_context_create_named(name, out, message)
-                        : svo_gl_context_create(kind, 0, out, message);
+    opened->frontend = frontend;
+    return PROGRAM_DONE;
 }
 
-/* --context auto: the first kind that works. A forced kind that does not work is an error. */
-static int open_gl_context(program *state, session *opened)
+static void explain(session *opened, const char *reason)
 {
-    const int forced = state->options.context;
-    svo_message message = {""};
-    char reasons[SVO_GL_CONTEXT_KINDS * (SVO_MESSAGE_BYTES + 32)] = "";
-    size_t used = 0;
-    for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
-        if (forced != OPTION_CONTEXT_AUTO && forced != kind) {
-            continue;
-        }
-        if (create_gl_context(state, (svo_gl_context_kind)kind, &opened->gl_context, &message) == SVO_OK) {
-            svo_gl_context_get_info(opened->gl_context, &opened->gl_info);
-            return PROGRAM_DONE;
-        }
-        if (forced != OPTION_CONTEXT_AUTO) {
-            return program_fail(state, PROGRAM_FAILED, "--context %s: %s",
-                                svo_gl_context_kind_name((svo_gl_context_kind)kind), program_words(message.text));
-        }
-        used += (size_t)snprintf(reasons + used, sizeof reasons - used, "%s%s: %s", used == 0 ? "" : "; ",
-                                 svo_gl_context_kind_name((svo_gl_context_kind)kind), program_words(message.text));
+    snprintf(opened->reason.text, sizeof opened->reason.text, "%s", reason);
+}
+
+/* Device and queue on an OpenCL context that shares with OpenGL, in place of those that nothing was made of yet. */
+static int join_opengl(program *state, session *opened)
+{
+    const svo_device_options device_options = device_options_of(state);
+    svo_device *joined = opengl_join(opened->gl, opened->device, &device_options);
+    if (joined == NULL) {
+        return PROGRAM_DONE;
     }
-    return program_fail(state, PROGRAM_FAILED, "no OpenGL context: %s", reasons);
+    clReleaseCommandQueue(opened->queue);
+    opened->queue = NULL;
+    svo_device_destroy(&opened->device);
+    opened->device = joined;
+    return open_queue(state, opened);
+}
+
+/* OpenGL was asked for: a way that does not work is an error. */
+static int use_opengl(program *state, session *opened, const char *reason)
+{
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
+    }
+    const int result = join_opengl(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    if (!opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
+    }
+    explain(opened, reason);
+    return use(opened, opengl_frontend(opened->gl));
+}
+
+/* OpenGL beside OpenCL alone, on the device as it is; without it the reason says why. */
+static void try_opengl(program *state, session *opened)
+{
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl != NULL && !opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        opengl_close(&opened->gl);
+    }
 }
 
 int session_open(program *state, session *opened)
 {
-    *opened = (session){0};
-    int result = set_threads(state);
-    if (result == PROGRAM_DONE) {
-        result = open_gl_context(state, opened);
+    int result = session_open_device(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
     }
-    if (result == PROGRAM_DONE) {
-        result = open_device(state, opened);
-    }
-    if (result == PROGRAM_DONE) {
-        const svo_gl_options gl_options = {.struct_size = sizeof gl_options,
-                                           .raster = (svo_gl_raster)state->options.frontend,
-                                           .share = (svo_gl_share)state->options.share};
-        if (svo_gl_create(opened->device, opened->gl_context, &gl_options, &opened->gl) != SVO_OK) {
-            result = program_fail_library(state, svo_device_message(opened->device));
-        }
+    if (options_ask_for_gl(&state->options)) {
+        result = use_opengl(state, opened, "asked for");
+    } else if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        result = program_fail_library(state, svo_device_message(opened->device));
+    } else if (state->options.frontend == OPTION_FRONTEND_CL) {
+        explain(opened, "asked for");
+        result = use(opened, opened->cl);
     }
     if (result != PROGRAM_DONE) {
         session_close(opened);
@@ -116,13 +132,50 @@ int session_open(program *state, session *opened)
     return result;
 }
 
+void session_choose(program *state, session *opened, const svo_plan *plan)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    opened->frontend = opened->cl;
+    if (svo_frontend_cl_suffices(plan, &opened->reason)) {
+        return;
+    }
+    try_opengl(state, opened);
+    if (opened->gl != NULL) {
+        opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
+    }
+}
+
+void session_choose_opengl(program *state, session *opened)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    try_opengl(state, opened);
+    opened->frontend = opened->gl != NULL ? opengl_frontend(opened->gl) : opened->cl;
+    if (opened->gl != NULL) {
+        explain(opened, "OpenGL where there is one");
+    }
+}
+
+const char *session_context(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_context_name(opened->gl) : "none";
+}
+
+const char *session_renderer(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_renderer(opened->gl) : "none";
+}
+
 void session_close(session *opened)
 {
-    svo_gl_destroy(&opened->gl);
+    opengl_close(&opened->gl);
+    svo_frontend_destroy(&opened->cl);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }
     svo_device_destroy(&opened->device);
-    svo_gl_context_destroy(&opened->gl_context); /* after the OpenCL context, which may have been made against it */
     *opened = (session){0};
 }

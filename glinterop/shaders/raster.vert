@@ -4,7 +4,8 @@
  * can touch is covered:
  *
  *   SVO_POINT  the one pixel (GL_POINTS)
- *   rectangle  needles, triangles without area, those that reach outside: a right triangle around the bounding rectangle
+ *   bounds     needles, triangles without area, those that reach outside: a right triangle around the bounding rectangle,
+ *              or around the band along the longest edge where that is thinner: a needle costs what it is long
  *   otherwise  the triangle with its edges moved outwards by SVO_REACH pixels along each axis, after Hasselgren,
  *              Akenine-Moller and Ohlsson, "Conservative Rasterization", GPU Gems 2, 2005
  *
@@ -54,6 +55,40 @@ vec2 expand(vec2 a, vec2 b, vec2 c)
     return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / turn;
 }
 
+vec2 longer(vec2 a, vec2 b)
+{
+    return max(abs(a.x), abs(a.y)) < max(abs(b.x), abs(b.y)) ? b : a;
+}
+
+/* A corner of the triangle around all pixels that a-b-c touches: (0, 0), (2, 0) and (0, 2) of its bounding rectangle or of
+   the band, which is the rectangle sheared along the longest edge. size: of the rectangle. All in pixels.
+
+   The centre of a pixel that is touched is at most half a pixel off along both axes, so at most one off the band's line. A
+   quarter is left for the sub-pixel grid, and 2^-19 of the largest coordinate for float arithmetic, here and in clipping. */
+vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
+{
+    vec2 edge = longer(longer(b - a, c - b), a - c);
+    bool steep = abs(edge.y) > abs(edge.x);
+    a = steep ? a.yx : a;
+    b = steep ? b.yx : b;
+    c = steep ? c.yx : c;
+    edge = steep ? edge.yx : edge;
+    size = steep ? size.yx : size;
+
+    vec2 farthest = max(abs(a), max(abs(b), abs(c)));
+    float reach = 1.25 + max(farthest.x, farthest.y) * 1.9073486e-6;
+    float slope = edge.x != 0.0 ? edge.y / edge.x : 0.0;
+    vec3 above = vec3(a.y - slope * a.x, b.y - slope * b.x, c.y - slope * c.x);
+    float low = min(above.x, min(above.y, above.z)) - reach;
+    float height = max(above.x, max(above.y, above.z)) + reach - low;
+    bool is_band = height < size.y;
+
+    float along = corner == 1u ? 2.0 * size.x : 0.0;
+    float across = corner == 2u ? 2.0 : 0.0;
+    vec2 placed = vec2(along, is_band ? low + slope * along + across * height : across * size.y);
+    return steep ? placed.yx : placed;
+}
+
 vec2 pixels(svo_point p)
 {
     return vec2(p.u, p.v) / float(1 << voxel_log2);
@@ -91,12 +126,14 @@ void main()
     position = vec2(0.5);
     gl_PointSize = 1.0;
 #else
-    vec2 rectangle = vec2(corner == 1u ? 2.0 : 0.0, corner == 2u ? 2.0 : 0.0) * vec2(extent.u + 1, extent.v + 1);
     vec2 p = pixels(local[0]);
     vec2 q = pixels(local[1]);
     vec2 r = pixels(local[2]);
-    vec2 drawn = corner == 0u ? expand(r, p, q) : corner == 1u ? expand(p, q, r) : expand(q, r, p);
-    position = (item.flags & SVO_DRAW_RECTANGLE) != 0u ? rectangle : drawn;
+    if ((item.flags & SVO_DRAW_BOUNDS) != 0u) {
+        position = bound(p, q, r, vec2(extent.u + 1, extent.v + 1), corner);
+    } else {
+        position = corner == 0u ? expand(r, p, q) : corner == 1u ? expand(p, q, r) : expand(q, r, p);
+    }
 #endif
     vec2 ndc = (position + vec2(ivec2(start.u, start.v) - view_origin)) * (2.0 / float(1 << view_log2)) - 1.0;
     gl_Position = vec4(ndc, 0.0, 1.0);

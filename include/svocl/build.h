@@ -2,8 +2,9 @@
 /*
  * Building: plan + front end + queue -> tree.
  *
- * A front end proposes fragments, one (voxel, triangle) pair each; svocl::gl makes them (gl.h). The build links, packs
- * and filters them with OpenCL. The tree is the same, bit for bit, for every front end, share path, device and run.
+ * A front end makes fragments, one (voxel, triangle) pair each: with OpenCL alone (below), or with OpenGL's rasterizer
+ * (gl.h). The build links, packs and filters them with OpenCL. The tree is the same, bit for bit, for every front end,
+ * share path, device and run.
  */
 #ifndef SVOCL_BUILD_H
 #define SVOCL_BUILD_H
@@ -19,6 +20,27 @@ extern "C" {
 #endif
 
 typedef struct svo_frontend svo_frontend;
+
+/*
+ * The front end of OpenCL alone, "cl": a kernel walks every triangle's voxels. Needs no OpenGL. Its share is "none": the
+ * list is made where it is used.
+ *
+ * device: must outlive it; nothing is compiled yet. Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, or
+ * SVO_UNSUPPORTED where the device has less than 17 KiB of local memory.
+ */
+SVO_API svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out);
+/* Releases a front end that svo_frontend_create_cl made and sets *frontend to NULL; NULL and a pointer to NULL are allowed.
+   One that another handle owns (svo_gl_frontend) is left alone. */
+SVO_API void svo_frontend_destroy(svo_frontend **frontend);
+/*
+ * Whether OpenCL alone is the faster way for a plan because it is done before OpenGL would have started: not 0 if so. For
+ * larger plans svo_gl_prefer (gl.h) compares the two. A rule of thumb: nothing is run.
+ *
+ * reason: receives one line that says why; NULL allowed.
+ */
+SVO_API int svo_frontend_cl_suffices(const svo_plan *plan, svo_message *reason);
+SVO_API const char *svo_frontend_name(const svo_frontend *frontend); /* "cl", "gl-expand", "gl-hw"; static string */
+SVO_API const char *svo_frontend_share(const svo_frontend *frontend); /* "none", "host", "copy"; static string */
 
 typedef enum svo_stage {
     SVO_STAGE_GRID = 0, /* validate, snap, classify (svo_plan_create) */
@@ -44,8 +66,8 @@ typedef struct svo_build_report {
     uint64_t fragments;
     uint32_t list_chunks;
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
-    const char *frontend; /* "gl-expand", "gl-hw"; static strings */
-    const char *share; /* "sharing", "host", "copy" */
+    const char *frontend; /* "cl", "gl-expand", "gl-hw"; static strings */
+    const char *share; /* how the list got to OpenCL: "none" (it was made there), "sharing", "host", "copy" */
     const char *renderer; /* OpenGL's name of what rasterized; lives as long as the context; "" without OpenGL */
 } svo_build_report;
 

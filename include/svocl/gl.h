@@ -140,6 +140,15 @@ SVO_API void svo_gl_destroy(svo_gl **gl);
 /* The front end to give to svo_build; owned by gl. */
 SVO_API svo_frontend *svo_gl_frontend(svo_gl *gl);
 
+/*
+ * The faster front end on this pair: that of gl, or cl, which svo_frontend_create_cl made for the same device. A rule of
+ * thumb by what the renderer is and how the list would get to OpenCL: software renderers are slower than OpenCL alone, and
+ * so is a list that goes through the host to a GPU. Nothing is run. See also svo_frontend_cl_suffices.
+ *
+ * reason: receives one line that says why; NULL allowed.
+ */
+SVO_API svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *reason);
+
 /* Why a way works or not on this pair: "" if it does. Static or owned by gl. raster, share: not AUTO. */
 SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster);
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);

@@ -44,15 +44,28 @@
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
 
+/* Columns of voxels that one work-item of the OpenCL front end walks at most; larger triangles are cut into tiles of so
+   many columns, SVO_TILE_EDGE both ways. */
+#define SVO_TILE_EDGE    8
+#define SVO_TILE_COLUMNS (SVO_TILE_EDGE * SVO_TILE_EDGE)
+
 /* What svo_draw_item.flags holds. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
-#define SVO_DRAW_RECTANGLE 4u /* draw the bounding rectangle: needles, degenerate triangles, parts outside the grid */
+#define SVO_DRAW_BOUNDS    4u /* draw what bounds the triangle: needles, degenerate triangles, parts outside the grid */
 
 /* One triangle to draw; the front end reads an array of them. 8 bytes. */
 SVO_RECORD(svo_draw_item)
 {
     SVO_U32 triangle; /* 0: into the index buffer, and the fragment's triangle */
     SVO_U32 flags; /* 4: SVO_DRAW_* */
+};
+
+/* A part of a large triangle: columns of voxels from a corner on, SVO_TILE_EDGE both ways, as far as the triangle's bounds
+   and the draw go. 8 bytes. */
+SVO_RECORD(svo_tile_item)
+{
+    SVO_U32 item; /* 0: into the items */
+    SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
 };
 
 /* svo_build_state.overflow: a fragment is outside the grid or of no triangle. */
@@ -74,14 +87,36 @@ SVO_RECORD(svo_build_state)
 SVO_RECORD(svo_triangle_record)
 {
     SVO_U32 material; /* 0: into the material records */
-    SVO_U32 flags; /* 4: SVO_TRIANGLE_* */
-    SVO_U32 normal_xy; /* 8: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
-    SVO_U32 normal_z; /* 12: int16 z in the low half */
+    SVO_U32 normal_xy; /* 4: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
+    SVO_U32 normal_z_flags; /* 8: int16 z in the low half, SVO_TRIANGLE_* in the high half */
+    SVO_U32 stretch; /* 12: its area over that of its projection along its axis, 2^30 = 1; below 2^31 */
 };
 /* The attributes are the same all over the triangle. */
-#define SVO_TRIANGLE_FLAT 1u
+#define SVO_TRIANGLE_FLAT 0x10000u
 /* Two bits from this one on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
-#define SVO_TRIANGLE_AXIS_SHIFT 1
+#define SVO_TRIANGLE_AXIS_SHIFT 17
+#define SVO_TRIANGLE_AXIS_MASK  3u
+
+/* Arguments of the OpenCL front end: one draw. 64 bytes. */
+SVO_RECORD(svo_voxelize_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
+    SVO_U32 open; /* 8: 1 where a voxel's far faces belong to its neighbours, 0 where coverage is closed */
+    SVO_U32 one_voxel; /* 12: not 0: every triangle lies inside one voxel */
+    SVO_U32 first_item; /* 16 */
+    SVO_U32 item_count; /* 20: one work-item each */
+    SVO_U32 first_tile_id; /* 24: the work-item of the first tile */
+    SVO_U32 first_tile; /* 28: into the tiles */
+    SVO_U32 tile_count; /* 32: one work-item each */
+    SVO_U32 left; /* 36: the draw's columns of voxels: least u */
+    SVO_U32 bottom; /* 40: least v */
+    SVO_U32 width; /* 44 */
+    SVO_U32 height; /* 48 */
+    SVO_U32 capacity; /* 52: fragments the chunk holds */
+    SVO_U32 counter; /* 56: the chunk's counter, a pair of words */
+    SVO_U32 reserved; /* 60 */
+};
 
 /* Arguments of the subdivision kernels. 16 bytes. */
 SVO_RECORD(svo_subdivide_params)
@@ -106,7 +141,9 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 voxel_log2; /* 32: edge of a voxel in grid units */
     SVO_U32 first_chunk; /* 36: not 0: sums are written, not added to */
     SVO_U32 digit_passes; /* 40: radix passes of four bits over a triangle index, an even number */
-    SVO_U32 reserved[5]; /* 44 */
+    SVO_U32 weight_log2; /* 44: a voxel's face weighs 2^weight_log2 */
+    SVO_U32 fill_shift; /* 48: weights of the next level's nodes to fill, in bits; 63 and more: nothing is left */
+    SVO_U32 reserved[3]; /* 52 */
 };
 
 /* One material. 32 bytes. */
@@ -149,8 +186,10 @@ SVO_RECORD(svo_cast_params)
 #define SVO_ASSERT_BYTES(name, bytes) _Static_assert(sizeof(name) == (bytes), #name)
 #endif
 SVO_ASSERT_BYTES(svo_draw_item, 8);
+SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_build_state, 96);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
+SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_subdivide_params, 16);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);

@@ -31,8 +31,13 @@ typedef enum svo_need {
     SVO_NEED_COLOR = 1, /* RGBA8 per node; white if the mesh has neither colours nor materials */
     SVO_NEED_NORMAL = 2, /* 3 x int16 per node; the triangles' own normals if the mesh has none */
     SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices */
+    SVO_NEED_MATERIAL = 8, /* 16 bits per node: the material that weighs most in it; of equals the smaller */
+    SVO_NEED_FILL = 16, /* 16 bits per node: area of the surface in it, 4096 = one of its faces, 65535 at most */
     SVO_NEED_NONE = 0x40000000 /* occupancy alone */
 } svo_need;
+#define SVO_NEED_ALL 0x1f /* every bit of the above */
+/* Of one bit: "color", "normal", "rays", "material", "fill"; else "none". Static string. */
+SVO_API const char *svo_need_name(svo_need bit);
 
 /* Which voxels a triangle touches; the triangle is closed, and a voxel covers w grid units. */
 typedef enum svo_coverage {
@@ -47,10 +52,25 @@ typedef enum svo_coverage {
 } svo_coverage;
 SVO_API const char *svo_coverage_name(svo_coverage coverage); /* "half-open", "closed", "thin"; static string */
 
+/* What a (voxel, triangle) pair weighs in the means of its voxel and of all nodes above, and where on the triangle its
+   attributes are taken. All in integers: the same bytes everywhere. */
+typedef enum svo_weights {
+    /* The area of the part of the triangle inside the voxel, at its centroid. What has no area there, such as segments,
+       points, and triangles that only touch, weighs one unit, 2^-31 of the heaviest pair or (in large scenes) somewhat
+       more. */
+    SVO_WEIGHTS_AREA = 0,
+    SVO_WEIGHTS_UNIFORM = 1, /* 1; at the triangle's own centroid, whatever the voxel. The cheapest */
+    /* 1; at the point of the triangle that the voxel's middle has in front of it along the triangle's dominant axis, or
+       at the triangle's rim if that misses it. */
+    SVO_WEIGHTS_CENTRE = 2
+} svo_weights;
+SVO_API const char *svo_weights_name(svo_weights weights); /* "area", "uniform", "centre"; static string */
+
 typedef struct svo_plan_options {
     size_t struct_size; /* sizeof(svo_plan_options) */
     uint32_t need; /* svo_need bits */
     svo_coverage coverage;
+    svo_weights weights; /* of the payload; SVO_NEED_FILL asks for SVO_WEIGHTS_AREA */
     /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge is
        finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie less than 2^29 grid units away (512 edges;
        32 at depth 16). */
@@ -100,7 +120,9 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
 SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
-   attempts that were too small included. Memory of OpenGL (the mesh; with share "copy" its side of the list) is apart.
+   attempts that were too small included. A plan does not know its front end: what that of OpenCL alone allocates for
+   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Memory of OpenGL
+   (the mesh; with share "copy" its side of the list) is apart.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time. */

@@ -4,7 +4,7 @@
  *
  * Every function that can fail returns an svo_status and leaves its outputs untouched when it is not SVO_OK (reports of
  * times excepted). SVO_INVALID_ARGUMENT and SVO_OUT_OF_HOST_MEMORY may come from any of them. The words
- * that go with it ("svo_plan_create: depth 17 is not in 1 .. 12") are kept by the handle that was used, or written to the
+ * that go with it ("svo_plan_create: depth 17 is not in 1 .. 16") are kept by the handle that was used, or written to the
  * svo_message of functions that have no handle yet. The library never prints, exits or aborts.
  */
 #ifndef SVOCL_STATUS_H

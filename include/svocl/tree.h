@@ -32,6 +32,7 @@ typedef struct svo_tree_info {
     uint32_t snap_bits; /* G */
     uint32_t coverage; /* svo_coverage */
     uint32_t need; /* svo_need bits the tree holds */
+    uint32_t weights; /* svo_weights of its payload */
     double origin[3], edge, scale; /* world; q = rint((v - origin) * scale) */
     double snap_error; /* world */
     uint64_t triangles, refused_triangles, fragments;
@@ -52,6 +53,9 @@ typedef struct svo_tree_arrays {
     const int32_t *vertices; /* vertex_count * 3: snapped */
     const uint32_t *indices; /* list_triangle_count * 3 */
     const uint32_t *triangle_ids; /* list_triangle_count: the mesh's triangle, ascending */
+    const uint16_t *materials; /* node_count: into the mesh's materials */
+    const uint16_t
+        *fills; /* node_count: area of the surface inside, 4096 = one face of the node; 65535: that or more */
 } svo_tree_arrays;
 
 typedef enum svo_tree_buffer {
@@ -64,6 +68,8 @@ typedef enum svo_tree_buffer {
     SVO_TREE_VERTICES,
     SVO_TREE_INDICES,
     SVO_TREE_TRIANGLE_IDS,
+    SVO_TREE_MATERIALS,
+    SVO_TREE_FILLS,
     SVO_TREE_BUFFER_COUNT
 } svo_tree_buffer;
 SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer); /* "child_mask", ...; static string */
@@ -92,7 +98,7 @@ typedef enum svo_hash_scope { SVO_HASH_ALL = 0, SVO_HASH_NODES = 1 } svo_hash_sc
 
 /*
  * XXH3-128 over depth, coverage, snap_bits, origin, edge, level_begin, child masks and first children, then, for
- * SVO_HASH_ALL, over list_begin, list, colours and normals as far as the tree holds them: little-endian, no device, front
+ * SVO_HASH_ALL, over list_begin, list, colours, normals, materials and fills as far as the tree holds them: little-endian, no device, front
  * end or time. Written as 32 lowercase hexadecimal digits, high half first.
  * Returns SVO_INVALID_ARGUMENT before svo_tree_download.
  */

@@ -32,7 +32,7 @@ typedef struct file_header {
     uint32_t snap_bits;
     uint32_t coverage;
     uint32_t need;
-    uint32_t zero;
+    uint32_t weights;
     double origin[3];
     double edge;
     double scale;

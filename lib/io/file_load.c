@@ -141,11 +141,11 @@ static svo_status check_values(const load_state *state)
     if (header->coverage > SVO_COVERAGE_THIN) {
         return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
     }
-    if ((header->need & ~(uint32_t)(SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)) != 0) {
+    if ((header->need & ~(uint32_t)SVO_NEED_ALL) != 0) {
         return damaged(state, "header: need 0x%" PRIx32 " has unknown bits", header->need);
     }
-    if (header->zero != 0) {
-        return damaged(state, "header: bytes 52 .. 56 are not 0");
+    if (header->weights > SVO_WEIGHTS_CENTRE) {
+        return damaged(state, "header: weights %" PRIu32 " are not known", header->weights);
     }
     for (int axis = 0; axis < 3; ++axis) {
         if (!isfinite(header->origin[axis])) {
@@ -194,6 +194,7 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->snap_bits = header->snap_bits;
     info->coverage = header->coverage;
     info->need = header->need;
+    info->weights = header->weights;
     memcpy(info->origin, header->origin, sizeof info->origin);
     info->edge = header->edge;
     info->scale = header->scale;

@@ -113,6 +113,7 @@ static void fill_header(file_header *header, const svo_tree_info *info)
     header->snap_bits = info->snap_bits;
     header->coverage = info->coverage;
     header->need = info->need;
+    header->weights = info->weights;
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;
     header->scale = info->scale;

@@ -161,16 +161,16 @@ static void check_flags(const svo_plan *plan, const svo_draw_item *item)
 {
     const uint32_t *corners = plan->indices + (size_t)item->triangle * 3;
     const uint32_t axis = item->flags & SVO_DRAW_AXIS_MASK;
-    REQUIRE(axis < 3 && (item->flags & ~(SVO_DRAW_AXIS_MASK | SVO_DRAW_RECTANGLE)) == 0);
+    REQUIRE(axis < 3 && (item->flags & ~(SVO_DRAW_AXIS_MASK | SVO_DRAW_BOUNDS)) == 0);
     int64_t normal[3];
     svo_i_plan_normal(plan, corners, normal);
     for (unsigned other = 0; other < 3; ++other) {
         REQUIRE(llabs(normal[other]) <= INT64_C(1) << 61);
-        if ((item->flags & SVO_DRAW_RECTANGLE) == 0) {
+        if ((item->flags & SVO_DRAW_BOUNDS) == 0) {
             REQUIRE(normal[axis] != 0 && llabs(normal[other]) <= llabs(normal[axis]));
         }
     }
-    for (size_t i = 0; i < 9 && (item->flags & SVO_DRAW_RECTANGLE) == 0; ++i) {
+    for (size_t i = 0; i < 9 && (item->flags & SVO_DRAW_BOUNDS) == 0; ++i) {
         const int32_t q = plan->vertices[(size_t)corners[i / 3] * 3 + i % 3];
         REQUIRE(q >= 0 && q < (int32_t)(1u << plan->info.snap_bits));
     }
@@ -201,12 +201,14 @@ static void check_items(const svo_plan *plan)
 
 static void check_payload(const svo_plan *plan, const mesh_input *input)
 {
-    const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
-    REQUIRE((plan->info.need & ~(payload | (uint32_t)SVO_NEED_RAYS)) == 0 || plan->records != NULL);
+    REQUIRE((plan->info.need & ~(uint32_t)SVO_NEED_ALL) == 0);
+    REQUIRE((plan->info.need & SVO_I_NEED_PAYLOAD) == 0 || (plan->records != NULL && plan->material_count >= 1));
+    REQUIRE(plan->records == NULL || plan->weight_log2 > SVO_I_FILL_LOG2);
     for (uint32_t t = 0; t < plan->triangle_count && plan->records != NULL; ++t) {
         REQUIRE(plan->records[t].material < plan->material_count);
+        REQUIRE(plan->records[t].stretch >= 1u << 30 && plan->records[t].stretch < 1u << 31);
     }
-    for (uint32_t i = 0; i < plan->material_count; ++i) {
+    for (uint32_t i = 0; i < plan->material_count && plan->materials != NULL; ++i) {
         const svo_material_record *material = &plan->materials[i];
         REQUIRE(material->texel_offset + (uint64_t)material->width * material->height <= plan->texel_count);
     }

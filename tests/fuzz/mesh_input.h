@@ -35,7 +35,7 @@ typedef enum position_form {
 #define OPTIONS_GIVEN    1u
 #define OPTIONS_GRID     2u
 #define OPTIONS_CAPACITY 4u
-#define OPTIONS_NEED_ANY 8u /* need as it is, else modulo 8 */
+#define OPTIONS_NEED_ANY 8u /* need as it is, else modulo 32 */
 
 /* The first bytes of an input; the arrays follow in the order of svo_mesh. */
 typedef struct mesh_input_head {
@@ -45,7 +45,8 @@ typedef struct mesh_input_head {
     uint8_t options;
     uint8_t coverage; /* modulo one more than there are */
     uint8_t vertex_count, triangle_count, material_count, texture_count;
-    uint8_t reserved[3];
+    uint8_t weights; /* modulo one more than there are */
+    uint8_t reserved[2];
     uint32_t need;
     uint32_t chunk_kibibytes; /* the list is cut into chunks of this size, above 16 */
     double origin[3], edge;

@@ -20,7 +20,7 @@ static void scenes(stress *run, svo_coverage coverage)
     const svo_plan_options plan_options = {.coverage = coverage};
     for (size_t i = 0; scene_describe(i) != NULL; ++i) {
         char spec[64];
-        snprintf(spec, sizeof spec, "%s:%zu:%u", scene_describe(i)->name, run->count * 1000,
+        snprintf(spec, sizeof spec, "%s:%zu:%u", scene_describe(i)->name, stress_amount(run, 1000, 50),
                  (unsigned)(run->seed & 0xffffu));
         scene *made = NULL;
         svo_message message = {""};
@@ -28,7 +28,7 @@ static void scenes(stress *run, svo_coverage coverage)
             stress_fail(&one, "%s: %s", spec, program_words(message.text));
             continue;
         }
-        stress_check(run, scene_mesh(made), 7, &plan_options, &one);
+        stress_check(run, scene_mesh(made), stress_depth(run, 7, 3), &plan_options, &one);
         scene_destroy(&made);
     }
     stress_end(run, &one);
@@ -38,7 +38,7 @@ static void scenes(stress *run, svo_coverage coverage)
 static void shape_at_origin(stress *run, stress_shape shape)
 {
     const char *row = shape == STRESS_SLIVERS || shape == STRESS_NEEDLES ? "T3" : "T4";
-    const size_t triangle_count = shape == STRESS_HUGE ? run->count : run->count * 50;
+    const size_t triangle_count = shape == STRESS_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 8);
     stress_case one = stress_begin("%s %s", row, stress_shape_name(shape));
     stress_mesh made;
     if (!stress_mesh_create(shape, run->seed, triangle_count, &made)) {
@@ -51,7 +51,7 @@ static void shape_at_origin(stress *run, stress_shape shape)
         svo_plan_options plan_options = own_grid;
         plan_options.coverage = (svo_coverage)coverage;
         plan_options.need = SVO_NEED_RAYS;
-        has_tree = stress_build(run, NULL, &made.mesh, CASE_DEPTH, &plan_options, &one, &built);
+        has_tree = stress_build(run, NULL, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one, &built);
         if (has_tree) {
             stress_compare(&made.mesh, &plan_options, &built, &one);
         }
@@ -73,13 +73,13 @@ static void shape_at_offset(stress *run, stress_shape shape, double offset, bool
     stress_case one = stress_begin("T4 %s at %.9g", stress_shape_name(shape), offset);
     const svo_plan_options plan_options = {.need = SVO_NEED_RAYS};
     stress_mesh made;
-    if (!stress_mesh_create(shape, run->seed + 1, run->count * 20, &made)) {
+    if (!stress_mesh_create(shape, run->seed + 1, stress_amount(run, 20, 4), &made)) {
         run->failed = true;
         return;
     }
     stress_mesh_move(&made, 1.0 / STRESS_UNITS, offset);
     stress_tree built;
-    if (stress_build(run, NULL, &made.mesh, CASE_DEPTH, &plan_options, &one, &built)) {
+    if (stress_build(run, NULL, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one, &built)) {
         stress_compare(&made.mesh, &plan_options, &built, &one);
         stress_end(run, &one);
         if (with_float_ways) {
@@ -106,7 +106,7 @@ static void stiff_scene(stress *run)
 {
     stress_case one = stress_begin("T7 stiff scene");
     stress_mesh made;
-    const size_t triangle_count = 1 + run->count * 1000;
+    const size_t triangle_count = 1 + stress_amount(run, 1000, 20);
     if (!stress_mesh_create(STRESS_SMALL, run->seed, triangle_count, &made)) {
         run->failed = true;
         return;
@@ -122,7 +122,7 @@ static void stiff_scene(stress *run)
     }
     svo_plan_options plan_options = own_grid;
     plan_options.fragment_capacity = 1;
-    stress_check(run, &made.mesh, 9, &plan_options, &one);
+    stress_check(run, &made.mesh, stress_depth(run, 9, 5), &plan_options, &one);
     stress_mesh_free(&made);
     stress_end(run, &one);
 }
@@ -133,24 +133,24 @@ static void garbage(stress *run, const char *what, const svo_plan_options *plan_
     const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, -0.0, 1e-310, 1e38, -1e38, 5e-324};
     stress_case one = stress_begin("T8 garbage, %s", what);
     stress_mesh made;
-    uint64_t state = run->seed;
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, run->count * 50, &made)) {
+    random_stream random = {run->seed};
+    if (!stress_mesh_create(STRESS_SMALL, run->seed, stress_amount(run, 50, 10), &made)) {
         run->failed = true;
         return;
     }
     for (size_t i = 0; i < made.mesh.vertex_count * 3; ++i) {
-        const uint32_t pick = stress_random_below(&state, 128);
+        const uint32_t pick = stress_random_below(&random, 128);
         made.positions[i] = pick < 8 ? values[pick] : made.positions[i];
     }
-    stress_check(run, &made.mesh, CASE_DEPTH, plan_options, &one);
-    stress_check(run, &made.mesh, CASE_DEPTH, plan_options, &one); /* the same every time */
+    stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
+    stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one); /* the same every time */
     static const uint32_t indices[12] = {0, 1, 2, 3, 4, UINT32_MAX, 0, 0, 0, 1000000000, 1, 2};
     svo_mesh indexed = made.mesh;
     indexed.indices = indices;
     indexed.triangle_count = 4;
-    stress_check(run, &indexed, CASE_DEPTH, plan_options, &one);
+    stress_check(run, &indexed, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
     indexed.triangle_count = 0;
-    stress_check(run, &indexed, CASE_DEPTH, plan_options, &one);
+    stress_check(run, &indexed, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
     stress_mesh_free(&made);
     stress_end(run, &one);
 }
@@ -193,18 +193,18 @@ static void capacities(stress *run)
     stress_case one = stress_begin("T10 capacities");
     stress_mesh made;
     stress_tree built;
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, run->count * 100, &made)) {
+    if (!stress_mesh_create(STRESS_SMALL, run->seed, stress_amount(run, 100, 10), &made)) {
         run->failed = true;
         return;
     }
     svo_plan_options plan_options = own_grid;
     plan_options.need = SVO_NEED_RAYS;
-    if (stress_build(run, NULL, &made.mesh, CASE_DEPTH, &plan_options, &one, &built)) {
+    if (stress_build(run, NULL, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one, &built)) {
         const uint64_t exact = built.report.fragments;
         const uint64_t capacity_list[] = {1, exact, exact - 1};
         for (size_t i = 0; i < 3; ++i) {
             plan_options.fragment_capacity = capacity_list[i];
-            stress_check(run, &made.mesh, CASE_DEPTH, &plan_options, &one);
+            stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one);
         }
         stress_tree_free(&built);
     }
@@ -214,7 +214,8 @@ static void capacities(stress *run)
 
 void stress_cases_builds(stress *run)
 {
-    for (int coverage = SVO_COVERAGE_HALF_OPEN; coverage <= SVO_COVERAGE_THIN; ++coverage) {
+    const int last_coverage = run->count > 0 ? SVO_COVERAGE_THIN : SVO_COVERAGE_HALF_OPEN;
+    for (int coverage = SVO_COVERAGE_HALF_OPEN; coverage <= last_coverage; ++coverage) {
         scenes(run, (svo_coverage)coverage);
     }
     for (int shape = 0; shape < STRESS_SHAPE_COUNT; ++shape) {

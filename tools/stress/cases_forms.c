@@ -23,7 +23,7 @@ static void closed_form(stress *run, const char *name, const svo_mesh *mesh, uin
 {
     stress_case one = stress_begin("T2 %s", name);
     one.unit = "voxels";
-    for (unsigned depth = 1; depth <= 7; ++depth) {
+    for (unsigned depth = 1; depth <= stress_depth(run, 7, 3); ++depth) {
         const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = (uint32_t)SVO_NEED_NONE};
         stress_tree built;
         if (stress_build(run, NULL, mesh, depth, &plan_options, &one, &built)) {
@@ -116,9 +116,9 @@ static void count_law(stress *run)
     static const double shape[9] = {0, 5000, 20000, 41000, 0, 33000, 17000, 52000, 0};
     stress_case one = stress_begin("T5 count law");
     one.unit = "standard errors";
-    const size_t triangle_count = 2500 * (run->count < 8 ? run->count : 8);
+    const size_t triangle_count = run->count < 8 ? stress_amount(run, 2500, 150) : 20000;
     const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = SVO_NEED_RAYS};
-    uint64_t state = run->seed;
+    random_stream random = {run->seed};
     stress_mesh made;
     if (!stress_mesh_empty(triangle_count, &made)) {
         run->failed = true;
@@ -126,7 +126,7 @@ static void count_law(stress *run)
     }
     for (size_t t = 0; t < triangle_count; ++t) {
         for (size_t k = 0; k < 3; ++k) {
-            const double offset = stress_random_below(&state, STRESS_UNITS - 65536); /* whole voxels */
+            const double offset = stress_random_below(&random, STRESS_UNITS - 65536); /* whole voxels */
             for (size_t i = k; i < 9; i += 3) {
                 made.positions[t * 9 + i] = shape[i] + offset;
             }
@@ -209,7 +209,8 @@ static void compare_image(const symmetry *s, const stress_tree *original, const 
     oracle_pairs_free(&actual);
 }
 
-/* Closed voxels of triangles on the lattice of voxel corners, under all 48 symmetries of the cube. */
+/* Closed voxels of triangles on the lattice of voxel corners, under all 48 symmetries of the cube (with --count 0
+   under seven of them, every axis and turn among them). */
 static void symmetries(stress *run)
 {
     stress_case one = stress_begin("T6 symmetries");
@@ -218,7 +219,7 @@ static void symmetries(stress *run)
     stress_mesh made;
     stress_mesh image;
     stress_tree original;
-    if (!stress_mesh_create(STRESS_LATTICE, run->seed, 10 + run->count * 10, &made)) {
+    if (!stress_mesh_create(STRESS_LATTICE, run->seed, 10 + stress_amount(run, 10, 0), &made)) {
         run->failed = true;
         return;
     }
@@ -227,12 +228,13 @@ static void symmetries(stress *run)
         run->failed = true;
         return;
     }
-    const bool has_original = stress_build(run, NULL, &made.mesh, 6, &plan_options, &one, &original);
-    for (unsigned i = 0; has_original && i < 48; ++i) {
+    const bool has_original =
+        stress_build(run, NULL, &made.mesh, stress_depth(run, 6, 4), &plan_options, &one, &original);
+    for (unsigned i = 0; has_original && i<48; i += run->count> 0 ? 1 : 7) {
         const symmetry s = {i % 3, i / 3 % 2, i / 6};
         stress_tree built;
         apply(&s, made.positions, image.positions, made.mesh.vertex_count);
-        if (stress_build(run, NULL, &image.mesh, 6, &plan_options, &one, &built)) {
+        if (stress_build(run, NULL, &image.mesh, stress_depth(run, 6, 4), &plan_options, &one, &built)) {
             compare_image(&s, &original, &built, &one);
             stress_tree_free(&built);
         }

@@ -65,19 +65,19 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
 static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_mesh *out)
 {
     static const double shape[9] = {1000, 2000, 3000, 9000, 2500, 4000, 5000, 12000, 6000};
-    uint64_t state = seed;
+    random_stream random = {seed};
     if (!stress_mesh_empty(count, out)) {
         return false;
     }
     for (size_t t = 0; t < count; ++t) {
         double corner[3] = {32, 32, 32};
         for (int k = 0; k < 3 && !in_one_voxel; ++k) {
-            corner[k] = stress_random_below(&state, 64);
+            corner[k] = stress_random_below(&random, 64);
         }
         for (size_t i = 0; i < 9; ++i) {
             out->positions[t * 9 + i] = shape[i] + corner[i % 3] * 16384;
         }
-        const uint32_t color = stress_random(&state) | 0xff000000u;
+        const uint32_t color = (uint32_t)(random_bits(&random) >> 32) | 0xff000000u;
         for (size_t i = 0; i < 12; ++i) {
             out->colors[t * 12 + i] = (uint8_t)(color >> 8 * (i % 4));
         }
@@ -95,7 +95,7 @@ static void samples(stress *run, size_t count, bool in_one_voxel, stress_case *o
         run->failed = true;
         return;
     }
-    for (unsigned order = 0; order < 2; ++order) {
+    for (unsigned order = 0; order < (run->count > 0 ? 2u : 1u); ++order) {
         stress_tree built;
         if (stress_build(run, NULL, &made.mesh, 6, &colored, one, &built)) {
             check_colors(&built, &made, one);
@@ -114,11 +114,11 @@ static void averages(stress *run)
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         samples(run, counts[i], true, &one);
     }
-    samples(run, run->count * 2000, true, &one);
+    samples(run, stress_amount(run, 2000, 20), true, &one);
     stress_end(run, &one);
     stress_case sums = stress_begin("T16 sums at every level");
     sums.unit = "samples";
-    samples(run, run->count * 2000, false, &sums);
+    samples(run, stress_amount(run, 2000, 20), false, &sums);
     stress_end(run, &sums);
 }
 
@@ -130,7 +130,18 @@ static void expect_hash(stress_case *one, const char *what, const char *expected
     }
 }
 
-/* Once more; through a copied list; with the triangles in another order, without lists. */
+/* The same tree by another front end. NULL: there is none. */
+static void compare_frontend(stress *run, const stress_mesh *made, svo_frontend *other, const char *hash,
+                             stress_case *one)
+{
+    stress_tree again;
+    if (other != NULL && stress_build(run, other, &made->mesh, 6, &colored, one, &again)) {
+        expect_hash(one, svo_frontend_name(other), hash, again.hash);
+        stress_tree_free(&again);
+    }
+}
+
+/* Once more; by the other front ends; with the triangles in another order, without lists. */
 static void compare_runs(stress *run, stress_mesh *made, svo_frontend *copying, stress_case *one)
 {
     const svo_plan_options no_lists = {.edge = STRESS_UNITS, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL};
@@ -144,10 +155,8 @@ static void compare_runs(stress *run, stress_mesh *made, svo_frontend *copying, 
         expect_hash(one, "second run", with_lists.hash, again.hash);
         stress_tree_free(&again);
     }
-    if (copying != NULL && stress_build(run, copying, &made->mesh, 6, &colored, one, &again)) {
-        expect_hash(one, "copied list", with_lists.hash, again.hash);
-        stress_tree_free(&again);
-    }
+    compare_frontend(run, made, copying, with_lists.hash, one);
+    compare_frontend(run, made, run->opened.cl, with_lists.hash, one);
     if (stress_build(run, NULL, &made->mesh, 6, &no_lists, one, &first)) {
         stress_mesh_shuffle(made, run->seed);
         if (stress_build(run, NULL, &made->mesh, 6, &no_lists, one, &again)) {
@@ -164,14 +173,15 @@ static void repeatability(stress *run)
 {
     stress_case one = stress_begin("T15 repeatability");
     one.unit = "hashes";
-    const svo_gl_options gl_options = {.struct_size = sizeof gl_options, .share = SVO_GL_SHARE_COPY};
-    svo_gl *copying = NULL;
-    if (svo_gl_create(run->opened.device, run->opened.gl_context, &gl_options, &copying) != SVO_OK) {
-        stress_fail(&one, "share copy: %s", program_words(svo_device_message(run->opened.device)));
+    svo_message reason = {""};
+    svo_frontend *copying = run->opened.gl != NULL ? opengl_copying_frontend(run->opened.gl, &reason) : NULL;
+    if (run->opened.gl != NULL && copying == NULL) {
+        stress_fail(&one, "share copy: %s", reason.text);
     }
-    for (int shape = 0; shape < STRESS_SHAPE_COUNT; ++shape) {
+    for (int shape = 0; shape<STRESS_SHAPE_COUNT; shape += run->count> 0 ? 1 : 3) {
         stress_mesh made;
-        if (!stress_mesh_create((stress_shape)shape, run->seed, run->count * (shape == STRESS_HUGE ? 1 : 50), &made)) {
+        if (!stress_mesh_create((stress_shape)shape, run->seed,
+                                shape == STRESS_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 5), &made)) {
             run->failed = true;
             break;
         }
@@ -179,10 +189,9 @@ static void repeatability(stress *run)
         for (size_t i = 0; i < made.mesh.triangle_count * 12; ++i) {
             made.colors[i] = (uint8_t)(i * 37);
         }
-        compare_runs(run, &made, copying != NULL ? svo_gl_frontend(copying) : NULL, &one);
+        compare_runs(run, &made, copying, &one);
         stress_mesh_free(&made);
     }
-    svo_gl_destroy(&copying);
     stress_end(run, &one);
 }
 

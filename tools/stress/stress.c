@@ -12,6 +12,16 @@
 #include "stress/float_ways.h"
 #include "tree_check.h"
 
+size_t stress_amount(const stress *run, size_t per_count, size_t least)
+{
+    return run->count > 0 ? run->count * per_count : least;
+}
+
+unsigned stress_depth(const stress *run, unsigned depth, unsigned least)
+{
+    return run->count > 0 ? depth : least;
+}
+
 stress_case stress_begin(const char *format, ...)
 {
     stress_case one = {.way = "svocl", .unit = "pairs", .judged = true, .passed = true};
@@ -59,8 +69,8 @@ bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, uns
     const double started_ms = input_now_ms();
     svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, frontend != NULL ? frontend : svo_gl_frontend(opened->gl), opened->queue, &out->tree,
-                           &out->report);
+        status =
+            svo_build(plan, frontend != NULL ? frontend : opened->frontend, opened->queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, opened->queue);

@@ -28,7 +28,7 @@ typedef struct stress {
     program *state;
     session opened;
     uint64_t seed;
-    size_t count; /* how much work */
+    size_t count; /* how much work; 0: as little as there can be */
     stress_case *cases;
     size_t case_count, case_capacity;
     bool failed; /* out of memory */
@@ -43,6 +43,11 @@ typedef struct stress_tree {
     char hash[SVO_HASH_TEXT_BYTES], nodes_hash[SVO_HASH_TEXT_BYTES];
     double ms;
 } stress_tree;
+
+/* How many triangles a case has: so many for each --count, or the least where that is 0. */
+size_t stress_amount(const stress *run, size_t per_count, size_t least);
+/* A depth, or a lower one where --count is 0. */
+unsigned stress_depth(const stress *run, unsigned depth, unsigned least);
 
 /* A case that has passed so far. */
 stress_case stress_begin(const char *format, ...) __attribute__((format(printf, 1, 2)));

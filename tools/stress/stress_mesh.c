@@ -14,19 +14,9 @@ const char *stress_shape_name(stress_shape shape)
     return names[shape];
 }
 
-/* SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014. */
-uint32_t stress_random(uint64_t *state)
+uint32_t stress_random_below(random_stream *random, uint32_t limit)
 {
-    *state += UINT64_C(0x9e3779b97f4a7c15);
-    uint64_t mixed = *state;
-    mixed = (mixed ^ mixed >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    mixed = (mixed ^ mixed >> 27) * UINT64_C(0x94d049bb133111eb);
-    return (uint32_t)((mixed ^ mixed >> 31) >> 32);
-}
-
-uint32_t stress_random_below(uint64_t *state, uint32_t limit)
-{
-    return (uint32_t)((uint64_t)stress_random(state) * limit >> 32);
+    return (uint32_t)((random_bits(random) >> 32) * limit >> 32);
 }
 
 static int clamp_unit(int value)
@@ -35,28 +25,28 @@ static int clamp_unit(int value)
 }
 
 /* A whole number within reach of value, inside the grid. */
-static int near(uint64_t *state, int value, int reach)
+static int near(random_stream *random, int value, int reach)
 {
-    return clamp_unit(value + (int)stress_random_below(state, (uint32_t)(2 * reach + 1)) - reach);
+    return clamp_unit(value + (int)stress_random_below(random, (uint32_t)(2 * reach + 1)) - reach);
 }
 
-static void make_anywhere(uint64_t *state, int reach, int corner[3][3])
+static void make_anywhere(random_stream *random, int reach, int corner[3][3])
 {
     for (int k = 0; k < 3; ++k) {
-        corner[0][k] = (int)stress_random_below(state, STRESS_UNITS);
-        corner[1][k] = near(state, corner[0][k], reach);
-        corner[2][k] = near(state, corner[0][k], reach);
+        corner[0][k] = (int)stress_random_below(random, STRESS_UNITS);
+        corner[1][k] = near(random, corner[0][k], reach);
+        corner[2][k] = near(random, corner[0][k], reach);
     }
 }
 
 /* The third corner close to a point of the edge between the others. */
-static void make_thin(uint64_t *state, int reach, int width, int corner[3][3])
+static void make_thin(random_stream *random, int reach, int width, int corner[3][3])
 {
-    make_anywhere(state, reach, corner);
-    const int along = (int)stress_random_below(state, 1025);
+    make_anywhere(random, reach, corner);
+    const int along = (int)stress_random_below(random, 1025);
     for (int k = 0; k < 3; ++k) {
         const int64_t way = (int64_t)(corner[1][k] - corner[0][k]) * along / 1024;
-        corner[2][k] = near(state, corner[0][k] + (int)way, width);
+        corner[2][k] = near(random, corner[0][k] + (int)way, width);
     }
 }
 
@@ -65,10 +55,10 @@ static int align(int value)
     return value / VOXEL * VOXEL;
 }
 
-static void make_aligned(uint64_t *state, bool everywhere, int corner[3][3])
+static void make_aligned(random_stream *random, bool everywhere, int corner[3][3])
 {
-    make_anywhere(state, VOXEL * 6, corner);
-    const uint32_t flat = stress_random_below(state, 3);
+    make_anywhere(random, VOXEL * 6, corner);
+    const uint32_t flat = stress_random_below(random, 3);
     for (uint32_t k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             corner[i][k] = everywhere ? align(corner[i][k]) : k == flat ? align(corner[0][k]) : corner[i][k];
@@ -76,30 +66,30 @@ static void make_aligned(uint64_t *state, bool everywhere, int corner[3][3])
     }
 }
 
-static void make_degenerate(uint64_t *state, int corner[3][3])
+static void make_degenerate(random_stream *random, int corner[3][3])
 {
-    make_thin(state, VOXEL * 8, 0, corner);
-    if (stress_random_below(state, 2) == 0) {
+    make_thin(random, VOXEL * 8, 0, corner);
+    if (stress_random_below(random, 2) == 0) {
         memcpy(corner[2], corner[0], sizeof corner[0]);
     }
-    if (stress_random_below(state, 4) == 0) {
+    if (stress_random_below(random, 4) == 0) {
         memcpy(corner[1], corner[0], sizeof corner[0]);
         memcpy(corner[2], corner[0], sizeof corner[0]);
     }
 }
 
-static void make_triangle(stress_shape shape, uint64_t *state, int corner[3][3])
+static void make_triangle(stress_shape shape, random_stream *random, int corner[3][3])
 {
     static const int widths[] = {1, 8, 64, 512, 2048};
     switch (shape) {
     case STRESS_HUGE:
-        make_anywhere(state, STRESS_UNITS, corner);
+        make_anywhere(random, STRESS_UNITS, corner);
         break;
     case STRESS_SLIVERS:
-        make_thin(state, STRESS_UNITS / 4, widths[stress_random_below(state, 5)], corner);
+        make_thin(random, STRESS_UNITS / 4, widths[stress_random_below(random, 5)], corner);
         break;
     case STRESS_NEEDLES:
-        make_thin(state, VOXEL * 4, 0, corner);
+        make_thin(random, VOXEL * 4, 0, corner);
         for (int k = 0; k < 3; ++k) {
             corner[0][k] = clamp_unit(align(corner[0][k]) + VOXEL / 1024);
             corner[1][k] = clamp_unit(align(corner[1][k]) - VOXEL / 1024);
@@ -107,13 +97,13 @@ static void make_triangle(stress_shape shape, uint64_t *state, int corner[3][3])
         break;
     case STRESS_COPLANAR:
     case STRESS_LATTICE:
-        make_aligned(state, shape == STRESS_LATTICE, corner);
+        make_aligned(random, shape == STRESS_LATTICE, corner);
         break;
     case STRESS_DEGENERATE:
-        make_degenerate(state, corner);
+        make_degenerate(random, corner);
         break;
     default:
-        make_anywhere(state, VOXEL >> stress_random_below(state, 5), corner);
+        make_anywhere(random, VOXEL >> stress_random_below(random, 5), corner);
         break;
     }
 }
@@ -135,13 +125,13 @@ bool stress_mesh_empty(size_t triangle_count, stress_mesh *out)
 
 bool stress_mesh_create(stress_shape shape, uint64_t seed, size_t triangle_count, stress_mesh *out)
 {
-    uint64_t state = seed + (uint64_t)shape * 1000003u;
+    random_stream random = {seed + (uint64_t)shape * 1000003u};
     if (!stress_mesh_empty(triangle_count, out)) {
         return false;
     }
     for (size_t t = 0; t < triangle_count; ++t) {
         int corner[3][3];
-        make_triangle(shape, &state, corner);
+        make_triangle(shape, &random, corner);
         for (size_t i = 0; i < 9; ++i) {
             const int *vertex = corner[i / 3];
             out->positions[t * 9 + i] = vertex[i % 3];
@@ -174,9 +164,9 @@ static void swap_bytes(void *a, void *b, size_t byte_count)
 
 void stress_mesh_shuffle(stress_mesh *made, uint64_t seed)
 {
-    uint64_t state = seed;
+    random_stream random = {seed};
     for (size_t t = made->mesh.triangle_count; t-- > 1;) {
-        const size_t other = stress_random_below(&state, (uint32_t)t + 1);
+        const size_t other = stress_random_below(&random, (uint32_t)t + 1);
         if (other != t) {
             swap_bytes(made->positions + t * 9, made->positions + other * 9, 9 * sizeof(double));
             swap_bytes(made->colors + t * 12, made->colors + other * 12, 12);

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "scenes/maths.h"
 #include "svocl/mesh.h"
 
 #define STRESS_UNITS 1048576 /* positions are whole numbers 0 .. STRESS_UNITS - 1, on which snapping changes nothing */
@@ -40,7 +41,6 @@ void stress_mesh_move(stress_mesh *made, double factor, double offset);
 /* Triangles in another order, with their colours. */
 void stress_mesh_shuffle(stress_mesh *made, uint64_t seed);
 
-uint32_t stress_random(uint64_t *state); /* 32 random bits; any state is a good seed */
-uint32_t stress_random_below(uint64_t *state, uint32_t limit);
+uint32_t stress_random_below(random_stream *random, uint32_t limit); /* 0 .. limit - 1 */
 
 #endif

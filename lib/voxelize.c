@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The front end of OpenCL alone: uploads the snapped mesh, and per chunk of the list launches kernels/voxelize.cl for every
+ * draw. For machines without OpenGL, and for devices on which this is the faster way.
+ *
+ * Every launch waits for the one before it by an event, as in the builder, whose helpers it uses.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "build.h"
+#include "tiles.h"
+
+/* Local memory of a work-group. */
+#define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+#define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
+
+/* Variants of the kernel by what the overlap test needs. */
+typedef enum variant { VARIANT_NARROW = 0, VARIANT_REGULAR, VARIANT_WIDE, VARIANT_COUNT } variant;
+
+/* One list in the making. */
+typedef struct run {
+    svo_i_build build; /* queue, events, times, list of buffers */
+    const svo_i_layout *layout;
+    cl_mem vertices, indices, items, counters;
+    cl_kernel kernels[VARIANT_COUNT];
+} run;
+
+/* Triangles inside one voxel are not tested, so any variant will do for them. */
+static variant variant_of(svo_i_class class_id)
+{
+    return class_id == SVO_I_CLASS_WIDE      ? VARIANT_WIDE
+           : class_id == SVO_I_CLASS_REGULAR ? VARIANT_REGULAR
+                                             : VARIANT_NARROW;
+}
+
+static bool has_variant(const svo_plan *plan, variant which)
+{
+    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        if (variant_of(class_id) == which && plan->class_begin[class_id] < plan->class_begin[class_id + 1]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void variant_keys(const svo_plan *plan, variant which, char *keys, size_t bytes)
+{
+    static const char *const names[VARIANT_COUNT] = {" -DSVO_NARROW", "", " -DSVO_WIDE"};
+    (void)snprintf(keys, bytes, "%s%s%s", names[which], plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
+                   plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
+}
+
+/* What the builder's helpers need; the list and the tree are not theirs here. */
+static svo_i_build begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report)
+{
+    return (svo_i_build){.device = plan->device,
+                         .plan = plan,
+                         .queue = queue,
+                         .profiling = svo_i_queue_profiles(queue),
+                         .report = report};
+}
+
+static void end(svo_i_build *build)
+{
+    if (build->last != NULL) {
+        clWaitForEvents(1, &build->last);
+        clReleaseEvent(build->last);
+    }
+    if (build->stage_first != NULL) {
+        clReleaseEvent(build->stage_first);
+    }
+}
+
+static svo_status get_program(svo_i_build *build, variant which, bool *fresh)
+{
+    char keys[128];
+    variant_keys(build->plan, which, keys, sizeof keys);
+    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, keys, &build->program, fresh);
+}
+
+static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
+{
+    (void)self;
+    svo_build_report unread = {0};
+    svo_i_build build = begin(plan, queue, &unread);
+    svo_status status = SVO_OK;
+    for (variant which = 0; which < VARIANT_COUNT && status == SVO_OK; ++which) {
+        bool fresh = false;
+        if (has_variant(plan, which)) {
+            status = get_program(&build, which, &fresh);
+        }
+        if (status == SVO_OK && fresh) {
+            status = svo_i_build_warm(&build, SVO_I_PROGRAM_VOXELIZE);
+        }
+    }
+    end(&build);
+    return status;
+}
+
+static svo_status create_kernels(run *r)
+{
+    svo_status status = SVO_OK;
+    for (variant which = 0; which < VARIANT_COUNT && status == SVO_OK; ++which) {
+        if (has_variant(r->build.plan, which)) {
+            status = get_program(&r->build, which, NULL);
+            status = status == SVO_OK ? svo_i_build_kernel(&r->build, "svo_k_voxelize", &r->kernels[which]) : status;
+        }
+    }
+    return status;
+}
+
+/* The mesh, and two words per chunk to count in: the low half of the number of fragments, then the high half. */
+static svo_status upload(run *r)
+{
+    const svo_plan *plan = r->build.plan;
+    const uint64_t triangles = plan->triangle_count;
+    const uint64_t counter_bytes = (r->layout->chunk_count + 1u) * 8ull;
+    svo_i_build_stage_begin(&r->build);
+    svo_status status =
+        svo_i_build_upload(&r->build, "mesh_vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &r->vertices);
+    if (status == SVO_OK) {
+        status = svo_i_build_upload(&r->build, "mesh_indices", plan->indices, triangles * 12, &r->indices);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_upload(&r->build, "mesh_items", plan->items, triangles * sizeof(svo_draw_item), &r->items);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_alloc(&r->build, "counters", counter_bytes, &r->counters);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_build_fill_zero(&r->build, r->counters, counter_bytes);
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(&r->build, SVO_STAGE_TRANSFER) : status;
+}
+
+static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params params, cl_mem tiles, cl_mem fragments)
+{
+    const svo_plan *plan = r->build.plan;
+    const uint64_t groups = ((uint64_t)draw->item_count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+    params.depth = plan->info.depth;
+    params.voxel_log2 = plan->voxel_log2;
+    params.open = plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1;
+    params.one_voxel = draw->class_id == SVO_I_CLASS_POINT;
+    params.first_item = draw->first_item;
+    params.item_count = draw->item_count;
+    params.first_tile_id = (uint32_t)(groups * SVO_GROUP_ITEMS);
+    params.left = draw->tile_x;
+    params.bottom = draw->tile_y;
+    params.width = draw->tile_width;
+    params.height = draw->tile_height;
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
+        SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
+        SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_build_launch(&r->build, r->kernels[variant_of(draw->class_id)], arguments,
+                              sizeof arguments / sizeof arguments[0], groups * SVO_GROUP_ITEMS + params.tile_count);
+}
+
+/* The tiles of all draws of a chunk; tile_begin: where each draw's begin, and the end. */
+static svo_status make_tiles(run *r, const svo_i_chunk *chunk, svo_i_tiles *tiles, size_t *tile_begin)
+{
+    for (uint32_t i = 0; i < chunk->draw_count; ++i) {
+        tile_begin[i] = tiles->count;
+        if (!svo_i_tiles_of_draw(r->build.plan, &r->layout->draws[chunk->first_draw + i], tiles)) {
+            return svo_i_device_fail(r->build.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %zu tiles",
+                                     tiles->count);
+        }
+    }
+    tile_begin[chunk->draw_count] = tiles->count;
+    return SVO_OK;
+}
+
+static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_begin, cl_mem tiles, cl_mem fragments)
+{
+    const svo_i_chunk *chunk = &r->layout->chunks[chunk_index];
+    svo_status status = SVO_OK;
+    svo_i_build_stage_begin(&r->build);
+    for (uint32_t i = 0; i < chunk->draw_count && status == SVO_OK; ++i) {
+        const svo_voxelize_params params = {.first_tile = (uint32_t)tile_begin[i],
+                                            .tile_count = (uint32_t)(tile_begin[i + 1] - tile_begin[i]),
+                                            .capacity = (uint32_t)chunk->capacity,
+                                            .counter = chunk_index};
+        status = launch(r, &r->layout->draws[chunk->first_draw + i], params, tiles, fragments);
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(&r->build, SVO_STAGE_VOXELIZE) : status;
+}
+
+/* Finding the tiles is counted as transfer, with the upload they are for. */
+static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
+{
+    const svo_i_chunk *chunk = &r->layout->chunks[chunk_index];
+    const uint64_t bytes = chunk->capacity * svo_i_plan_fragment_bytes(r->build.plan);
+    size_t *tile_begin = calloc(chunk->draw_count + 1u, sizeof *tile_begin);
+    svo_i_tiles tiles = {0};
+    cl_mem tile_buffer = NULL;
+    if (tile_begin == NULL) {
+        return svo_i_device_fail(r->build.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u draws",
+                                 chunk->draw_count);
+    }
+    const double start_ms = svo_i_now_ms();
+    out->capacity = chunk->capacity;
+    svo_status status =
+        svo_i_device_buffer(r->build.device, SVO_I_BUILD, "fragments", CL_MEM_READ_WRITE, (size_t)bytes, &out->buffer);
+    status = status == SVO_OK ? make_tiles(r, chunk, &tiles, tile_begin) : status;
+    if (status == SVO_OK) {
+        status =
+            svo_i_build_upload(&r->build, "mesh_tiles", tiles.items, tiles.count * sizeof *tiles.items, &tile_buffer);
+    }
+    svo_i_report_add(r->build.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    if (status == SVO_OK) {
+        status = launch_draws(r, chunk_index, tile_begin, tile_buffer, out->buffer);
+    }
+    svo_i_build_free(&r->build, &tile_buffer);
+    svo_i_tiles_free(&tiles);
+    free(tile_begin);
+    return status;
+}
+
+static svo_status read_counters(run *r, svo_i_fragment_list *list)
+{
+    cl_uint *counters = calloc(list->chunk_count + 1u, 2 * sizeof *counters);
+    if (counters == NULL) {
+        return svo_i_device_fail(r->build.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
+                                 list->chunk_count);
+    }
+    svo_i_build_stage_begin(&r->build);
+    svo_status status =
+        svo_i_build_read(&r->build, r->counters, counters, ((size_t)list->chunk_count + 1) * 2 * sizeof *counters);
+    status = status == SVO_OK ? svo_i_build_stage_end(&r->build, SVO_STAGE_TRANSFER) : status;
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        list->chunks[i].needed = (uint64_t)counters[2 * i + 1] << 32 | counters[2 * i];
+    }
+    free(counters);
+    return status;
+}
+
+static void release_run(run *r)
+{
+    end(&r->build);
+    svo_i_build_free(&r->build, &r->vertices);
+    svo_i_build_free(&r->build, &r->indices);
+    svo_i_build_free(&r->build, &r->items);
+    svo_i_build_free(&r->build, &r->counters);
+    for (variant which = 0; which < VARIANT_COUNT; ++which) {
+        if (r->kernels[which] != NULL) {
+            clReleaseKernel(r->kernels[which]);
+        }
+    }
+}
+
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report)
+{
+    (void)self;
+    run r = {.build = begin(plan, queue, report), .layout = layout};
+    svo_status status = create_kernels(&r);
+    status = status == SVO_OK ? upload(&r) : status;
+    for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
+        status = draw_chunk(&r, i, &list->chunks[i]);
+    }
+    status = status == SVO_OK ? read_counters(&r, list) : status;
+    release_run(&r);
+    return status;
+}
+
+static void release(void *self, svo_i_fragment_list *list)
+{
+    (void)self;
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        if (list->chunks[i].buffer != NULL) {
+            clReleaseMemObject(list->chunks[i].buffer);
+        }
+    }
+    list->chunk_count = 0;
+}
+
+svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
+{
+    if (device == NULL || out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_frontend_create_cl: %s is NULL",
+                                 device == NULL ? "device" : "out");
+    }
+    cl_ulong local_bytes = 0;
+    clGetDeviceInfo(device->device, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local_bytes, &local_bytes, NULL);
+    if (local_bytes < NOTES_BYTES + SCRATCH_BYTES) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "svo_frontend_create_cl: %s has %llu bytes of local memory, below %zu", device->name,
+                                 (unsigned long long)local_bytes, NOTES_BYTES + SCRATCH_BYTES);
+    }
+    svo_frontend *frontend = calloc(1, sizeof *frontend);
+    if (frontend == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_frontend_create_cl: no memory for the handle");
+    }
+    *frontend = (svo_frontend){.name = "cl",
+                               .share = "none",
+                               .self = frontend,
+                               .device = device,
+                               .chunk_bytes_max = device->max_allocation_bytes,
+                               .prepare = prepare,
+                               .voxelize = voxelize,
+                               .release = release,
+                               .destroy = free};
+    *out = frontend;
+    return SVO_OK;
+}
+
+void svo_frontend_destroy(svo_frontend **frontend)
+{
+    if (frontend == NULL || *frontend == NULL) {
+        return;
+    }
+    if ((*frontend)->destroy != NULL) {
+        (*frontend)->destroy((*frontend)->self);
+    }
+    *frontend = NULL;
+}
+
+const char *svo_frontend_name(const svo_frontend *frontend)
+{
+    return frontend->name;
+}
+
+const char *svo_frontend_share(const svo_frontend *frontend)
+{
+    return frontend->share;
+}

@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: MIT */
+/* clip_probe.clh in OpenCL C: one work-item per record. */
+__kernel void clip_probe_all(__global const clip_probe_input *given, __global clip_probe_output *found, uint item_count)
+{
+    const uint i = (uint)get_global_id(0);
+    if (i < item_count) {
+        found[i] = clip_probe(given[i]);
+    }
+}

@@ -1,0 +1,18 @@
+# svocl_mutate(folder files file from to): copies files into folder with one mistake in the one named file: its text from,
+# which it must have exactly once, is replaced by to. For the tests that show that the tests find such mistakes.
+function(svocl_mutate folder files file from to)
+  foreach(path IN LISTS files)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
+    cmake_path(GET path FILENAME name)
+    file(READ ${path} text)
+    if(name STREQUAL file)
+      string(FIND "${text}" "${from}" first)
+      string(FIND "${text}" "${from}" last REVERSE)
+      if(first EQUAL -1 OR NOT first EQUAL last)
+        message(FATAL_ERROR "svocl_mutate: '${from}' is not exactly once in ${path}")
+      endif()
+      string(REPLACE "${from}" "${to}" text "${text}")
+    endif()
+    file(CONFIGURE OUTPUT ${folder}/${name} CONTENT "${text}" @ONLY)
+  endforeach()
+endfunction()

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/* What both payload references look up: a pair's triangle and voxel, a triangle's material and texels. */
+#include "payload_pair.h"
+
+#include <stdlib.h>
+
+int64_t payload_remainder(int64_t value, int64_t period)
+{
+    return (value % period + period) % period;
+}
+
+/* Twice the signed area of the triangle (point, p, q) seen along axis. */
+int64_t payload_area_seen(const int64_t point[3], const int32_t p[3], const int32_t q[3], unsigned axis)
+{
+    const unsigned u = (axis + 1) % 3;
+    const unsigned v = (axis + 2) % 3;
+    return (p[u] - point[u]) * (q[v] - point[v]) - (p[v] - point[v]) * (q[u] - point[u]);
+}
+
+/* The axis along which the triangle looks largest; of equals the first. */
+unsigned payload_pair_axis(const int32_t *const corners[3])
+{
+    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
+    int64_t areas[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        areas[axis] = llabs(payload_area_seen(first, corners[1], corners[2], axis));
+    }
+    unsigned best = 0;
+    best = areas[1] > areas[best] ? 1 : best;
+    return areas[2] > areas[best] ? 2 : best;
+}
+
+/* The triangle's material, or NULL for white. */
+const svo_material *payload_material(const svo_mesh *mesh, uint32_t triangle)
+{
+    const uint32_t given = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
+    return mesh->material_count > 0 ? &mesh->materials[given < mesh->material_count ? given : 0] : NULL;
+}
+
+const svo_texture *payload_texture(const svo_mesh *mesh, uint32_t triangle)
+{
+    const svo_material *material = payload_material(mesh, triangle);
+    return mesh->uvs != NULL && material != NULL && material->texture_index < mesh->texture_count
+               ? &mesh->textures[material->texture_index]
+               : NULL;
+}
+
+static int64_t wrapped_texel(int64_t texel, int64_t texel_count, svo_wrap wrap)
+{
+    if (wrap == SVO_WRAP_CLAMP) {
+        return texel < 0 ? 0 : texel >= texel_count ? texel_count - 1 : texel;
+    }
+    if (wrap == SVO_WRAP_REPEAT) {
+        return payload_remainder(texel, texel_count);
+    }
+    const int64_t inside = payload_remainder(texel, 2 * texel_count);
+    return inside < texel_count ? inside : 2 * texel_count - 1 - inside;
+}
+
+int64_t payload_texel(const svo_texture *texture, int64_t x, int64_t y, unsigned channel)
+{
+    const int64_t column = wrapped_texel(x, texture->width, texture->wrap_u);
+    const int64_t row = wrapped_texel(y, texture->height, texture->wrap_v);
+    return texture->rgba[(row * texture->width + column) * 4 + channel];
+}
+
+/* A pair's triangle is given by its id. */
+void payload_pair_open(const exact *expected, const oracle_pair *pair, payload_pair *out)
+{
+    size_t low = 0;
+    size_t high = expected->triangle_count;
+    while (high - low > 1) {
+        const size_t half = (low + high) / 2;
+        *(expected->triangle_ids[half] <= pair->triangle ? &low : &high) = half;
+    }
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        out->indices[corner] = expected->indices[low * 3 + corner];
+        out->corners[corner] = expected->vertices + (size_t)out->indices[corner] * 3;
+    }
+    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &out->box);
+}
