@@ -231,7 +231,7 @@ svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, co
     }
     svo_device *plain = NULL;
     const svo_status status = create_plain(device, options, &plain, message);
-    if (status != SVO_OK) {
+    if (status != SVO_OK || plain == NULL) {
         return status;
     }
     svo_device *joined = create_joined(plain, context, options);
