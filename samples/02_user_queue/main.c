@@ -123,14 +123,15 @@ static void *build(void *pointer)
 int main(void)
 {
     own_opencl own = {0};
-    build_job jobs[2];
+    build_job jobs[2] = {{.opencl = &own}, {.opencl = &own}};
     pthread_t threads[2];
     int started = 0;
     bool done = open_opencl(&own);
     if (!done)
         fprintf(stderr, "no OpenCL device with out-of-order queues\n");
     for (; started < 2 && done; started += done) {
-        jobs[started] = (build_job){.opencl = &own, .queue = own.queues[started], .depth = 6 + (unsigned)started};
+        jobs[started].queue = own.queues[started];
+        jobs[started].depth = 6 + (unsigned)started;
         done = pthread_create(&threads[started], NULL, build, &jobs[started]) == 0;
     }
     for (int i = 0; i < started; ++i) {
