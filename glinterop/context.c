@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Off-screen OpenGL contexts: what the kinds have in common, and how one is made current and given up again. */
+/* OpenGL contexts: what the kinds have in common, and how one is made current and given up again. */
 #include "context.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "message.h"
 
@@ -15,6 +16,8 @@ const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
         return "egl-device";
     case SVO_GL_OSMESA:
         return "osmesa";
+    case SVO_GL_WRAPPED:
+        return "wrapped";
     case SVO_GL_CONTEXT_KINDS:
         break;
     }
@@ -50,6 +53,9 @@ svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *m
             return status;
         }
     }
+    if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
+        svo_i_gl_state_save(&context->functions, &context->callers_state);
+    }
     ++context->nesting;
     return SVO_OK;
 }
@@ -60,6 +66,9 @@ void svo_i_gl_context_release_current(svo_gl_context *context)
         return;
     }
     --context->nesting;
+    if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
+        svo_i_gl_state_restore(&context->functions, &context->callers_state);
+    }
     const svo_i_gl_binding *previous = &context->previous[context->nesting];
     if (previous->taken) {
         svo_i_gl_binding own;
@@ -84,6 +93,16 @@ static svo_status load_functions(svo_gl_context *context, svo_message *message)
     return status;
 }
 
+svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_message *message)
+{
+    const bool promised = context->platform->promises_gpu != NULL && context->platform->promises_gpu(context->native);
+    if (promised && svo_i_gl_is_software(&context->functions)) {
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL device %u is a GPU, but %s renders for it",
+                          context->device_index, context->functions.renderer);
+    }
+    return SVO_OK;
+}
+
 svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                  svo_message *message)
 {
@@ -98,12 +117,53 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
+    context->opencl = &svo_i_opencl_installed;
     context->kind = kind;
     context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
     svo_status status = context->platform->create(kind, context->device_index, &context->native, message);
     if (status == SVO_OK) {
         status = load_functions(context, message);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_gl_context_check_promise(context, message);
+    }
+    if (status != SVO_OK) {
+        svo_gl_context_destroy(&context);
+        return status;
+    }
+    *out = context;
+    return SVO_OK;
+}
+
+/* The words of svo_i_gl_load under the name of the function that was called. */
+static svo_status fail_wrap(svo_message *message, svo_status status, const svo_message *reason)
+{
+    const char *words = strstr(reason->text, ": ");
+    return svo_i_fail(message, status, "svo_gl_context_wrap: %.900s", words != NULL ? words + 2 : reason->text);
+}
+
+svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
+                               svo_message *message)
+{
+    if (get_proc_address == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_wrap: %s is NULL",
+                          out == NULL ? "out" : "get_proc_address");
+    }
+    svo_gl_context *context = calloc(1, sizeof *context);
+    if (context == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
+    }
+    context->opencl = &svo_i_opencl_installed;
+    context->kind = SVO_GL_WRAPPED;
+    context->platform = &svo_i_wrap_platform;
+    svo_status status = context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message);
+    if (status == SVO_OK) {
+        svo_message reason = {""};
+        status = svo_i_gl_load(&context->functions, get_proc_address, user, &reason);
+        if (status != SVO_OK) {
+            fail_wrap(message, status, &reason);
+        }
     }
     if (status != SVO_OK) {
         svo_gl_context_destroy(&context);
@@ -134,4 +194,5 @@ void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info 
     info->vendor = context->functions.vendor;
     info->renderer = context->functions.renderer;
     info->version = context->functions.version_text;
+    info->is_software = svo_i_gl_is_software(&context->functions);
 }

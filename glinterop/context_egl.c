@@ -46,6 +46,7 @@ typedef struct egl_context {
     egl_library egl;
     EGLDisplay display;
     EGLContext context;
+    EGLDeviceEXT device; /* EGL_NO_DEVICE_EXT on the surfaceless platform */
 } egl_context;
 
 static const char *egl_error_name(EGLint error)
@@ -205,6 +206,7 @@ static svo_status open_display(egl_context *native, svo_gl_context_kind kind, ui
     if (get_platform_display == NULL) {
         return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL has no function eglGetPlatformDisplayEXT");
     }
+    native->device = kind == SVO_GL_EGL_DEVICE ? native_display : EGL_NO_DEVICE_EXT;
     native->display = get_platform_display(platform, native_display, NULL);
     if (native->display == EGL_NO_DISPLAY) {
         return fail_step(egl, "eglGetPlatformDisplayEXT", message);
@@ -250,18 +252,29 @@ static svo_status choose_config(const egl_context *native, EGLConfig *config, sv
     return SVO_OK;
 }
 
-/* The newest core profile there is, down to 4.3. Expects EGL_OPENGL_API to be bound. */
+/* A core profile; notified: it says when it is lost, instead of ending the process or going on with nothing. */
+static EGLContext try_core_context(const egl_context *native, EGLConfig config, EGLint minor, bool notified)
+{
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 minor,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 notified ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+                                 EGL_LOSE_CONTEXT_ON_RESET,
+                                 EGL_NONE};
+    return native->egl.CreateContext(native->display, config, EGL_NO_CONTEXT, attributes);
+}
+
+/* The newest there is, down to 4.3. Expects EGL_OPENGL_API to be bound. */
 static svo_status create_core_context(egl_context *native, EGLConfig config, svo_message *message)
 {
     for (EGLint minor = 6; minor >= 3; --minor) {
-        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                     4,
-                                     EGL_CONTEXT_MINOR_VERSION,
-                                     minor,
-                                     EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                     EGL_NONE};
-        native->context = native->egl.CreateContext(native->display, config, EGL_NO_CONTEXT, attributes);
+        native->context = try_core_context(native, config, minor, true);
+        if (native->context == EGL_NO_CONTEXT) {
+            native->context = try_core_context(native, config, minor, false);
+        }
         if (native->context != EGL_NO_CONTEXT) {
             return SVO_OK;
         }
@@ -344,12 +357,36 @@ static svo_i_function egl_get_proc_address(void *pointer, const char *name)
     return (svo_i_function)native->egl.GetProcAddress(name);
 }
 
+/* A device with a kernel driver of its own is a GPU; Mesa's software device has none and says so besides. */
+static bool egl_promises_gpu(void *pointer)
+{
+    const egl_context *native = pointer;
+    if (native->device == EGL_NO_DEVICE_EXT || (!has_client_extension(&native->egl, "EGL_EXT_device_query") &&
+                                                !has_client_extension(&native->egl, "EGL_EXT_device_base"))) {
+        return false;
+    }
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_string =
+        (PFNEGLQUERYDEVICESTRINGEXTPROC)native->egl.GetProcAddress("eglQueryDeviceStringEXT");
+    const char *extensions = query_string != NULL ? query_string(native->device, EGL_EXTENSIONS) : NULL;
+    return !svo_i_list_has_token(extensions, "EGL_MESA_device_software") &&
+           (svo_i_list_has_token(extensions, "EGL_EXT_device_drm") ||
+            svo_i_list_has_token(extensions, "EGL_NV_device_cuda"));
+}
+
+static svo_i_gl_handles egl_handles(void *pointer)
+{
+    const egl_context *native = pointer;
+    return (svo_i_gl_handles){.system = SVO_I_GL_SYSTEM_EGL, .context = native->context, .display = native->display};
+}
+
 const svo_i_gl_platform svo_i_egl_platform = {
     .create = egl_create,
     .destroy = egl_destroy,
     .is_current = egl_is_current,
     .make_current = egl_make_current,
     .get_proc_address = egl_get_proc_address,
+    .handles = egl_handles,
+    .promises_gpu = egl_promises_gpu,
 };
 
 void svo_i_egl_binding_take(svo_i_egl_binding *binding)

@@ -162,12 +162,20 @@ static svo_i_function osmesa_get_proc_address(void *pointer, const char *name)
     return function;
 }
 
+/* OpenCL has no word for OSMesa's contexts. */
+static svo_i_gl_handles osmesa_handles(void *pointer)
+{
+    (void)pointer;
+    return (svo_i_gl_handles){.system = SVO_I_GL_SYSTEM_OTHER};
+}
+
 const svo_i_gl_platform svo_i_osmesa_platform = {
     .create = osmesa_create,
     .destroy = osmesa_destroy,
     .is_current = osmesa_is_current,
     .make_current = osmesa_make_current,
     .get_proc_address = osmesa_get_proc_address,
+    .handles = osmesa_handles,
 };
 
 void svo_i_osmesa_binding_take(svo_i_osmesa_binding *binding)

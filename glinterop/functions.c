@@ -21,7 +21,7 @@ static const entry_point entry_points[] = {
     SVO_I_GL_FUNCTION_LIST(ENTRY_POINT)
 #undef ENTRY_POINT
 };
-enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0] };
+enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0], EXTENSIONS_MAX = 4096 };
 
 /* Stores the pointer in the table, whatever its type: all function pointers have one representation. */
 static void store_function(svo_i_gl_functions *gl, const entry_point *entry, svo_i_function function)
@@ -79,6 +79,10 @@ static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
     gl->vendor = driver_string(gl, GL_VENDOR);
     gl->renderer = driver_string(gl, GL_RENDERER);
     gl->version_text = driver_string(gl, GL_VERSION);
+    if (gl->version_text[0] == '\0') {
+        return svo_i_fail(message, SVO_NO_GL,
+                          "svo_gl_context_create: the context does not say its version; is it current on this thread?");
+    }
     if (gl->version < SVO_I_GL_MINIMUM_VERSION) {
         return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: OpenGL \"%s\" of \"%s\" is below %d.%d",
                           gl->version_text, gl->renderer, SVO_I_GL_MINIMUM_VERSION / 10, SVO_I_GL_MINIMUM_VERSION % 10);
@@ -97,6 +101,7 @@ static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
 {
     GLint count = 0;
     gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    count = count < EXTENSIONS_MAX ? count : EXTENSIONS_MAX; /* whatever the driver says */
     size_t bytes = 1;
     for (GLint i = 0; i < count; ++i) {
         bytes += strlen(extension_name(gl, i)) + 1;
@@ -194,6 +199,19 @@ bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension)
     return svo_i_list_has_token(gl->extensions, extension);
 }
 
+bool svo_i_gl_is_software(const svo_i_gl_functions *gl)
+{
+    /* Drivers on top of others name them in brackets: "zink (llvmpipe ...)". */
+    static const char *const names[] = {"llvmpipe",    "softpipe",           "swrast", "OpenSWR", "lavapipe",
+                                        "SwiftShader", "Software Rasterizer"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strstr(gl->renderer, names[i]) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void svo_i_gl_clear_errors(const svo_i_gl_functions *gl)
 {
     /* Bounded, since a lost context may report errors for ever. */
@@ -223,6 +241,10 @@ static const char *gl_error_name(GLenum error)
 
 svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message)
 {
+    if (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR) {
+        svo_i_gl_clear_errors(gl);
+        return svo_i_fail(message, SVO_GL_ERROR, "%s: %s: the context was lost", function, step);
+    }
     GLenum error = gl->GetError();
     if (error == GL_NO_ERROR) {
         return SVO_OK;

@@ -33,6 +33,7 @@
     X(GetBooleanv, PFNGLGETBOOLEANVPROC, 43, "")                                                                   \
     X(GetFloatv, PFNGLGETFLOATVPROC, 43, "")                                                                       \
     X(GetIntegerv, PFNGLGETINTEGERVPROC, 43, "")                                                                   \
+    X(GetFloati_v, PFNGLGETFLOATI_VPROC, 43, "")                                                                   \
     X(GetIntegeri_v, PFNGLGETINTEGERI_VPROC, 43, "")                                                               \
     X(GetInteger64v, PFNGLGETINTEGER64VPROC, 43, "")                                                               \
     X(GetInteger64i_v, PFNGLGETINTEGER64I_VPROC, 43, "")                                                           \
@@ -41,6 +42,9 @@
     X(Enable, PFNGLENABLEPROC, 43, "")                                                                             \
     X(Disable, PFNGLDISABLEPROC, 43, "")                                                                           \
     X(IsEnabled, PFNGLISENABLEDPROC, 43, "")                                                                       \
+    X(Enablei, PFNGLENABLEIPROC, 43, "")                                                                           \
+    X(Disablei, PFNGLDISABLEIPROC, 43, "")                                                                         \
+    X(IsEnabledi, PFNGLISENABLEDIPROC, 43, "")                                                                     \
     X(ColorMask, PFNGLCOLORMASKPROC, 43, "")                                                                       \
     X(DepthMask, PFNGLDEPTHMASKPROC, 43, "")                                                                       \
     X(PolygonMode, PFNGLPOLYGONMODEPROC, 43, "")                                                                   \
@@ -48,6 +52,8 @@
     X(Viewport, PFNGLVIEWPORTPROC, 43, "")                                                                         \
     X(ViewportIndexedf, PFNGLVIEWPORTINDEXEDFPROC, 43, "")                                                         \
     X(Scissor, PFNGLSCISSORPROC, 43, "")                                                                           \
+    X(ScissorIndexed, PFNGLSCISSORINDEXEDPROC, 43, "")                                                             \
+    X(PointSize, PFNGLPOINTSIZEPROC, 43, "")                                                                       \
     X(CreateShader, PFNGLCREATESHADERPROC, 43, "")                                                                 \
     X(DeleteShader, PFNGLDELETESHADERPROC, 43, "")                                                                 \
     X(ShaderSource, PFNGLSHADERSOURCEPROC, 43, "")                                                                 \
@@ -80,6 +86,8 @@
     X(BindBuffer, PFNGLBINDBUFFERPROC, 43, "")                                                                     \
     X(BindBufferBase, PFNGLBINDBUFFERBASEPROC, 43, "")                                                             \
     X(BindBufferRange, PFNGLBINDBUFFERRANGEPROC, 43, "")                                                           \
+    X(IsBuffer, PFNGLISBUFFERPROC, 43, "")                                                                         \
+    X(GetBufferParameteri64v, PFNGLGETBUFFERPARAMETERI64VPROC, 43, "")                                             \
     X(BufferData, PFNGLBUFFERDATAPROC, 43, "")                                                                     \
     X(BufferSubData, PFNGLBUFFERSUBDATAPROC, 43, "")                                                               \
     X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC, 43, "")                                                         \
@@ -111,6 +119,8 @@
     X(FenceSync, PFNGLFENCESYNCPROC, 43, "")                                                                       \
     X(ClientWaitSync, PFNGLCLIENTWAITSYNCPROC, 43, "")                                                             \
     X(DeleteSync, PFNGLDELETESYNCPROC, 43, "")                                                                     \
+    X(ClipControl, PFNGLCLIPCONTROLPROC, 45, "GL_ARB_clip_control")                                                \
+    X(GetGraphicsResetStatus, PFNGLGETGRAPHICSRESETSTATUSPROC, 45, "GL_KHR_robustness")                            \
     X(BufferStorage, PFNGLBUFFERSTORAGEPROC, 44, "GL_ARB_buffer_storage")                                          \
     X(SubpixelPrecisionBiasNV, PFNGLSUBPIXELPRECISIONBIASNVPROC, SVO_I_GL_NEVER_CORE, "GL_NV_conservative_raster") \
     X(ConservativeRasterParameteriNV, PFNGLCONSERVATIVERASTERPARAMETERINVPROC, SVO_I_GL_NEVER_CORE,                \
@@ -158,6 +168,9 @@ void svo_i_gl_unload(svo_i_gl_functions *gl);
 
 /* Whether the context lists the extension, compared as a whole name. */
 bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension);
+
+/* Whether a processor renders, by the names of the known software renderers. */
+bool svo_i_gl_is_software(const svo_i_gl_functions *gl);
 
 /* Throws away errors that others left behind, so that the next svo_i_gl_check speaks of our own calls. */
 void svo_i_gl_clear_errors(const svo_i_gl_functions *gl);

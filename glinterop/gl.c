@@ -183,6 +183,46 @@ static svo_status make_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layo
     return SVO_OK;
 }
 
+/* Voxels of the bounding box of a triangle, with one to spare on every side. */
+static double box_voxels(const svo_plan *plan, uint32_t triangle)
+{
+    const uint32_t *corners = plan->indices + (size_t)triangle * 3;
+    const int32_t width = 1 << plan->info.depth;
+    double voxels = 1.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int32_t low = width, high = -1;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const int32_t voxel = plan->vertices[(size_t)corners[corner] * 3 + axis] >> plan->voxel_log2;
+            low = voxel < low ? voxel : low;
+            high = voxel > high ? voxel : high;
+        }
+        low = low > 0 ? low : 0;
+        high = high < width ? high : width;
+        voxels *= high >= low ? (double)(high - low) + 3.0 : 3.0;
+    }
+    return voxels;
+}
+
+/* A list that was too small is made as large as the driver counted, so the count must be one that geometry allows. */
+static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk,
+                              uint32_t needed)
+{
+    const svo_i_chunk *target = &layout->chunks[chunk];
+    double most = 0.0;
+    for (uint32_t i = 0; needed > target->capacity && i < target->draw_count; ++i) {
+        const svo_i_draw *draw = &layout->draws[target->first_draw + i];
+        for (uint32_t item = 0; item < draw->item_count; ++item) {
+            most += box_voxels(plan, plan->items[draw->first_item + item].triangle);
+        }
+    }
+    if (needed > target->capacity && (double)needed > most) {
+        return svo_i_device_fail(gl->device, SVO_GL_ERROR,
+                                 "svo_build: %s counted %u fragments where at most %.0f are possible",
+                                 svo_i_gl_context_functions(gl->context)->renderer, needed, most);
+    }
+    return SVO_OK;
+}
+
 static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, svo_i_fragment_list *list)
 {
     uint32_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
@@ -198,8 +238,9 @@ static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layo
     if (status == SVO_OK) {
         status = svo_i_raster_finish(gl->raster, layout->chunk_count, needed);
     }
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+    for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
         list->chunks[i].needed = needed[i];
+        status = check_count(gl, plan, layout, i, needed[i]);
     }
     free(needed);
     return status;
@@ -302,6 +343,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     }
     gl->frontend = (svo_frontend){.name = svo_gl_raster_name(gl->raster_choice),
                                   .share = svo_gl_share_name(gl->share_choice),
+                                  .renderer = svo_i_gl_context_functions(context)->renderer,
                                   .self = gl,
                                   .device = device,
                                   .chunk_bytes_max = svo_i_share_limit_bytes(device, context),

@@ -9,11 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "state.h"
+
 #define FUNCTION         "svo_build"
 #define BINDING_VERTICES 0
 #define BINDING_INDICES  1
 #define BINDING_ITEMS    2
 #define BINDING_COUNTERS 3
+/* The least a chunk of the list may be told to take. */
+#define STORAGE_BLOCK_BYTES_MIN 16384
 
 /* GL_NV_conservative_raster, GL_NV_conservative_raster_pre_snap_triangles, GL_INTEL_conservative_rasterization. */
 #define CONSERVATIVE_RASTERIZATION_NV                  0x9346
@@ -83,6 +87,12 @@ static svo_status check_limits(svo_device *device, const svo_i_gl_functions *gl)
             device, SVO_UNSUPPORTED,
             "svo_gl_create: %s has %d storage blocks for vertices and %d for fragments, below 3 and 2", gl->renderer,
             gl->limits.vertex_storage_blocks, gl->limits.fragment_storage_blocks);
+    }
+    if (gl->limits.storage_block_bytes < STORAGE_BLOCK_BYTES_MIN) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "svo_gl_create: %s has a storage block limit of %lld bytes, "
+                                 "below %d",
+                                 gl->renderer, (long long)gl->limits.storage_block_bytes, STORAGE_BLOCK_BYTES_MIN);
     }
     return SVO_OK;
 }
@@ -231,7 +241,7 @@ static svo_status warm_program(svo_i_raster *raster, const raster_program *progr
     gl->Uniform1i(program->depth, 1);
     gl->Uniform1i(program->view_log2, 1);
     gl->Uniform1ui(program->first_item, 0);
-    gl->Scissor(0, 0, 0, 0);
+    gl->ScissorIndexed(0, 0, 0, 0, 0);
     gl->DrawArrays(program->points ? GL_POINTS : GL_TRIANGLES, 0, program->points ? 1 : 3);
     gl->Finish();
     return check(raster, "drawing nothing");
@@ -276,18 +286,12 @@ static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
                                  plan->info.depth, pixels, pixels, gl->limits.framebuffer_width,
                                  gl->limits.framebuffer_height, gl->renderer);
     }
-    static const GLenum off[] = {GL_CULL_FACE,   GL_DEPTH_TEST,     GL_STENCIL_TEST,       GL_BLEND,
-                                 GL_MULTISAMPLE, GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD, GL_PROGRAM_POINT_SIZE};
-    for (unsigned i = 0; i < sizeof off / sizeof off[0]; ++i) {
-        gl->Disable(off[i]);
-    }
-    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    svo_i_gl_state_set_plain(gl);
     gl->BindFramebuffer(GL_FRAMEBUFFER, raster->framebuffer);
     gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_WIDTH, pixels);
     gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_HEIGHT, pixels);
     gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_SAMPLES, 0);
-    gl->Viewport(0, 0, pixels, pixels);
-    gl->Enable(GL_SCISSOR_TEST);
+    gl->ViewportIndexedf(0, 0.0f, 0.0f, (GLfloat)pixels, (GLfloat)pixels);
     gl->BindVertexArray(raster->vertex_array);
     if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         return svo_i_device_fail(raster->device, SVO_GL_ERROR,
@@ -416,8 +420,8 @@ svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const s
         gl->Uniform2i(program->view_origin, view_x, view_y);
         gl->Uniform1ui(program->chunk, chunk);
         gl->Uniform1ui(program->capacity, (GLuint)target->capacity);
-        gl->Scissor((GLint)draw->tile_x - view_x, (GLint)draw->tile_y - view_y, (GLsizei)draw->tile_width,
-                    (GLsizei)draw->tile_height);
+        gl->ScissorIndexed(0, (GLint)draw->tile_x - view_x, (GLint)draw->tile_y - view_y, (GLsizei)draw->tile_width,
+                           (GLsizei)draw->tile_height);
         draw_items(raster, plan, draw);
     }
     set_conservative(raster, false);

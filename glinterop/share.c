@@ -3,6 +3,7 @@
 #include "share.h"
 
 #include "message.h"
+#include "share_sharing.h"
 
 /* Nothing in svocl draws from this binding point, so that using it disturbs no state. */
 #define WORK_TARGET GL_COPY_READ_BUFFER
@@ -115,13 +116,17 @@ static svo_status create_host(svo_i_share_buffer *buffer)
     return SVO_OK;
 }
 
-static svo_status create_copy(svo_i_share_buffer *buffer)
+/* For `copy` a buffer on either side, for `sharing` one of both. */
+static svo_status create_allocated(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
     svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
     if (status != SVO_OK) {
         return status;
+    }
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        return svo_i_share_sharing_create(buffer);
     }
     return svo_i_device_buffer(buffer->device, "svo_i_share_buffer_create", "shared copy", CL_MEM_READ_WRITE,
                                buffer->bytes, &buffer->memory);
@@ -134,7 +139,7 @@ static svo_status create_current(svo_i_share_buffer *buffer)
     svo_i_gl_clear_errors(gl);
     gl->GenBuffers(1, &buffer->name);
     gl->BindBuffer(WORK_TARGET, buffer->name);
-    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? create_host(buffer) : create_copy(buffer);
+    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? create_host(buffer) : create_allocated(buffer);
     gl->BindBuffer(WORK_TARGET, 0);
     return status;
 }
@@ -142,7 +147,7 @@ static svo_status create_current(svo_i_share_buffer *buffer)
 svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context, svo_gl_share share, size_t bytes,
                                      svo_i_share_buffer *out)
 {
-    if (share != SVO_GL_SHARE_HOST && share != SVO_GL_SHARE_COPY) {
+    if (share < SVO_GL_SHARE_SHARING || share > SVO_GL_SHARE_COPY) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d makes no buffers",
                                  (int)share);
     }
@@ -186,10 +191,12 @@ void svo_i_share_buffer_destroy(svo_i_share_buffer *buffer)
     if (buffer->mapping_queue != NULL) {
         (void)unmap_and_wait(buffer);
     }
+    const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current(buffer->context, NULL) == SVO_OK;
+    (void)svo_i_share_sharing_release(buffer);
     if (buffer->memory != NULL) {
         clReleaseMemObject(buffer->memory);
     }
-    if (buffer->name != 0 && svo_i_gl_context_make_current(buffer->context, NULL) == SVO_OK) {
+    if (is_current) {
         /* Deleting a mapped buffer also unmaps it. */
         svo_i_gl_context_functions(buffer->context)->DeleteBuffers(1, &buffer->name);
         svo_i_gl_context_release_current(buffer->context);
@@ -226,8 +233,21 @@ static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
     return SVO_OK;
 }
 
+static svo_status release_to_gl(svo_i_share_buffer *buffer)
+{
+    svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
+    if (status == SVO_OK) {
+        status = svo_i_share_sharing_release(buffer);
+        svo_i_gl_context_release_current(buffer->context);
+    }
+    return status;
+}
+
 svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
 {
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        return release_to_gl(buffer);
+    }
     if (buffer->share != SVO_GL_SHARE_HOST || buffer->mapping_queue != NULL) {
         return SVO_OK;
     }
@@ -267,6 +287,12 @@ static svo_status to_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, c
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     bool is_host = buffer->share == SVO_GL_SHARE_HOST;
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        gl->MemoryBarrier(GL_ALL_BARRIER_BITS);
+        svo_status status = svo_i_share_sharing_acquire(buffer, queue);
+        svo_status written = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
+        return written != SVO_OK ? written : status;
+    }
     gl->MemoryBarrier(is_host ? GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT : GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->Finish();
     svo_status drawn = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");

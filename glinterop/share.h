@@ -6,7 +6,7 @@
  * svo_i_share_buffer_to_cl gives its first bytes to OpenCL. What lies between differs per share path, the bytes never do.
  *
  * The paths: `host` lets OpenCL use the memory of a persistently mapped OpenGL buffer in place; `copy` keeps a buffer on
- * either side. `sharing` (cl_khr_gl_sharing) is probed and refused with the reason.
+ * either side; `sharing` is one buffer of both by cl_khr_gl_sharing, where the probe has proven it (sharing.h).
  */
 #ifndef SVO_GLINTEROP_SHARE_H
 #define SVO_GLINTEROP_SHARE_H
@@ -17,7 +17,8 @@
 #include "device.h"
 
 /*
- * Why a share path works or not on this pair: "" in reason if it does, else one line. `host` is put to a round trip.
+ * Why a share path works or not on this pair: "" in reason if it does, else one line. `sharing` and `host` are put to a
+ * round trip.
  *
  * share: not AUTO. reason: not NULL, at least one byte; longer reasons are cut. Leaves the device's message as it was.
  */
@@ -37,12 +38,15 @@ typedef struct svo_i_share_buffer {
     cl_mem memory; /* the OpenCL buffer; its byte 0 is the OpenGL buffer's byte offset_bytes */
     unsigned char *pointer; /* host: where OpenGL's mapping holds the shared bytes; NULL otherwise */
     cl_command_queue mapping_queue; /* host: set while OpenCL has memory mapped, that is while OpenGL may write */
+    svo_i_sharing sharing; /* sharing: the extension's functions */
+    cl_command_queue
+        acquiring_queue; /* sharing: set while OpenCL has acquired memory, that is while OpenGL may not write */
 } svo_i_share_buffer;
 
 /*
  * Makes a buffer of bytes (not 0) that both sides can use; it belongs to OpenCL at first and its content is undefined.
  *
- * share: HOST or COPY, as chosen by svo_i_share_probe. *out is written on success only.
+ * share: as chosen by svo_i_share_probe, not AUTO. *out is written on success only.
  * Returns SVO_OUT_OF_DEVICE_MEMORY naming bytes and limit, SVO_UNSUPPORTED, SVO_CL_ERROR or SVO_GL_ERROR, with the words
  * in the device's message. This and the functions below make the context current by themselves.
  */

@@ -2,42 +2,16 @@
 /*
  * Which share path works on a pair of device and context, and why the others do not. Called once per svo_gl.
  *
- * Never by trial where a trial can end the process: some OpenCL drivers abort inside clCreateFromGLBuffer when the
- * extension is not there, so `sharing` goes by the device's extension list alone. `host` is safe to try and is tried.
+ * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the one
+ * before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
  */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "message.h"
 #include "share.h"
 
 enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };
-
-static bool device_has_extension(const svo_device *device, const char *extension)
-{
-    size_t bytes = 0;
-    if (clGetDeviceInfo(device->device, CL_DEVICE_EXTENSIONS, 0, NULL, &bytes) != CL_SUCCESS) {
-        return false;
-    }
-    char *list = calloc(bytes + 1, 1);
-    if (list == NULL) {
-        return false;
-    }
-    bool found = clGetDeviceInfo(device->device, CL_DEVICE_EXTENSIONS, bytes, list, NULL) == CL_SUCCESS &&
-                 svo_i_list_has_token(list, extension);
-    free(list);
-    return found;
-}
-
-static void probe_sharing(const svo_device *device, char *reason, size_t reason_bytes)
-{
-    if (!device_has_extension(device, "cl_khr_gl_sharing")) {
-        (void)snprintf(reason, reason_bytes, "%s does not list cl_khr_gl_sharing", device->name);
-        return;
-    }
-    (void)snprintf(reason, reason_bytes, "cl_khr_gl_sharing is not supported by this version of svocl");
-}
 
 /* Two regions with two values, so that neither a stale buffer nor a wrong offset passes. */
 static cl_uint test_word(unsigned round, unsigned word)
@@ -45,23 +19,24 @@ static cl_uint test_word(unsigned round, unsigned word)
     return (word < TEST_SPLIT_WORDS ? 0x5eed0001u : 0xc0ffee02u) + round;
 }
 
-static void clear_words(const svo_i_share_buffer *buffer, unsigned round, unsigned first_word, unsigned word_count)
-{
-    GLuint value = test_word(round, first_word);
-    svo_i_gl_context_functions(buffer->context)
-        ->ClearBufferSubData(GL_COPY_READ_BUFFER, GL_R32UI, (GLintptr)(buffer->offset_bytes + (size_t)first_word * 4),
-                             (GLsizeiptr)word_count * 4, GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
-}
-
-static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round)
+/* OpenGL copies the pattern from a buffer of its own: the one way of writing that heeds none of the caller's state. */
+static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_uint *words)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    GLuint own = 0;
+    for (unsigned i = 0; i < TEST_WORDS; ++i) {
+        words[i] = test_word(round, i);
+    }
     svo_i_gl_clear_errors(gl);
-    gl->BindBuffer(GL_COPY_READ_BUFFER, buffer->name);
-    clear_words(buffer, round, 0, TEST_SPLIT_WORDS);
-    clear_words(buffer, round, TEST_SPLIT_WORDS, TEST_WORDS - TEST_SPLIT_WORDS);
+    gl->GenBuffers(1, &own);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, own);
+    gl->BufferData(GL_COPY_READ_BUFFER, TEST_BYTES, words, GL_STREAM_COPY);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, buffer->name);
+    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, (GLintptr)buffer->offset_bytes, TEST_BYTES);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, 0);
     gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
-    return svo_i_gl_check(gl, "svo_i_share_probe", "glClearBufferSubData", &buffer->device->message);
+    gl->DeleteBuffers(1, &own);
+    return svo_i_gl_check(gl, "svo_i_share_probe", "glCopyBufferSubData", &buffer->device->message);
 }
 
 /* The device itself copies the shared bytes to a buffer of its own; what arrives there is what kernels would see. */
@@ -94,7 +69,7 @@ static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_
     for (unsigned round = 0; round < TEST_ROUNDS && status == SVO_OK; ++round) {
         status = svo_i_share_buffer_to_gl(buffer, queue);
         if (status == SVO_OK) {
-            status = write_pattern(buffer, round);
+            status = write_pattern(buffer, round, words);
         }
         if (status == SVO_OK) {
             status = svo_i_share_buffer_to_cl(buffer, TEST_BYTES, queue);
@@ -140,24 +115,59 @@ static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl
     return status;
 }
 
-static void probe_host(svo_device *device, svo_gl_context *context, char *reason, size_t reason_bytes)
+/* Whether the pair can share, and its OpenCL context was made for it. */
+static svo_status check_sharing(svo_device *device, svo_gl_context *context)
+{
+    svo_i_sharing sharing;
+    cl_context joined = NULL;
+    svo_status status = svo_i_sharing_find(device, context, &sharing, &device->message);
+    if (status != SVO_OK || svo_i_sharing_is_joined(device, context)) {
+        return status;
+    }
+    status = svo_i_sharing_create_context(device, context, &joined, &device->message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    clReleaseContext(joined);
+    return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                             "the device's OpenCL context was not made against the OpenGL context "
+                             "(svo_gl_device_create makes one)");
+}
+
+static svo_status check_host(svo_device *device, const svo_gl_context *context)
 {
     if (!device->is_cpu) {
-        (void)snprintf(reason, reason_bytes, "%s is not a CPU device", device->name);
-        return;
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s is not a CPU device", device->name);
     }
     if (svo_i_gl_context_functions(context)->BufferStorage == NULL) {
-        (void)snprintf(reason, reason_bytes, "the context has neither OpenGL 4.4 nor GL_ARB_buffer_storage");
-        return;
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "the context has neither OpenGL 4.4 nor GL_ARB_buffer_storage");
     }
-    svo_message before = device->message;
-    svo_status status = svo_i_gl_context_make_current(context, &device->message);
-    if (status == SVO_OK) {
-        status = round_trip(device, context, SVO_GL_SHARE_HOST);
-        svo_i_gl_context_release_current(context);
-    }
-    if (status != SVO_OK) {
+    return SVO_OK;
+}
+
+/* Expects the context current. */
+static void probe_current(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason,
+                          size_t reason_bytes)
+{
+    const svo_status possible =
+        share == SVO_GL_SHARE_HOST ? check_host(device, context) : check_sharing(device, context);
+    if (possible != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "%s", device->message.text);
+    } else if (round_trip(device, context, share) != SVO_OK) {
         (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+    }
+}
+
+/* What the steps say is left in the device's message, which is put back. */
+static void probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason, size_t reason_bytes)
+{
+    const svo_message before = device->message;
+    if (svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "%s", device->message.text);
+    } else {
+        probe_current(device, context, share, reason, reason_bytes);
+        svo_i_gl_context_release_current(context);
     }
     device->message = before;
 }
@@ -168,10 +178,8 @@ void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share
     reason[0] = '\0';
     switch (share) {
     case SVO_GL_SHARE_SHARING:
-        probe_sharing(device, reason, reason_bytes);
-        break;
     case SVO_GL_SHARE_HOST:
-        probe_host(device, context, reason, reason_bytes);
+        probe(device, context, share, reason, reason_bytes);
         break;
     case SVO_GL_SHARE_COPY: /* needs nothing that the front end does not need itself */
         break;

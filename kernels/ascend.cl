@@ -40,14 +40,16 @@ static void svo_ascend_store(__global uint *codes, size_t index, svo_code code)
 }
 
 /* Counts the fragment on the level on which it parts from the one before: it begins a node there and on all below.
-   counts: one per level, 0 at first; scratch: a word per level, for the group's own sums. */
+   counts: one per level, 0 at first, and behind them the number of fragments that none can be, which a driver made of
+   nothing; scratch: as much, for the group's own sums. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_ascend_count(__global const uint *fragments, volatile __global uint *counts, svo_ascend_params params,
                    volatile __local uint *scratch)
 {
     const uint index = (uint)get_global_id(0);
     const uint item = (uint)get_local_id(0);
-    if (item <= params.depth) {
+    const uint damaged = params.depth + 1u;
+    if (item <= damaged) {
         scratch[item] = 0u;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -61,9 +63,12 @@ svo_k_ascend_count(__global const uint *fragments, volatile __global uint *count
         if (level <= params.depth) {
             atomic_inc(scratch + level);
         }
+        if (code >> (3u * params.depth) != 0 || svo_fragment_triangle(fragments, index) >= params.triangle_count) {
+            atomic_inc(scratch + damaged);
+        }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item <= params.depth && scratch[item] != 0u) {
+    if (item <= damaged && scratch[item] != 0u) {
         atomic_add(counts + item, scratch[item]);
     }
 }

@@ -16,7 +16,9 @@
  *   [ node 3 ] [ node 2 ] [ node 1 ] [ node 0 ]
  *
  * Invariant: after descending from a level, each cursor is the index, in the whole tree, of the fragment's node on the
- * level below. When a level's nodes did not fit, state->overflow is set and nothing more is written.
+ * level below. When a level's nodes did not fit, state->overflow is set and nothing more is written. The list comes from
+ * drivers: a fragment that none can be is noticed in the first pass and sets it too, and nothing is done by it. (All who
+ * set it write the same word.)
  */
 #include "fragment.clh"
 
@@ -40,12 +42,19 @@ static void svo_mark(volatile __global uint *masks, uint node, uint octant)
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_mark(__global const uint *fragments, volatile __global uint *masks, svo_subdivide_params params)
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_mark(__global const uint *fragments,
+                                                                                      volatile __global uint *masks,
+                                                                                      __global svo_build_state *state,
+                                                                                      svo_subdivide_params params)
 {
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
-        svo_mark(masks, 0, svo_octant(svo_fragment_code(fragments, index), params.depth, 0));
+        const svo_code code = svo_fragment_code(fragments, index);
+        svo_mark(masks, 0, svo_octant(code, params.depth, 0));
+        if ((uint)(code >> (3 * params.depth)) != 0u ||
+            svo_fragment_triangle(fragments, index) >= state->triangle_count) {
+            state->overflow = SVO_DAMAGED_LIST;
+        }
     }
 }
 

@@ -321,6 +321,13 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
     return status;
 }
 
+svo_status svo_i_build_fail_damaged(svo_i_build *build)
+{
+    return svo_i_device_fail(build->device, SVO_INTERNAL,
+                             "svo_build: %s made a fragment outside the grid or of no triangle",
+                             build->report->frontend);
+}
+
 svo_status svo_i_build_alloc_cursors(svo_i_build *build)
 {
     build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
@@ -606,7 +613,8 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     *build.report = (svo_build_report){.struct_size = sizeof *report,
                                        .frontend = frontend->name,
                                        .share = frontend->share,
-                                       .builder = svo_builder_name(plan->options.builder)};
+                                       .builder = svo_builder_name(plan->options.builder),
+                                       .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();

@@ -54,6 +54,8 @@ svo_status svo_i_build_copy(svo_i_build *build, cl_mem from, cl_mem to, uint64_t
 svo_status svo_i_build_wait(svo_i_build *build);
 /* Releases the list, whosever it is. */
 void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend);
+/* The status and the message for a list with fragments that none can be. */
+svo_status svo_i_build_fail_damaged(svo_i_build *build);
 /* Cursors for the list's fragments, one buffer per chunk. */
 svo_status svo_i_build_alloc_cursors(svo_i_build *build);
 /* Waits, and reads bytes from the start of the buffer. */

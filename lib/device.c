@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "device.h"
 
+#include <CL/cl_gl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,7 +55,9 @@
     X(CL_INVALID_OPERATION)                         \
     X(CL_INVALID_GL_OBJECT)                         \
     X(CL_INVALID_BUFFER_SIZE)                       \
-    X(CL_INVALID_GLOBAL_WORK_SIZE)
+    X(CL_INVALID_GLOBAL_WORK_SIZE)                  \
+    X(CL_INVALID_PROPERTY)                          \
+    X(CL_INVALID_GL_SHAREGROUP_REFERENCE_KHR)
 
 const char *svo_i_cl_error_name(cl_int error)
 {

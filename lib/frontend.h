@@ -25,6 +25,7 @@ typedef struct svo_i_fragment_list {
 struct svo_frontend {
     const char *name; /* "cl", "gl-expand", ... */
     const char *share; /* "none", "host", ... */
+    const char *renderer; /* OpenGL's; NULL without OpenGL */
     void *self;
     svo_device *device;
     uint64_t chunk_bytes_max; /* largest chunk the front end can write */

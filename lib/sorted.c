@@ -176,7 +176,8 @@ static svo_status count_levels(sorter *s)
     svo_i_build *build = s->build;
     svo_tree_info *info = &build->tree->info;
     cl_uint counts[SVO_LEVELS_MAX] = {0};
-    const svo_ascend_params params = {.depth = info->depth, .count = (cl_uint)build->fragment_count};
+    const svo_ascend_params params = {
+        .depth = info->depth, .count = (cl_uint)build->fragment_count, .triangle_count = build->plan->triangle_count};
     svo_status status = svo_i_build_alloc(build, "level_counts", sizeof counts, &s->level_counts);
     if (status == SVO_OK) {
         status = svo_i_build_fill_zero(build, s->level_counts, sizeof counts);
@@ -189,6 +190,9 @@ static svo_status count_levels(sorter *s)
     }
     if (status == SVO_OK) {
         status = svo_i_build_read(build, s->level_counts, counts, sizeof counts);
+    }
+    if (status == SVO_OK && counts[info->depth + 1] != 0) {
+        return svo_i_build_fail_damaged(build);
     }
     uint64_t nodes = 0;
     uint64_t begin = 0;

@@ -44,6 +44,7 @@ static svo_status begin(subdivider *s)
     svo_i_build *build = s->build;
     svo_build_state state;
     memset(&state, 0, sizeof state);
+    state.triangle_count = build->plan->triangle_count;
     for (unsigned level = 1; level < SVO_LEVELS_MAX; ++level) {
         state.level_begin[level] = 1;
     }
@@ -69,8 +70,8 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
         const svo_i_fragments *chunk = &s->build->list.chunks[i];
         params.fragment_count = (cl_uint)chunk->needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->masks),
-                                            SVO_I_ARGUMENT(params)};
-        status = svo_i_build_launch(s->build, s->mark, arguments, 3, chunk->needed);
+                                            SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(params)};
+        status = svo_i_build_launch(s->build, s->mark, arguments, 4, chunk->needed);
     }
     return status;
 }
@@ -162,6 +163,9 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
     release_kernels(&s);
     if (status != SVO_OK) {
         return status;
+    }
+    if (state.overflow == SVO_DAMAGED_LIST) {
+        return svo_i_build_fail_damaged(build);
     }
     *fits = state.overflow == 0;
     if (*fits) {

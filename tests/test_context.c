@@ -101,6 +101,8 @@ static void check_kind(svo_gl_context_kind kind)
     assert_true(strlen(info.renderer) > 0);
     assert_true(strlen(info.version) > 0);
     print_message("%s: %s, OpenGL %s\n", svo_gl_context_kind_name(kind), info.renderer, info.version);
+    assert_int_equal(info.is_software != 0,
+                     strstr(info.renderer, "llvmpipe") != NULL || strstr(info.renderer, "softpipe") != NULL);
 
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     assert_true(gl->version >= SVO_I_GL_MINIMUM_VERSION);
@@ -145,6 +147,93 @@ static void wrong_device_index_is_refused(void **state)
     if (svo_gl_egl_device_count() > 0) {
         assert_non_null(strstr(message.text, "4000000000"));
     }
+}
+
+/* A part of the renderer's name, in other letters. */
+static void part_of_name(const char *renderer, char part[9])
+{
+    for (int i = 0; i < 8; ++i) {
+        const char c = renderer[i];
+        part[i] = (char)(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+    }
+    part[8] = '\0';
+}
+
+static void egl_devices_are_found_by_name(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_gl_context_info first, found;
+    char part[9];
+    svo_gl_context *context = context_or_skip(SVO_GL_EGL_DEVICE);
+    svo_gl_context_get_info(context, &first);
+    part_of_name(first.renderer, part);
+    svo_gl_context_destroy(&context);
+    static const char by_index[] = "0";
+    const char *const names[] = {by_index, part};
+    for (size_t i = 0; i < 2; ++i) {
+        if (svo_gl_context_create_named(names[i], &context, &message) != SVO_OK) {
+            fail_msg("%s", message.text);
+        }
+        svo_gl_context_get_info(context, &found);
+        assert_int_equal(found.kind, SVO_GL_EGL_DEVICE);
+        assert_int_equal(found.device_index, 0);
+        svo_gl_context_destroy(&context);
+    }
+    assert_int_equal(svo_gl_context_create_named("no such renderer", &context, &message), SVO_NO_GL);
+    assert_non_null(strstr(message.text, "no EGL device is \"no such renderer\"; there is 0: "));
+    assert_int_equal(svo_gl_context_create_named("4000000", &context, &message), SVO_NO_GL);
+    assert_int_equal(svo_gl_context_create_named("", &context, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gl_context_create_named("gpu", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_null(context);
+}
+
+/* "gpu" finds one or says what there is; it never finds a software renderer. */
+static void gpu_is_never_a_processor(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_gl_context *context = NULL;
+    const svo_status status = svo_gl_context_create_named("GPU", &context, &message);
+    if (status == SVO_OK) {
+        svo_gl_context_info info;
+        svo_gl_context_get_info(context, &info);
+        assert_int_equal(info.is_software, 0);
+        svo_gl_context_destroy(&context);
+        return;
+    }
+    print_message("%s\n", message.text);
+    assert_int_equal(status, SVO_NO_GL);
+    assert_non_null(strstr(message.text, "no EGL device is \"GPU\""));
+}
+
+static bool promise(void *native)
+{
+    (void)native;
+    return true;
+}
+
+/* What Mesa does for a GPU whose device node cannot be opened. */
+static void software_in_place_of_a_gpu_is_refused(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_gl_context *context = any_context_or_skip();
+    const svo_i_gl_platform *honest = context->platform;
+    const svo_i_gl_functions functions = context->functions;
+    svo_i_gl_platform promising = *honest;
+    promising.promises_gpu = promise;
+    assert_int_equal(svo_i_gl_context_check_promise(context, &message), SVO_OK);
+    context->platform = &promising;
+    context->functions.renderer = "zink (llvmpipe (LLVM 15.0.6, 256 bits))";
+    assert_int_equal(svo_i_gl_context_check_promise(context, &message), SVO_NO_GL);
+    assert_string_equal(message.text, "svo_gl_context_create: EGL device 0 is a GPU, but zink (llvmpipe (LLVM 15.0.6, "
+                                      "256 bits)) renders for it");
+    context->functions.renderer = "NVIDIA H200/PCIe/SSE2";
+    assert_int_equal(svo_i_gl_context_check_promise(context, &message), SVO_OK);
+    context->functions = functions;
+    context->platform = honest;
+    svo_gl_context_destroy(&context);
 }
 
 static void wrong_arguments_are_refused(void **state)
@@ -662,6 +751,9 @@ int main(void)
         cmocka_unit_test(egl_device_context_is_created),
         cmocka_unit_test(osmesa_context_is_created),
         cmocka_unit_test(wrong_device_index_is_refused),
+        cmocka_unit_test(egl_devices_are_found_by_name),
+        cmocka_unit_test(gpu_is_never_a_processor),
+        cmocka_unit_test(software_in_place_of_a_gpu_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(contexts_outlive_each_other),
         cmocka_unit_test(release_restores_what_was_current),

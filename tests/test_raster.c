@@ -204,6 +204,77 @@ static void lying_driver_is_not_used(void **state)
     svo_device_destroy(&device);
 }
 
+/* What an integrator may have set of the extensions; a driver that keeps it in variables. */
+static GLboolean conservative_on;
+static GLint conservative_mode;
+
+static void APIENTRY enable_kept(GLenum capability)
+{
+    if (is_conservative_capability(capability)) {
+        conservative_on = GL_TRUE;
+    } else {
+        honest.Enable(capability);
+    }
+}
+
+static void APIENTRY disable_kept(GLenum capability)
+{
+    if (is_conservative_capability(capability)) {
+        conservative_on = GL_FALSE;
+    } else {
+        honest.Disable(capability);
+    }
+}
+
+static GLboolean APIENTRY is_enabled_kept(GLenum capability)
+{
+    return is_conservative_capability(capability) ? conservative_on : honest.IsEnabled(capability);
+}
+
+static void APIENTRY set_mode_kept(GLenum name, GLint value)
+{
+    (void)name;
+    conservative_mode = value;
+}
+
+static void APIENTRY get_integer_kept(GLenum name, GLint *value)
+{
+    if (name == 0x954d /* GL_CONSERVATIVE_RASTER_MODE_NV */) {
+        *value = conservative_mode;
+    } else {
+        honest.GetIntegerv(name, value);
+    }
+}
+
+static void conservative_state_is_off_and_comes_back(void **state)
+{
+    const lie *told = *state;
+    svo_i_gl_state saved;
+    svo_gl_context *context = machine_any_context_or_skip();
+    start_lying(context, told->extensions);
+    svo_i_gl_functions *gl = &context->functions;
+    gl->Enable = enable_kept;
+    gl->Disable = disable_kept;
+    gl->IsEnabled = is_enabled_kept;
+    gl->ConservativeRasterParameteriNV = set_mode_kept;
+    gl->GetIntegerv = get_integer_kept;
+    assert_int_equal(svo_i_gl_context_make_current(context, NULL), SVO_OK);
+    conservative_on = GL_TRUE;
+    conservative_mode = 0x954e; /* GL_CONSERVATIVE_RASTER_MODE_POST_SNAP_NV */
+    svo_i_gl_state_save(gl, &saved);
+    svo_i_gl_state_set_plain(gl);
+    assert_int_equal(conservative_on, GL_FALSE);
+    if (told->way == SVO_I_CONSERVATIVE_NV) {
+        conservative_mode = 0x954f; /* what gl-hw sets */
+    }
+    svo_i_gl_state_restore(gl, &saved);
+    assert_int_equal(conservative_on, GL_TRUE);
+    assert_int_equal(conservative_mode, 0x954e);
+    svo_i_gl_context_release_current(context);
+    stop_lying(context);
+    svo_gl_context_destroy(&context);
+}
+
 /*
  * Triangles of every class on the caller's grid [0, 1)^3.
  */
@@ -413,6 +484,8 @@ int main(void)
         cmocka_unit_test_prestate(selftest_finds_what_a_lying_driver_misses, &lies[1]),
         cmocka_unit_test_prestate(lying_driver_is_not_used, &lies[0]),
         cmocka_unit_test_prestate(lying_driver_is_not_used, &lies[1]),
+        cmocka_unit_test_prestate(conservative_state_is_off_and_comes_back, &lies[0]),
+        cmocka_unit_test_prestate(conservative_state_is_off_and_comes_back, &lies[1]),
         cmocka_unit_test(shaders_of_every_way_compile),
         cmocka_unit_test(forced_choice_is_kept_or_refused),
         cmocka_unit_test(hardware_without_the_extension_is_refused),

@@ -15,18 +15,24 @@ struct opengl {
     svo_gl *copying; /* NULL until asked for */
 };
 
+static svo_status create_context(const options *given, svo_gl_context_kind kind, svo_gl_context **out,
+                                 svo_message *message)
+{
+    return given->gl_device != NULL ? svo_gl_context_create_named(given->gl_device, out, message)
+                                    : svo_gl_context_create(kind, 0, out, message);
+}
+
 /* --context auto: the first kind that works. A forced kind that does not work is an error. */
 static bool open_context(const options *given, opengl *out, svo_message *reason)
 {
     svo_message message = {""};
-    const uint32_t index = given->gl_device > 0 ? (uint32_t)(given->gl_device - 1) : 0;
     size_t used = (size_t)snprintf(reason->text, sizeof reason->text, "no OpenGL context");
     for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
         const char *name = svo_gl_context_kind_name((svo_gl_context_kind)kind);
         if (given->context != OPTION_CONTEXT_AUTO && given->context != kind) {
             continue;
         }
-        if (svo_gl_context_create((svo_gl_context_kind)kind, index, &out->context, &message) == SVO_OK) {
+        if (create_context(given, (svo_gl_context_kind)kind, &out->context, &message) == SVO_OK) {
             svo_gl_context_get_info(out->context, &out->info);
             return true;
         }
@@ -59,21 +65,31 @@ static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, 
     return gl;
 }
 
-opengl *opengl_open(const options *given, svo_device *device, svo_message *reason)
+svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
+{
+    svo_device *joined = NULL;
+    (void)svo_gl_device_create(opened->context, svo_device_cl_device(device), device_options, &joined, NULL);
+    return joined;
+}
+
+opengl *opengl_open(const options *given, svo_message *reason)
 {
     opengl *opened = calloc(1, sizeof *opened);
     if (opened == NULL) {
         snprintf(reason->text, sizeof reason->text, "out of memory");
         return NULL;
     }
-    opened->device = device;
-    if (open_context(given, opened, reason)) {
-        opened->gl = create(opened, raster_of(given), (svo_gl_share)given->share, reason);
-    }
-    if (opened->gl == NULL) {
+    if (!open_context(given, opened, reason)) {
         opengl_close(&opened);
     }
     return opened;
+}
+
+bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
+{
+    opened->device = device;
+    opened->gl = create(opened, raster_of(given), (svo_gl_share)given->share, reason);
+    return opened->gl != NULL;
 }
 
 void opengl_close(opengl **opened)

@@ -12,11 +12,13 @@
 
 typedef struct opengl opengl;
 
-/*
- * Opens a context and its front end by --context, --gl-device, --frontend and --share. NULL where that does not work, with
- * the reason, which names the option that was forced.
- */
-opengl *opengl_open(const options *given, svo_device *device, svo_message *reason);
+/* Opens a context by --context and --gl-device. NULL where that does not work, with the reason, which names the option that
+   was forced. */
+opengl *opengl_open(const options *given, svo_message *reason);
+/* The same device on an OpenCL context that shares with the context where the two can; NULL when there is none. */
+svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options);
+/* The front end by --frontend and --share, for a device that outlives it. False with the reason where it does not work. */
+bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason);
 void opengl_close(opengl **opened); /* a pointer to NULL is allowed */
 
 const char *opengl_context_name(const opengl *opened); /* "surfaceless", ... */

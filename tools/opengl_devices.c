@@ -49,8 +49,12 @@ static void gather_renderers(cJSON *document, open_renderers *opened)
     gather_renderer(renderers, SVO_GL_OSMESA, 0, opened);
 }
 
-static cJSON *gather_pair(svo_device *device, svo_gl_context *renderer)
+static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
+    /* The same device on an OpenCL context that can share with the renderer, where there is such a thing. */
+    svo_device *joined = NULL;
+    (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
+    svo_device *device = joined != NULL ? joined : alone;
     svo_gl_context_info info;
     svo_gl_context_get_info(renderer, &info);
     cJSON *pair = cJSON_CreateObject();
@@ -74,6 +78,7 @@ static cJSON *gather_pair(svo_device *device, svo_gl_context *renderer)
         devices_add_way(shares, svo_gl_share_name(share), failure != NULL ? failure : svo_gl_share_reason(gl, share));
     }
     svo_gl_destroy(&gl);
+    svo_device_destroy(&joined);
     return pair;
 }
 

@@ -6,10 +6,9 @@
 
 #define WITHOUT "this svocl was built without OpenGL"
 
-opengl *opengl_open(const options *given, svo_device *device, svo_message *reason)
+opengl *opengl_open(const options *given, svo_message *reason)
 {
     (void)given;
-    (void)device;
     snprintf(reason->text, sizeof reason->text, WITHOUT);
     return NULL;
 }
@@ -20,6 +19,23 @@ void opengl_close(opengl **opened)
 }
 
 /* Nothing below is ever asked about a context, since none opens. */
+
+svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
+{
+    (void)opened;
+    (void)device;
+    (void)device_options;
+    return NULL;
+}
+
+bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
+{
+    (void)opened;
+    (void)given;
+    (void)device;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return false;
+}
 
 const char *opengl_context_name(const opengl *opened)
 {

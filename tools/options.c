@@ -192,13 +192,6 @@ static int read_need(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
-static int read_gl_device(program *state, const rule *option, const char *value)
-{
-    const int result = read_count(state, option, value);
-    ++state->options.gl_device;
-    return result;
-}
-
 static int read_triangles(program *state, const rule *option, const char *value)
 {
     state->options.has_triangles = true;
@@ -251,8 +244,8 @@ static const rule rules[] = {
      "cl: from the root down; sorted: from the leaves up (cl)"},
     {"context", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
-    {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "N", read_gl_device, FIELD(gl_device), 0, 1023, NULL,
-     "which EGL device, with --context egl-device (0)"},
+    {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
+     "which EGL device: its index, part of its name, or gpu (0)"},
     {"device", '\0', OPTION_DEVICE, "NAME", read_text, FIELD(device_name), 0, 0, NULL,
      "OpenCL device: part of its name, or P.D indices"},
     {"threads", '\0', OPTION_DEVICE, "N", read_count, FIELD(threads), 1, 1024, NULL,
@@ -365,10 +358,10 @@ static int check_together(program *state, const command *which)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--origin and --edge go together, --%s is missing",
                             given->has_origin ? "edge" : "origin");
     }
-    if (given->gl_device != 0 && given->context == OPTION_CONTEXT_AUTO) {
+    if (given->gl_device != NULL && given->context == OPTION_CONTEXT_AUTO) {
         given->context = SVO_GL_EGL_DEVICE;
     }
-    if (given->gl_device != 0 && given->context != SVO_GL_EGL_DEVICE) {
+    if (given->gl_device != NULL && given->context != SVO_GL_EGL_DEVICE) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
     }
     if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {

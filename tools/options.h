@@ -53,7 +53,7 @@ typedef struct options {
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
-    uint64_t gl_device; /* EGL device index + 1; 0: not given */
+    const char *gl_device; /* EGL device by index or name; NULL: not given */
     double origin[3];
     bool has_origin;
     double edge; /* 0: not given */

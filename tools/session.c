@@ -20,31 +20,43 @@ static int set_threads(program *state)
     return PROGRAM_DONE;
 }
 
-int session_open_device(program *state, session *opened)
+static svo_device_options device_options_of(program *state)
 {
-    *opened = (session){0};
-    const int result = set_threads(state);
-    if (result != PROGRAM_DONE) {
-        return result;
-    }
-    const svo_device_options device_options = {.struct_size = sizeof device_options,
-                                               .log = program_log,
-                                               .log_user = state,
-                                               .device_name = state->options.device_name};
-    svo_message message = {""};
-    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
-        return program_fail_library(state, message.text);
-    }
+    return (svo_device_options){.struct_size = sizeof(svo_device_options),
+                                .log = program_log,
+                                .log_user = state,
+                                .device_name = state->options.device_name};
+}
+
+static int open_queue(program *state, session *opened)
+{
     cl_int error = CL_SUCCESS;
     opened->queue = clCreateCommandQueue(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device),
                                          CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)", svo_device_name(opened->device),
-                     error);
-        session_close(opened);
-        return PROGRAM_FAILED;
+        return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)",
+                            svo_device_name(opened->device), error);
     }
     return PROGRAM_DONE;
+}
+
+int session_open_device(program *state, session *opened)
+{
+    *opened = (session){0};
+    int result = set_threads(state);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    const svo_device_options device_options = device_options_of(state);
+    svo_message message = {""};
+    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    result = open_queue(state, opened);
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
 }
 
 static int use(session *opened, svo_frontend *frontend)
@@ -58,15 +70,46 @@ static void explain(session *opened, const char *reason)
     snprintf(opened->reason.text, sizeof opened->reason.text, "%s", reason);
 }
 
+/* Device and queue on an OpenCL context that shares with OpenGL, in place of those that nothing was made of yet. */
+static int join_opengl(program *state, session *opened)
+{
+    const svo_device_options device_options = device_options_of(state);
+    svo_device *joined = opengl_join(opened->gl, opened->device, &device_options);
+    if (joined == NULL) {
+        return PROGRAM_DONE;
+    }
+    clReleaseCommandQueue(opened->queue);
+    opened->queue = NULL;
+    svo_device_destroy(&opened->device);
+    opened->device = joined;
+    return open_queue(state, opened);
+}
+
 /* OpenGL was asked for: a way that does not work is an error. */
 static int use_opengl(program *state, session *opened, const char *reason)
 {
-    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    opened->gl = opengl_open(&state->options, &opened->reason);
     if (opened->gl == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
+    }
+    const int result = join_opengl(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    if (!opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
         return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
     }
     explain(opened, reason);
     return use(opened, opengl_frontend(opened->gl));
+}
+
+/* OpenGL beside OpenCL alone, on the device as it is; without it the reason says why. */
+static void try_opengl(program *state, session *opened)
+{
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl != NULL && !opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        opengl_close(&opened->gl);
+    }
 }
 
 int session_open(program *state, session *opened)
@@ -98,7 +141,7 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
     if (svo_frontend_cl_suffices(plan, &opened->reason)) {
         return;
     }
-    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    try_opengl(state, opened);
     if (opened->gl != NULL) {
         opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
     }
@@ -109,7 +152,7 @@ void session_choose_opengl(program *state, session *opened)
     if (opened->frontend != NULL) {
         return;
     }
-    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
+    try_opengl(state, opened);
     opened->frontend = opened->gl != NULL ? opengl_frontend(opened->gl) : opened->cl;
     if (opened->gl != NULL) {
         explain(opened, "OpenGL where there is one");

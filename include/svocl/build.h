@@ -68,7 +68,8 @@ typedef struct svo_build_report {
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "cl", "gl-expand", "gl-hw"; static strings */
     const char *builder; /* "cl", "sorted" */
-    const char *share; /* how the list got to OpenCL: "none" (it was made there), "host", "copy" */
+    const char *share; /* how the list got to OpenCL: "none" (it was made there), "sharing", "host", "copy" */
+    const char *renderer; /* OpenGL's name of what rasterized; lives as long as the context; "" without OpenGL */
 } svo_build_report;
 
 /*

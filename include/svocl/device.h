@@ -33,7 +33,9 @@ typedef struct svo_device_options {
 } svo_device_options;
 
 /*
- * Wraps the caller's context and one of its devices; both are retained until svo_device_destroy. Compiles nothing.
+ * Wraps the caller's context and one of its devices; both are retained until svo_device_destroy. Compiles nothing. Several
+ * handles may share a context, one per thread for example. A context that was made against an OpenGL context (with
+ * CL_GL_CONTEXT_KHR) is shared with it by svocl::gl where that works.
  *
  * context, device: not NULL; device must belong to context, support OpenCL 1.2 and be little-endian.
  * options: NULL means all defaults. message: receives the reason on failure; NULL allowed.

@@ -6,8 +6,12 @@
  * ARB_buffer_storage for the host share. Vertices (12 bytes each) and triangles (12 bytes each) must each fit one shader
  * storage block of the context (128 MiB on llvmpipe: 11 million). Entry points are a table per context, filled through the context's own loader.
  *
- * Thread-safety: a handle belongs to the thread on which its context is current; contexts that svocl made are made
- * current by the calls that need them; what was current before is current again afterwards.
+ * Thread-safety: a handle belongs to one thread at a time, the one on which its context is or can be made current;
+ * different handles are independent. Contexts that svocl made are made current by the calls that need them; what was
+ * current before is current again afterwards. Contexts of the caller's (svo_gl_context_wrap) are never made current.
+ *
+ * A context that is lost, memory that runs out and a driver that returns nonsense end in a status; a lost context cannot
+ * be used again.
  */
 #ifndef SVOCL_GL_H
 #define SVOCL_GL_H
@@ -25,9 +29,11 @@ typedef enum svo_gl_context_kind {
     SVO_GL_SURFACELESS = 0, /* EGL_MESA_platform_surfaceless */
     SVO_GL_EGL_DEVICE, /* EGL_EXT_platform_device */
     SVO_GL_OSMESA, /* off-screen Mesa, loaded at run time */
-    SVO_GL_CONTEXT_KINDS
+    SVO_GL_CONTEXT_KINDS, /* how many kinds svo_gl_context_create makes */
+    SVO_GL_WRAPPED /* the caller's own: svo_gl_context_wrap */
 } svo_gl_context_kind;
-SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa" */
+SVO_API const char *
+svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-device", "osmesa", "wrapped" */
 
 typedef struct svo_gl_context svo_gl_context;
 
@@ -35,19 +41,69 @@ typedef struct svo_gl_context_info {
     svo_gl_context_kind kind;
     uint32_t device_index; /* EGL device number; 0 otherwise */
     const char *vendor, *renderer, *version; /* live as long as the context */
+    uint32_t is_software; /* not 0: a processor renders (llvmpipe and its like) */
 } svo_gl_context_info;
 
 /* EGL devices there are; 0 without EGL or EGL_EXT_device_enumeration. */
 SVO_API uint32_t svo_gl_egl_device_count(void);
 
 /*
- * Makes an off-screen context. device_index: which EGL device, for SVO_GL_EGL_DEVICE only.
+ * Makes an off-screen context. device_index: which EGL device, for SVO_GL_EGL_DEVICE only. An EGL device that is a GPU is
+ * never served by a software renderer: that is an error.
  * Returns SVO_NO_GL with the step that failed in the message.
  */
 SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                          svo_message *message);
+/*
+ * The same for an EGL device by name: its index ("1"), "gpu" for the first that renders on no processor, or a part of its
+ * renderer's name, in letters of either case ("nvidia"). Contexts are made on the devices in turn until one matches.
+ * Returns SVO_NO_GL with what there is in the message, or SVO_INVALID_ARGUMENT.
+ */
+SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message);
+
+typedef void (*svo_gl_function)(void); /* any entry point */
+/* A context's loader; name includes the "gl". NULL where there is no such function. */
+typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name);
+
+/*
+ * Takes a context of the caller's, OpenGL 4.3 or later of either profile, which must be current on this thread now and
+ * whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_mesh_read and the destruction of what was made with it.
+ * svo_gl_context_destroy releases the handle and leaves the caller's context alone.
+ *
+ * Each call leaves the context's state as it was: bindings of buffers, storage blocks, program, vertex array and
+ * framebuffers, viewport, scissor, capabilities, polygon mode, point size, clip control. Three things are expected of the
+ * caller: no transform feedback, query or conditional rendering is active; a program that was deleted is not the current
+ * one; OpenGL errors of earlier calls have been read, since svocl throws away what it finds.
+ *
+ * get_proc_address: called now alone, not NULL; user is handed to it.
+ * Returns SVO_NO_GL naming the function or the version that is missing, or SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
+                                       svo_message *message);
+
 SVO_API void svo_gl_context_destroy(svo_gl_context **context);
 SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
+
+/*
+ * As svo_mesh_read, for buffers of OpenGL. What OpenGL commands before it write to them is seen, whatever wrote it.
+ *
+ * num_wait, wait: events that are waited for on the host first, of OpenCL work that writes to shared buffers, say.
+ * Returns SVO_INVALID_ARGUMENT (also for a name that is no buffer), SVO_NO_GL, SVO_GL_ERROR, SVO_CL_ERROR or
+ * SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_context *context, cl_uint num_wait,
+                                    const cl_event *wait, svo_mesh_copy **out, svo_message *message);
+
+/*
+ * Makes a device handle with an OpenCL context made against the OpenGL context where the device can share with it
+ * (cl_khr_gl_sharing); where it cannot, with a plain one. svo_gl_share_reason says which and why. An OpenCL context of your
+ * own that was made against yours serves as well: give it to svo_device_create.
+ *
+ * context: must outlive the device's OpenCL context. device: NULL: as svo_device_create_default chooses it by the options.
+ * Returns what svo_device_create_default does.
+ */
+SVO_API svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, const svo_device_options *options,
+                                        svo_device **out, svo_message *message);
 
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */

@@ -68,15 +68,19 @@ SVO_RECORD(svo_tile_item)
     SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
 };
 
+/* svo_build_state.overflow: a fragment is outside the grid or of no triangle. */
+#define SVO_DAMAGED_LIST 0xffffffffu
+
 /* Counts that stay on the device between the stages of one build. 96 bytes. */
 SVO_RECORD(svo_build_state)
 {
     SVO_U32 level_begin[18]; /* 0: first node of each level; entries after the last finished level are not set */
-    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built */
-    SVO_U32 reserved0; /* 76 */
+    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built; or
+                         SVO_DAMAGED_LIST */
+    SVO_U32 triangle_count; /* 76: fragments are of triangles below it */
     SVO_U32 list_total; /* 80: entries of all leaf lists */
     SVO_U32 long_lists; /* 84: leaf lists longer than SVO_SHORT_LIST_MAX */
-    SVO_U32 reserved1[2]; /* 88 */
+    SVO_U32 reserved[2]; /* 88 */
 };
 
 /* What a triangle brings to the payload besides its vertices. 16 bytes. */
@@ -146,7 +150,8 @@ SVO_RECORD(svo_ascend_params)
     SVO_U32 shift; /* 12: from those codes to the codes of the nodes to make: 0 for leaves, else 3 */
     SVO_U32 node_begin; /* 16: first node of the level to make */
     SVO_U32 child_begin; /* 20: first node of the level below it */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 triangle_count; /* 24: fragments are of triangles below it */
+    SVO_U32 reserved; /* 28 */
 };
 
 /* Arguments of the link, pack and filter kernels. 64 bytes. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A triangle mesh as the caller hands it over: borrowed arrays, read during svo_plan_create and not touched later.
+ * A triangle mesh as the caller hands it over: borrowed arrays, read during svo_plan_create and not touched later. Arrays
+ * that lie in a device's buffers are read back first, since vertices are snapped on the host.
  *
  * Any values are allowed in the arrays: triangles with an index out of range or a vertex that is not finite are refused
  * and counted, never undefined. Degenerate triangles (segments, points) are geometry and touch what they touch.
@@ -11,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "svocl/export.h"
+#include "svocl/device.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -57,6 +58,45 @@ typedef struct svo_mesh {
     const svo_texture *textures;
     size_t texture_count;
 } svo_mesh;
+
+/* Where one array of a mesh lies: in an OpenCL buffer for svo_mesh_read, in an OpenGL buffer for svo_gl_mesh_read. The
+   other of the two is not looked at. All zero: the mesh has no such array. */
+typedef struct svo_mesh_view {
+    cl_mem memory;
+    uint32_t gl_buffer; /* OpenGL's name */
+    size_t offset_bytes; /* of the first element */
+    size_t stride_bytes; /* from one element to the next; 0: they follow each other */
+} svo_mesh_view;
+
+/* A mesh in buffers; elements as in svo_mesh. */
+typedef struct svo_mesh_buffers {
+    size_t struct_size; /* sizeof(svo_mesh_buffers) */
+    size_t vertex_count, triangle_count; /* below 2^32 - 1 */
+    svo_mesh_view positions; /* 3 floats per vertex */
+    svo_mesh_view indices; /* 3 per triangle */
+    uint32_t index_bytes; /* 0 or 4: indices are uint32_t; 2: uint16_t */
+    svo_mesh_view normals, colors, uvs; /* per vertex: 3 floats, RGBA8, 2 floats */
+    svo_mesh_view triangle_materials; /* per triangle: uint16_t */
+} svo_mesh_buffers;
+
+/* Arrays on the host, owned. Thread-safety: reading is safe from several threads. */
+typedef struct svo_mesh_copy svo_mesh_copy;
+
+/*
+ * Reads a mesh out of OpenCL buffers and waits for it. The buffers are not needed afterwards.
+ *
+ * buffers, out: not NULL. queue: on the buffers' context, in-order or out-of-order.
+ * num_wait, wait: events to be complete before anything is read; 0 and NULL: none.
+ * message: receives the reason on failure; NULL allowed.
+ * Returns SVO_INVALID_ARGUMENT (no positions, a stride below an element, an array that ends behind its buffer),
+ * SVO_CL_ERROR (one of the events failed, for example) or SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
+                                 const cl_event *wait, svo_mesh_copy **out, svo_message *message);
+/* The mesh, for svo_plan_create; it lives as long as the copy. Materials and textures are added to a copy of the struct. */
+SVO_API const svo_mesh *svo_mesh_copy_get(const svo_mesh_copy *copy);
+SVO_API void
+svo_mesh_copy_destroy(svo_mesh_copy **copy); /* sets *copy to NULL; NULL and a pointer to NULL are allowed */
 
 #ifdef __cplusplus
 }

@@ -78,7 +78,8 @@ SVO_API void svo_tree_destroy(svo_tree **tree);
 SVO_API void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
 /* The device buffer, laid out as the host array of the same name; NULL where the tree does not hold it or was not
-   uploaded. Not retained for the caller. */
+   uploaded. Nothing writes to it any more. It is the tree's; clRetainMemObject makes it yours too, and it then outlives
+   tree and device handle until you release it. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
 
 /* Copies the arrays to the host, once; later calls do nothing. queue: on the context of the tree's device.
