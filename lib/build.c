@@ -5,6 +5,8 @@
  */
 #include "build.h"
 
+#include "rays.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -334,6 +336,24 @@ static svo_status make_nodes(svo_i_build *build)
     return status == SVO_OK ? trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4) : status;
 }
 
+/* The triangles as the ray kernels read them. */
+static svo_status keep_ray_triangles(svo_i_build *build)
+{
+    const svo_plan *plan = build->plan;
+    const svo_i_snapped_mesh mesh = {plan->vertices, plan->vertex_count, plan->indices, plan->triangle_ids,
+                                     plan->triangle_count};
+    int32_t *records = NULL;
+    svo_status status = svo_i_ray_records(build->device, SVO_I_BUILD, &mesh, &records);
+    if (status == SVO_OK) {
+        status =
+            svo_i_build_upload(build, "ray_triangles", records,
+                               (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES, &build->tree->ray_triangles);
+    }
+    build->tree->ray_reach = svo_i_ray_reach(&mesh, plan->info.snap_bits);
+    free(records);
+    return status;
+}
+
 /* What rays need of the mesh. */
 static svo_status keep_geometry(svo_i_build *build)
 {
@@ -353,7 +373,7 @@ static svo_status keep_geometry(svo_i_build *build)
     }
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
-    return status;
+    return status == SVO_OK ? keep_ray_triangles(build) : status;
 }
 
 static void fill_info(svo_i_build *build)

@@ -5,6 +5,8 @@
  */
 #include "plan.h"
 
+#include "rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,6 +162,7 @@ static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
     const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
     predict_geometry(plan);
     svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
+    svo_i_plan_buffer_add(plan, "ray_triangles", (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES);
     svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
     svo_i_plan_buffer_add(plan, "list", fragments * 4);
     svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);

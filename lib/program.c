@@ -18,6 +18,7 @@ struct svo_i_program_cache {
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_build[];
 extern const char svo_i_source_cast[];
+extern const char svo_i_source_trace[];
 
 void svo_i_program_cache_destroy(svo_i_program_cache *cache)
 {
@@ -50,7 +51,8 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
 static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
                           cl_program *out)
 {
-    const char *source = kind == SVO_I_PROGRAM_CAST ? svo_i_source_cast : svo_i_source_build;
+    const char *const sources[SVO_I_PROGRAM_KINDS] = {svo_i_source_build, svo_i_source_cast, svo_i_source_trace};
+    const char *source = sources[kind];
     char options[KEYS_BYTES + 32];
     (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);
     cl_int error = CL_SUCCESS;

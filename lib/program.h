@@ -11,6 +11,7 @@
 typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
     SVO_I_PROGRAM_CAST, /* cast */
+    SVO_I_PROGRAM_TRACE, /* rays, trace */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 

@@ -11,6 +11,7 @@
 
 #include "device.h"
 #include "message.h"
+#include "rays.h"
 #include "svocl/plan.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -32,6 +33,9 @@ void svo_tree_destroy(svo_tree **tree)
             clReleaseMemObject((*tree)->buffers[i]);
         }
         free((*tree)->host[i]);
+    }
+    if ((*tree)->ray_triangles != NULL) {
+        clReleaseMemObject((*tree)->ray_triangles);
     }
     free(*tree);
     *tree = NULL;
@@ -199,6 +203,9 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
                 status = svo_i_device_fail_cl(device, "svo_tree_upload", "clEnqueueWriteBuffer", error);
             }
         }
+    }
+    if (status == SVO_OK) {
+        status = svo_i_rays_upload(tree, device, queue);
     }
     if (status != SVO_OK) {
         for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {

@@ -13,5 +13,6 @@ int command_hash(program *state);
 int command_verify(program *state);
 int command_render(program *state);
 int command_stress(program *state);
+int command_bench(program *state);
 
 #endif

@@ -91,6 +91,11 @@ static int build_repeatedly(program *state, const session *opened, const svo_mes
     return exit_code;
 }
 
+int job_build(program *state, uint32_t need, job *done)
+{
+    return build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+}
+
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
 {
     *done = (job){0};
@@ -100,7 +105,7 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
         exit_code = session_open(state, &done->opened);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+        exit_code = job_build(state, need, done);
     }
     if (exit_code != PROGRAM_DONE) {
         job_release(done);

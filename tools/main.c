@@ -28,6 +28,8 @@ static const command commands[] = {
      "Draws the octree of a mesh or of a .svo file into a PNG picture."},
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
+    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND, "INPUT", false,
+     "Measures: bench rays [INPUT], rays against triangles, --vs embree beside Embree's."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])

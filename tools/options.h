@@ -25,7 +25,8 @@ enum option_group {
     OPTION_SCENE_COMMAND = 128,
     OPTION_RENDER_COMMAND = 256,
     OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
-    OPTION_STRESS_COMMAND = 1024 /* count, seed */
+    OPTION_STRESS_COMMAND = 1024, /* count, seed */
+    OPTION_BENCH_COMMAND = 2048 /* what is measured, against what, with how much */
 };
 
 #define OPTION_DEFAULT_DEPTH 8
@@ -33,6 +34,7 @@ enum option_group {
 
 typedef struct options {
     const char *input; /* the argument that is no option; NULL: none */
+    const char *subject; /* bench: what is measured, the argument before */
     unsigned given_groups; /* groups of the options on the command line */
     uint64_t help, verbose, json; /* flags: 0 or 1 */
 
@@ -40,6 +42,7 @@ typedef struct options {
     uint64_t threads; /* 0: as many as the drivers like */
 
     uint64_t depth;
+    bool has_depth;
     int frontend; /* svo_gl_raster */
     int share; /* svo_gl_share */
     int builder; /* one value in this version */
@@ -58,6 +61,8 @@ typedef struct options {
     bool has_triangles, has_seed;
     uint32_t width, height; /* pixels */
     uint64_t count; /* stress: how much work */
+    int versus; /* bench: 0 nothing, 1 Embree */
+    uint64_t rays; /* bench: rays of a set */
 } options;
 
 typedef struct command {

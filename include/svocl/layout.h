@@ -135,6 +135,39 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
 };
 
+/* A ray in world coordinates: origin + t * direction for t_min <= t <= t_max. 32 bytes. */
+SVO_RECORD(svo_ray)
+{
+    SVO_F32 origin[3]; /* 0 */
+    SVO_F32 direction[3]; /* 12: any length above 0 */
+    SVO_F32 t_min; /* 24: in lengths of direction */
+    SVO_F32 t_max; /* 28: infinity allowed */
+};
+
+/* What a ray met. 32 bytes. */
+SVO_RECORD(svo_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: nothing */
+    SVO_F32 u; /* 8: weight of the triangle's second corner */
+    SVO_F32 v; /* 12: weight of the third; the first has 1 - u - v */
+    SVO_F32 normal[3]; /* 16: of the triangle, unit, by the order of its corners; zero without area */
+    SVO_U32 count; /* 28: steps of the walk; with SVO_TRACE_COUNT the triangles met */
+};
+#define SVO_NO_TRIANGLE 0xffffffffu
+
+/* What the ray kernels know of a tree besides its arrays. World coordinates are sums of three floats each, which hold a
+   double exactly. 64 bytes. */
+SVO_RECORD(svo_ray_params)
+{
+    SVO_F32 origin[9]; /* 0: of the grid: x, y, z of the first parts, then of the second and third ones */
+    SVO_F32 scale[3]; /* 36: grid units per world unit, in three parts */
+    SVO_U32 depth; /* 48 */
+    SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
+    SVO_U32 leaf_begin; /* 56: first leaf among the nodes */
+    SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
+};
+
 /* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
 #if !defined(GL_core_profile)
 #if defined(__OPENCL_C_VERSION__)
@@ -151,6 +184,9 @@ SVO_ASSERT_BYTES(svo_subdivide_params, 16);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
+SVO_ASSERT_BYTES(svo_ray, 32);
+SVO_ASSERT_BYTES(svo_hit, 32);
+SVO_ASSERT_BYTES(svo_ray_params, 64);
 #endif
 
 #endif

@@ -8,6 +8,7 @@
 
 #include <stdint.h>
 
+#include "svocl/layout.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
@@ -41,6 +42,38 @@ typedef struct svo_render_options {
  */
 SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
+
+/* What a batch of rays asks for. */
+typedef enum svo_trace_flags {
+    SVO_TRACE_CLOSEST = 0, /* the first triangle along each ray: by t as reported, then by its position in the mesh */
+    SVO_TRACE_ANY = 1, /* whether there is one: the record is of some triangle that the ray meets */
+    SVO_TRACE_COUNT = 2 /* how many there are, each once; the record is of the first one */
+} svo_trace_flags;
+
+#define SVO_TRACE_RAYS_MAX 0x7fffffffu
+
+/*
+ * Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
+ *
+ * Which triangle is hit, its t, u and v are decided in double and are the same on every device with cl_khr_fp64, whatever
+ * the tree's depth. Closed surfaces have no gaps: a ray through an edge or a corner meets one of the triangles that share
+ * it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number that is not
+ * finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
+ *
+ * tree: with SVO_NEED_RAYS, uploaded or built on device. rays: ray_count records svo_ray (layout.h). hits: ray_count
+ * records svo_hit, written whole, in the order of the rays. ray_count: at most SVO_TRACE_RAYS_MAX. flags: one of
+ * svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event: as in clEnqueueNDRangeKernel.
+ *
+ * The first call of a device handle compiles the kernel. Nothing is allocated on the device.
+ * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED, SVO_CL_ERROR.
+ */
+SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
+                                          uint32_t flags, cl_command_queue queue, cl_uint num_wait,
+                                          const cl_event *wait, cl_event *event);
+
+/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
+                                  uint32_t flags, cl_command_queue queue);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays against triangles, the host's side of kernels/rays.clh and trace.cl: what a tree keeps for them, batches of rays,
+ * and the way into an integrator's own kernel. Reads finished trees.
+ */
+#include "rays.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "svocl/plan.h"
+#include "svocl/trace.h"
+
+/* ---- what a tree keeps ---- */
+
+svo_status svo_i_ray_records(svo_device *device, const char *function, const svo_i_snapped_mesh *mesh, int32_t **out)
+{
+    size_t bytes = 0;
+    *out = NULL;
+    if (mesh->triangle_count == 0) {
+        return SVO_OK;
+    }
+    int32_t *records =
+        svo_i_mul_size((size_t)mesh->triangle_count, SVO_I_RAY_TRIANGLE_BYTES, &bytes) ? malloc(bytes) : NULL;
+    if (records == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", function,
+                                 (unsigned long long)mesh->triangle_count);
+    }
+    for (size_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
+        int32_t *record = records + triangle * SVO_I_RAY_TRIANGLE_WORDS;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            for (size_t corner = 0; corner < 3; ++corner) {
+                record[4 * axis + corner] = mesh->vertices[(size_t)mesh->indices[3 * triangle + corner] * 3 + axis];
+            }
+            record[4 * axis + 3] = (int32_t)mesh->triangle_ids[triangle];
+        }
+    }
+    *out = records;
+    return SVO_OK;
+}
+
+float svo_i_ray_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits)
+{
+    int32_t reach = (int32_t)(1u << snap_bits);
+    for (uint64_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        const int32_t far_off = mesh->vertices[i] < 0 ? -mesh->vertices[i] : mesh->vertices[i];
+        reach = far_off > reach ? far_off : reach;
+    }
+    return (float)reach;
+}
+
+svo_status svo_i_rays_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
+{
+    const char *function = "svo_tree_upload";
+    const svo_i_snapped_mesh mesh = {tree->host[SVO_TREE_VERTICES], tree->info.vertex_count,
+                                     tree->host[SVO_TREE_INDICES], tree->host[SVO_TREE_TRIANGLE_IDS],
+                                     tree->info.list_triangle_count};
+    if ((tree->info.need & SVO_NEED_RAYS) == 0) {
+        return SVO_OK;
+    }
+    int32_t *records = NULL;
+    cl_mem buffer = NULL;
+    const size_t bytes = (size_t)mesh.triangle_count * SVO_I_RAY_TRIANGLE_BYTES;
+    svo_status status = svo_i_ray_records(device, function, &mesh, &records);
+    if (status == SVO_OK) {
+        status = svo_i_device_buffer(device, function, "ray_triangles", CL_MEM_READ_ONLY, bytes, &buffer);
+    }
+    if (status == SVO_OK && bytes > 0) {
+        const cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, 0, bytes, records, 0, NULL, NULL);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+            clReleaseMemObject(buffer);
+        }
+    }
+    free(records);
+    if (status == SVO_OK) {
+        tree->ray_triangles = buffer;
+        tree->ray_reach = svo_i_ray_reach(&mesh, tree->info.snap_bits);
+    }
+    return status;
+}
+
+/* ---- kernel arguments ---- */
+
+/* A double as a sum of three floats, exactly; false where floats do not reach that far. */
+static bool split(double value, float parts[3])
+{
+    if (!(fabs(value) < 0x1p120) || (value != 0 && fabs(value) < 0x1p-70)) {
+        return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+        parts[i] = (float)value;
+        value -= (double)parts[i];
+    }
+    return true;
+}
+
+static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+{
+    const svo_tree_info *info = &tree->info;
+    bool fits = split(info->scale, params->scale);
+    for (int axis = 0; axis < 3 && fits; ++axis) {
+        float parts[3] = {0};
+        /* A corner next to zero is as good as zero. */
+        fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
+        for (int part = 0; part < 3; ++part) {
+            params->origin[3 * part + axis] = parts[part];
+        }
+    }
+    if (!fits) {
+        return svo_i_device_fail(tree->device, SVO_UNSUPPORTED,
+                                 "%s: a grid of edge %g at %g, %g, %g is beyond what rays of floats reach", function,
+                                 info->edge, info->origin[0], info->origin[1], info->origin[2]);
+    }
+    params->depth = info->depth;
+    params->snap_bits = info->snap_bits;
+    params->leaf_begin = (uint32_t)info->inner_count;
+    params->reach = tree->ray_reach;
+    return SVO_OK;
+}
+
+static svo_status check_tree(const svo_tree *tree, const char *function)
+{
+    if ((tree->info.need & SVO_NEED_RAYS) == 0) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree holds no leaf lists; build it with SVO_NEED_RAYS", function);
+    }
+    if (tree->ray_triangles == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
+                               cl_uint *count)
+{
+    svo_ray_params params = {.depth = 0};
+    svo_status status = check_tree(tree, function);
+    if (status == SVO_OK) {
+        status = fill_params(tree, function, &params);
+    }
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
+                                        SVO_I_ARGUMENT(tree->ray_triangles),
+                                        SVO_I_ARGUMENT(params)};
+    *count = sizeof arguments / sizeof arguments[0];
+    for (cl_uint i = 0; i < *count && status == SVO_OK; ++i) {
+        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
+        }
+    }
+    return status;
+}
+
+/* ---- batches ---- */
+
+static svo_status check_batch(const svo_tree *tree, const void *rays, const void *hits, size_t ray_count,
+                              uint32_t flags, cl_command_queue queue, const char *function)
+{
+    if (rays == NULL || hits == NULL || queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 rays == NULL   ? "rays"
+                                 : hits == NULL ? "hits"
+                                                : "queue");
+    }
+    if (ray_count > SVO_TRACE_RAYS_MAX) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %zu rays are above %u", function, ray_count,
+                                 SVO_TRACE_RAYS_MAX);
+    }
+    if (flags > SVO_TRACE_COUNT) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function, flags,
+                                 (unsigned)SVO_TRACE_COUNT);
+    }
+    return check_tree(tree, function);
+}
+
+/* Bytes of a caller's buffer must do for all records. */
+static svo_status check_bytes(const svo_tree *tree, const char *function, const char *name, cl_mem buffer, size_t bytes)
+{
+    size_t held = 0;
+    const cl_int error = clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(tree->device, function, "clGetMemObjectInfo", error);
+    }
+    return held >= bytes
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                   "%s: %s holds %zu bytes, below the %zu of the rays", function, name, held, bytes);
+}
+
+static svo_status make_kernel(const svo_tree *tree, const char *function, cl_mem rays, cl_mem hits, size_t ray_count,
+                              uint32_t flags, cl_kernel *out)
+{
+    const cl_uint items = (cl_uint)ray_count;
+    const cl_uint any = flags == SVO_TRACE_ANY;
+    cl_program program = NULL;
+    cl_uint first = 0;
+    svo_status status = svo_i_program_get(tree->device, function, SVO_I_PROGRAM_TRACE,
+                                          flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "", &program, NULL);
+    if (status == SVO_OK) {
+        status = svo_i_kernel_create(tree->device, function, program, "svo_k_trace", out);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_rays_set_args(tree, function, *out, 0, &first);
+    }
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(hits), SVO_I_ARGUMENT(items),
+                                        SVO_I_ARGUMENT(any)};
+    for (cl_uint i = 0; i < sizeof arguments / sizeof arguments[0] && status == SVO_OK; ++i) {
+        const cl_int error = clSetKernelArg(*out, first + i, arguments[i].bytes, arguments[i].value);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
+        }
+    }
+    return status;
+}
+
+svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
+                                  cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    static const char function[] = "svo_tree_trace_enqueue";
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    svo_status status = check_batch(tree, rays, hits, ray_count, flags, queue, function);
+    if (status == SVO_OK) {
+        status = check_bytes(tree, function, "rays", rays, ray_count * sizeof(svo_ray));
+    }
+    if (status == SVO_OK) {
+        status = check_bytes(tree, function, "hits", hits, ray_count * sizeof(svo_hit));
+    }
+    cl_kernel kernel = NULL;
+    if (status == SVO_OK && ray_count > 0) {
+        status = make_kernel(tree, function, rays, hits, ray_count, flags, &kernel);
+    }
+    if (status == SVO_OK) {
+        const size_t local = SVO_GROUP_ITEMS;
+        const size_t global = (ray_count + local - 1) / local * local;
+        /* No rays: an event all the same. */
+        const cl_int error =
+            ray_count > 0 ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
+                          : clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(tree->device, function, "clEnqueueNDRangeKernel", error);
+        }
+    }
+    if (kernel != NULL) {
+        clReleaseKernel(kernel);
+    }
+    return status;
+}
+
+/* The rays of a host array, in buffers of this call. */
+static svo_status trace_through(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
+                                uint32_t flags, cl_command_queue queue, cl_mem buffers[2])
+{
+    static const char function[] = "svo_tree_trace";
+    cl_event traced = NULL;
+    svo_status status =
+        svo_i_device_buffer(tree->device, function, "rays", CL_MEM_READ_ONLY, ray_count * sizeof *rays, &buffers[0]);
+    if (status == SVO_OK) {
+        status = svo_i_device_buffer(tree->device, function, "hits", CL_MEM_WRITE_ONLY, ray_count * sizeof *hits,
+                                     &buffers[1]);
+    }
+    if (status == SVO_OK) {
+        const cl_int error =
+            clEnqueueWriteBuffer(queue, buffers[0], CL_TRUE, 0, ray_count * sizeof *rays, rays, 0, NULL, NULL);
+        status =
+            error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_trace_enqueue(tree, buffers[0], buffers[1], ray_count, flags, queue, 0, NULL, &traced);
+    }
+    if (status == SVO_OK) {
+        const cl_int error =
+            clEnqueueReadBuffer(queue, buffers[1], CL_TRUE, 0, ray_count * sizeof *hits, hits, 1, &traced, NULL);
+        status =
+            error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
+        clReleaseEvent(traced);
+    }
+    return status;
+}
+
+svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
+                          cl_command_queue queue)
+{
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    svo_status status = check_batch(tree, rays, hits, ray_count, flags, queue, "svo_tree_trace");
+    if (status != SVO_OK || ray_count == 0) {
+        return status;
+    }
+    cl_mem buffers[2] = {NULL, NULL};
+    status = trace_through(tree, rays, hits, ray_count, flags, queue, buffers);
+    for (int i = 0; i < 2; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    return status;
+}
