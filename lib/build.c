@@ -336,24 +336,6 @@ static svo_status make_nodes(svo_i_build *build)
     return status == SVO_OK ? trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4) : status;
 }
 
-/* The triangles as the ray kernels read them. */
-static svo_status keep_ray_triangles(svo_i_build *build)
-{
-    const svo_plan *plan = build->plan;
-    const svo_i_snapped_mesh mesh = {plan->vertices, plan->vertex_count, plan->indices, plan->triangle_ids,
-                                     plan->triangle_count};
-    int32_t *records = NULL;
-    svo_status status = svo_i_ray_records(build->device, SVO_I_BUILD, &mesh, &records);
-    if (status == SVO_OK) {
-        status =
-            svo_i_build_upload(build, "ray_triangles", records,
-                               (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES, &build->tree->ray_triangles);
-    }
-    build->tree->ray_reach = svo_i_ray_reach(&mesh, plan->info.snap_bits);
-    free(records);
-    return status;
-}
-
 /* What rays need of the mesh. */
 static svo_status keep_geometry(svo_i_build *build)
 {
@@ -373,7 +355,26 @@ static svo_status keep_geometry(svo_i_build *build)
     }
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
-    return status == SVO_OK ? keep_ray_triangles(build) : status;
+    return status;
+}
+
+/* What the ray kernels read beside the tree's arrays. */
+static svo_status prepare_rays(svo_i_build *build)
+{
+    const svo_plan *plan = build->plan;
+    const svo_tree_info *info = &build->tree->info;
+    const svo_i_snapped_mesh mesh = {plan->vertices, plan->vertex_count, plan->indices, plan->triangle_ids,
+                                     plan->triangle_count};
+    const double start_ms = svo_i_now_ms();
+    const svo_status status =
+        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, &mesh, build->queue, wait_list(build));
+    if (status == SVO_OK) {
+        svo_i_plan_buffer_add(build->plan, "ray_triangles", (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES);
+        svo_i_plan_buffer_add(build->plan, "ray_nodes",
+                              svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
+    }
+    add_time(build->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    return status;
 }
 
 static void fill_info(svo_i_build *build)
@@ -433,6 +434,9 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
         }
         if (status == SVO_OK) {
             status = svo_i_pack(build);
+        }
+        if (status == SVO_OK) {
+            status = prepare_rays(build);
         }
     }
     if (status == SVO_OK && (need & (SVO_NEED_COLOR | SVO_NEED_NORMAL)) != 0) {

@@ -14,19 +14,8 @@
 
 /* ---- what a tree keeps ---- */
 
-svo_status svo_i_ray_records(svo_device *device, const char *function, const svo_i_snapped_mesh *mesh, int32_t **out)
+static void fill_records(const svo_i_snapped_mesh *mesh, int32_t *records)
 {
-    size_t bytes = 0;
-    *out = NULL;
-    if (mesh->triangle_count == 0) {
-        return SVO_OK;
-    }
-    int32_t *records =
-        svo_i_mul_size((size_t)mesh->triangle_count, SVO_I_RAY_TRIANGLE_BYTES, &bytes) ? malloc(bytes) : NULL;
-    if (records == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", function,
-                                 (unsigned long long)mesh->triangle_count);
-    }
     for (size_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
         int32_t *record = records + triangle * SVO_I_RAY_TRIANGLE_WORDS;
         for (size_t axis = 0; axis < 3; ++axis) {
@@ -36,11 +25,10 @@ svo_status svo_i_ray_records(svo_device *device, const char *function, const svo
             record[4 * axis + 3] = (int32_t)mesh->triangle_ids[triangle];
         }
     }
-    *out = records;
-    return SVO_OK;
 }
 
-float svo_i_ray_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits)
+/* The largest coordinate there is, at least the width of the grid. */
+static float find_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits)
 {
     int32_t reach = (int32_t)(1u << snap_bits);
     for (uint64_t i = 0; i < mesh->vertex_count * 3; ++i) {
@@ -50,35 +38,131 @@ float svo_i_ray_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits)
     return (float)reach;
 }
 
-svo_status svo_i_rays_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
+static svo_status upload_triangles(svo_tree *tree, svo_device *device, const char *function,
+                                   const svo_i_snapped_mesh *mesh, cl_command_queue queue)
 {
-    const char *function = "svo_tree_upload";
-    const svo_i_snapped_mesh mesh = {tree->host[SVO_TREE_VERTICES], tree->info.vertex_count,
-                                     tree->host[SVO_TREE_INDICES], tree->host[SVO_TREE_TRIANGLE_IDS],
-                                     tree->info.list_triangle_count};
-    if ((tree->info.need & SVO_NEED_RAYS) == 0) {
-        return SVO_OK;
+    size_t bytes = 0;
+    if (!svo_i_mul_size((size_t)mesh->triangle_count, SVO_I_RAY_TRIANGLE_BYTES, &bytes)) {
+        bytes = SIZE_MAX;
     }
-    int32_t *records = NULL;
-    cl_mem buffer = NULL;
-    const size_t bytes = (size_t)mesh.triangle_count * SVO_I_RAY_TRIANGLE_BYTES;
-    svo_status status = svo_i_ray_records(device, function, &mesh, &records);
-    if (status == SVO_OK) {
-        status = svo_i_device_buffer(device, function, "ray_triangles", CL_MEM_READ_ONLY, bytes, &buffer);
+    svo_status status =
+        svo_i_device_buffer(device, function, "ray_triangles", CL_MEM_READ_ONLY, bytes, &tree->ray_triangles);
+    if (status != SVO_OK || bytes == 0) {
+        return status;
     }
-    if (status == SVO_OK && bytes > 0) {
-        const cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, 0, bytes, records, 0, NULL, NULL);
-        if (error != CL_SUCCESS) {
-            status = svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
-            clReleaseMemObject(buffer);
-        }
+    int32_t *records = malloc(bytes);
+    if (records == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", function,
+                                 (unsigned long long)mesh->triangle_count);
     }
+    fill_records(mesh, records);
+    const cl_int error = clEnqueueWriteBuffer(queue, tree->ray_triangles, CL_TRUE, 0, bytes, records, 0, NULL, NULL);
     free(records);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+}
+
+/* Levels of wide nodes, from the root's on: every second one, counted from the leaves' parents' parents up. */
+static uint32_t wide_levels(uint32_t depth)
+{
+    return (depth + 1) / 2;
+}
+
+/* The octree's level that wide level k begins at. An odd depth leaves the root for itself. */
+static uint32_t octree_level(uint32_t depth, uint32_t wide_level)
+{
+    const uint32_t level = 2 * wide_level;
+    return level - (depth % 2 == 1 && wide_level > 0 ? 1 : 0);
+}
+
+uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth)
+{
+    uint64_t count = 0;
+    for (uint32_t k = 0; k < wide_levels(depth); ++k) {
+        const uint32_t level = octree_level(depth, k);
+        count += level_begin[level + 1] - level_begin[level];
+    }
+    return count;
+}
+
+/* One launch; the levels do not depend on each other. */
+static svo_status widen_level(const svo_tree *tree, svo_device *device, const char *function, cl_kernel kernel,
+                              const svo_widen_params *params, cl_command_queue queue, const cl_event *wait)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(*params)};
+    const svo_status status = svo_i_kernel_set(device, function, kernel, arguments, 4);
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = (params->node_count + local - 1) / local * local;
+    if (status != SVO_OK || global == 0) {
+        return status;
+    }
+    cl_event done = NULL;
+    cl_int error = clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, wait != NULL ? 1 : 0, wait, &done);
+    if (error == CL_SUCCESS) {
+        error = clWaitForEvents(1, &done);
+        clReleaseEvent(done);
+    }
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueNDRangeKernel", error);
+}
+
+static svo_status widen_levels(svo_tree *tree, svo_device *device, const char *function, cl_command_queue queue,
+                               const cl_event *wait)
+{
+    const svo_tree_info *info = &tree->info;
+    const uint32_t *begin = info->level_begin;
+    const uint64_t count = svo_i_ray_node_count(begin, info->depth);
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    svo_status status = svo_i_device_buffer(device, function, "ray_nodes", CL_MEM_READ_WRITE,
+                                            (size_t)count * SVO_I_RAY_NODE_BYTES, &tree->ray_nodes);
     if (status == SVO_OK) {
-        tree->ray_triangles = buffer;
-        tree->ray_reach = svo_i_ray_reach(&mesh, tree->info.snap_bits);
+        status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &program, NULL);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_kernel_create(device, function, program, "svo_k_widen", &kernel);
+    }
+    svo_widen_params params = {.node_begin = 0};
+    for (uint32_t k = 0; k < wide_levels(info->depth) && status == SVO_OK; ++k) {
+        const uint32_t level = octree_level(info->depth, k);
+        const uint32_t below = octree_level(info->depth, k + 1);
+        params.node_begin = begin[level];
+        params.node_count = begin[level + 1] - begin[level];
+        params.child_begin = begin[below];
+        params.wide_child_begin = below < info->depth ? params.wide_begin + params.node_count : 0;
+        params.lone_root = below == level + 1;
+        status = widen_level(tree, device, function, kernel, &params, queue, wait);
+        params.wide_begin += params.node_count;
+    }
+    if (kernel != NULL) {
+        clReleaseKernel(kernel);
     }
     return status;
+}
+
+svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const svo_i_snapped_mesh *mesh,
+                              cl_command_queue queue, const cl_event *wait)
+{
+    svo_status status = upload_triangles(tree, device, function, mesh, queue);
+    if (status == SVO_OK) {
+        status = widen_levels(tree, device, function, queue, wait);
+    }
+    tree->ray_reach = find_reach(mesh, tree->info.snap_bits);
+    if (status != SVO_OK) {
+        svo_i_rays_release(tree);
+    }
+    return status;
+}
+
+void svo_i_rays_release(svo_tree *tree)
+{
+    cl_mem *const buffers[] = {&tree->ray_triangles, &tree->ray_nodes};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        if (*buffers[i] != NULL) {
+            clReleaseMemObject(*buffers[i]);
+            *buffers[i] = NULL;
+        }
+    }
 }
 
 /* ---- kernel arguments ---- */
@@ -115,7 +199,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     }
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
-    params->leaf_begin = (uint32_t)info->inner_count;
+    params->levels = wide_levels(info->depth);
     params->reach = tree->ray_reach;
     return SVO_OK;
 }
@@ -141,12 +225,9 @@ svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_ke
     if (status == SVO_OK) {
         status = fill_params(tree, function, &params);
     }
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
-                                        SVO_I_ARGUMENT(tree->ray_triangles),
-                                        SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]), SVO_I_ARGUMENT(tree->ray_triangles), SVO_I_ARGUMENT(params)};
     *count = sizeof arguments / sizeof arguments[0];
     for (cl_uint i = 0; i < *count && status == SVO_OK; ++i) {
         const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);

@@ -10,6 +10,8 @@
 /* A triangle as kernels/rays.clh reads it: x of the three corners and its input id, then y, then z, four words each. */
 #define SVO_I_RAY_TRIANGLE_WORDS 12u
 #define SVO_I_RAY_TRIANGLE_BYTES (4u * SVO_I_RAY_TRIANGLE_WORDS)
+/* A wide node. */
+#define SVO_I_RAY_NODE_BYTES 16u
 
 typedef struct svo_i_snapped_mesh {
     const int32_t *vertices;
@@ -21,13 +23,15 @@ typedef struct svo_i_snapped_mesh {
 
 SVO_I_SHARED_BEGIN
 
-/* The records of all triangles, by malloc; NULL for none. function: for the message. */
-svo_status svo_i_ray_records(svo_device *device, const char *function, const svo_i_snapped_mesh *mesh, int32_t **out);
-/* The largest coordinate there is, at least the width of the grid. */
-float svo_i_ray_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits);
-
-/* Makes ray_triangles and ray_reach of a tree whose host arrays hold lists; does nothing for others. */
-svo_status svo_i_rays_upload(svo_tree *tree, svo_device *device, cl_command_queue queue);
+/*
+ * Makes what the ray kernels read beside the tree's own arrays: ray_triangles from the mesh, ray_nodes from the masks on
+ * the device. wait: NULL, or what the masks wait for. Waits until it is done. function: for messages.
+ */
+svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const svo_i_snapped_mesh *mesh,
+                              cl_command_queue queue, const cl_event *wait);
+/* Records of ray_nodes when the levels have that many nodes. */
+uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth);
+void svo_i_rays_release(svo_tree *tree);
 
 /* Sets the arguments SVO_TREE_PARAMETERS from first_index on; returns their number in *count. */
 svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,

@@ -34,9 +34,7 @@ void svo_tree_destroy(svo_tree **tree)
         }
         free((*tree)->host[i]);
     }
-    if ((*tree)->ray_triangles != NULL) {
-        clReleaseMemObject((*tree)->ray_triangles);
-    }
+    svo_i_rays_release(*tree);
     free(*tree);
     *tree = NULL;
 }
@@ -172,6 +170,17 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     return SVO_OK;
 }
 
+/* What the ray kernels read beside the arrays, where the tree has lists. */
+static svo_status prepare_rays(svo_tree *tree, svo_device *device, cl_command_queue queue)
+{
+    const svo_i_snapped_mesh mesh = {tree->host[SVO_TREE_VERTICES], tree->info.vertex_count,
+                                     tree->host[SVO_TREE_INDICES], tree->host[SVO_TREE_TRIANGLE_IDS],
+                                     tree->info.list_triangle_count};
+    return (tree->info.need & SVO_NEED_RAYS) != 0
+               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", &mesh, queue, NULL)
+               : SVO_OK;
+}
+
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
     if (tree == NULL || device == NULL || queue == NULL) {
@@ -205,9 +214,11 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
         }
     }
     if (status == SVO_OK) {
-        status = svo_i_rays_upload(tree, device, queue);
+        memcpy(tree->buffers, buffers, sizeof buffers);
+        status = prepare_rays(tree, device, queue);
     }
     if (status != SVO_OK) {
+        memset(tree->buffers, 0, sizeof tree->buffers);
         for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
             if (buffers[i] != NULL) {
                 clReleaseMemObject(buffers[i]);
@@ -215,7 +226,6 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
         }
         return status;
     }
-    memcpy(tree->buffers, buffers, sizeof buffers);
     tree->device = device;
     return SVO_OK;
 }

@@ -164,8 +164,20 @@ SVO_RECORD(svo_ray_params)
     SVO_F32 scale[3]; /* 36: grid units per world unit, in three parts */
     SVO_U32 depth; /* 48 */
     SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
-    SVO_U32 leaf_begin; /* 56: first leaf among the nodes */
+    SVO_U32 levels; /* 56: of wide nodes, each two levels of the octree; the first may be half of one */
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
+};
+
+/* Arguments of the widen kernel: wide nodes of one level. 32 bytes. */
+SVO_RECORD(svo_widen_params)
+{
+    SVO_U32 node_begin; /* 0: first node of the octree's level */
+    SVO_U32 node_count; /* 4 */
+    SVO_U32 child_begin; /* 8: first node of the level below the wide ones: two below, one for a lone root */
+    SVO_U32 wide_begin; /* 12: first record of this level */
+    SVO_U32 wide_child_begin; /* 16: first record of the next level; 0 for leaves */
+    SVO_U32 lone_root; /* 20: not 0: the root alone, as octant 0 of a grid twice as wide */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
 /* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
@@ -187,6 +199,7 @@ SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray, 32);
 SVO_ASSERT_BYTES(svo_hit, 32);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
+SVO_ASSERT_BYTES(svo_widen_params, 32);
 #endif
 
 #endif
