@@ -363,13 +363,11 @@ static svo_status prepare_rays(svo_i_build *build)
 {
     const svo_plan *plan = build->plan;
     const svo_tree_info *info = &build->tree->info;
-    const svo_i_snapped_mesh mesh = {plan->vertices, plan->vertex_count, plan->indices, plan->triangle_ids,
-                                     plan->triangle_count};
     const double start_ms = svo_i_now_ms();
     const svo_status status =
-        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, &mesh, build->queue, wait_list(build));
+        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, plan->vertices, build->queue, wait_list(build));
     if (status == SVO_OK) {
-        svo_i_plan_buffer_add(build->plan, "ray_triangles", (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES);
+        svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
         svo_i_plan_buffer_add(build->plan, "ray_nodes",
                               svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
     }

@@ -156,19 +156,30 @@ static void predict_geometry(svo_plan *plan)
     svo_i_plan_buffer_add(plan, "indices", (uint64_t)plan->triangle_count * 12);
 }
 
+/* One for every second level, from the leaves' grandparents up. */
+static uint64_t predict_ray_nodes(const svo_plan *plan)
+{
+    uint64_t nodes = 1;
+    for (uint32_t level = plan->info.depth; level >= 2; level -= 2) {
+        nodes += svo_i_with_slack(svo_i_plan_expected(plan, level - 2));
+    }
+    return nodes;
+}
+
 /* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
 static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
 {
     const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
     predict_geometry(plan);
     svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
-    svo_i_plan_buffer_add(plan, "ray_triangles", (uint64_t)plan->triangle_count * SVO_I_RAY_TRIANGLE_BYTES);
     svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
     svo_i_plan_buffer_add(plan, "list", fragments * 4);
     svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
     svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
     svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
     svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
+    svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
+    svo_i_plan_buffer_add(plan, "ray_nodes", predict_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
 }
 
 /* The attributes this mesh has and this request reads. */

@@ -6,59 +6,74 @@
 #include "rays.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
 /* ---- what a tree keeps ---- */
 
-static void fill_records(const svo_i_snapped_mesh *mesh, int32_t *records)
-{
-    for (size_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
-        int32_t *record = records + triangle * SVO_I_RAY_TRIANGLE_WORDS;
-        for (size_t axis = 0; axis < 3; ++axis) {
-            for (size_t corner = 0; corner < 3; ++corner) {
-                record[4 * axis + corner] = mesh->vertices[(size_t)mesh->indices[3 * triangle + corner] * 3 + axis];
-            }
-            record[4 * axis + 3] = (int32_t)mesh->triangle_ids[triangle];
-        }
-    }
-}
-
 /* The largest coordinate there is, at least the width of the grid. */
-static float find_reach(const svo_i_snapped_mesh *mesh, uint32_t snap_bits)
+static float find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
     int32_t reach = (int32_t)(1u << snap_bits);
-    for (uint64_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        const int32_t far_off = mesh->vertices[i] < 0 ? -mesh->vertices[i] : mesh->vertices[i];
+    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
+        const int32_t far_off = vertices[i] < 0 ? -vertices[i] : vertices[i];
         reach = far_off > reach ? far_off : reach;
     }
     return (float)reach;
 }
 
-static svo_status upload_triangles(svo_tree *tree, svo_device *device, const char *function,
-                                   const svo_i_snapped_mesh *mesh, cl_command_queue queue)
+/* What the launches of one preparation share. */
+typedef struct preparation {
+    svo_tree *tree;
+    svo_device *device;
+    const char *function;
+    cl_program program;
+    cl_command_queue queue;
+    const cl_event *wait; /* NULL: nothing to wait for */
+} preparation;
+
+/* Launches a kernel and waits for it. */
+static svo_status run(const preparation *p, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
+                      uint64_t items)
 {
-    size_t bytes = 0;
-    if (!svo_i_mul_size((size_t)mesh->triangle_count, SVO_I_RAY_TRIANGLE_BYTES, &bytes)) {
-        bytes = SIZE_MAX;
-    }
-    svo_status status =
-        svo_i_device_buffer(device, function, "ray_triangles", CL_MEM_READ_ONLY, bytes, &tree->ray_triangles);
-    if (status != SVO_OK || bytes == 0) {
+    cl_kernel kernel = NULL;
+    svo_status status = svo_i_kernel_create(p->device, p->function, p->program, name, &kernel);
+    if (status != SVO_OK) {
         return status;
     }
-    int32_t *records = malloc(bytes);
-    if (records == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", function,
-                                 (unsigned long long)mesh->triangle_count);
+    status = svo_i_kernel_set(p->device, p->function, kernel, arguments, argument_count);
+    if (status == SVO_OK && items > 0) {
+        const size_t local = SVO_GROUP_ITEMS;
+        const size_t global = (size_t)((items + local - 1) / local * local);
+        cl_event done = NULL;
+        cl_int error =
+            clEnqueueNDRangeKernel(p->queue, kernel, 1, NULL, &global, &local, p->wait != NULL ? 1 : 0, p->wait, &done);
+        if (error == CL_SUCCESS) {
+            error = clWaitForEvents(1, &done);
+            clReleaseEvent(done);
+        }
+        status = error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(p->device, p->function, name, error);
     }
-    fill_records(mesh, records);
-    const cl_int error = clEnqueueWriteBuffer(queue, tree->ray_triangles, CL_TRUE, 0, bytes, records, 0, NULL, NULL);
-    free(records);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+    clReleaseKernel(kernel);
+    return status;
+}
+
+static svo_status spread_triangles(const preparation *p)
+{
+    svo_tree *tree = p->tree;
+    const cl_uint count = (cl_uint)tree->info.list_count;
+    size_t bytes = SIZE_MAX;
+    (void)svo_i_mul_size(count, SVO_I_RAY_TRIANGLE_BYTES, &bytes);
+    const svo_status status =
+        svo_i_device_buffer(p->device, p->function, "ray_triangles", CL_MEM_READ_WRITE, bytes, &tree->ray_triangles);
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
+                                        SVO_I_ARGUMENT(tree->ray_triangles),
+                                        SVO_I_ARGUMENT(count)};
+    return status == SVO_OK ? run(p, "svo_k_spread", arguments, 6, count) : status;
 }
 
 /* Levels of wide nodes, from the root's on: every second one, counted from the leaves' parents' parents up. */
@@ -84,44 +99,14 @@ uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth)
     return count;
 }
 
-/* One launch; the levels do not depend on each other. */
-static svo_status widen_level(const svo_tree *tree, svo_device *device, const char *function, cl_kernel kernel,
-                              const svo_widen_params *params, cl_command_queue queue, const cl_event *wait)
+static svo_status widen_levels(const preparation *p)
 {
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                        SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(*params)};
-    const svo_status status = svo_i_kernel_set(device, function, kernel, arguments, 4);
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (params->node_count + local - 1) / local * local;
-    if (status != SVO_OK || global == 0) {
-        return status;
-    }
-    cl_event done = NULL;
-    cl_int error = clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, wait != NULL ? 1 : 0, wait, &done);
-    if (error == CL_SUCCESS) {
-        error = clWaitForEvents(1, &done);
-        clReleaseEvent(done);
-    }
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueNDRangeKernel", error);
-}
-
-static svo_status widen_levels(svo_tree *tree, svo_device *device, const char *function, cl_command_queue queue,
-                               const cl_event *wait)
-{
+    svo_tree *tree = p->tree;
     const svo_tree_info *info = &tree->info;
     const uint32_t *begin = info->level_begin;
     const uint64_t count = svo_i_ray_node_count(begin, info->depth);
-    cl_program program = NULL;
-    cl_kernel kernel = NULL;
-    svo_status status = svo_i_device_buffer(device, function, "ray_nodes", CL_MEM_READ_WRITE,
+    svo_status status = svo_i_device_buffer(p->device, p->function, "ray_nodes", CL_MEM_READ_WRITE,
                                             (size_t)count * SVO_I_RAY_NODE_BYTES, &tree->ray_nodes);
-    if (status == SVO_OK) {
-        status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &program, NULL);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_kernel_create(device, function, program, "svo_k_widen", &kernel);
-    }
     svo_widen_params params = {.node_begin = 0};
     for (uint32_t k = 0; k < wide_levels(info->depth) && status == SVO_OK; ++k) {
         const uint32_t level = octree_level(info->depth, k);
@@ -131,23 +116,27 @@ static svo_status widen_levels(svo_tree *tree, svo_device *device, const char *f
         params.child_begin = begin[below];
         params.wide_child_begin = below < info->depth ? params.wide_begin + params.node_count : 0;
         params.lone_root = below == level + 1;
-        status = widen_level(tree, device, function, kernel, &params, queue, wait);
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                            SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                            SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(params)};
+        status = run(p, "svo_k_widen", arguments, 4, params.node_count);
         params.wide_begin += params.node_count;
-    }
-    if (kernel != NULL) {
-        clReleaseKernel(kernel);
     }
     return status;
 }
 
-svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const svo_i_snapped_mesh *mesh,
+svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const int32_t *vertices,
                               cl_command_queue queue, const cl_event *wait)
 {
-    svo_status status = upload_triangles(tree, device, function, mesh, queue);
+    preparation p = {.tree = tree, .device = device, .function = function, .queue = queue, .wait = wait};
+    svo_status status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &p.program, NULL);
     if (status == SVO_OK) {
-        status = widen_levels(tree, device, function, queue, wait);
+        status = spread_triangles(&p);
     }
-    tree->ray_reach = find_reach(mesh, tree->info.snap_bits);
+    if (status == SVO_OK) {
+        status = widen_levels(&p);
+    }
+    tree->ray_reach = find_reach(vertices, tree->info.vertex_count, tree->info.snap_bits);
     if (status != SVO_OK) {
         svo_i_rays_release(tree);
     }
@@ -225,9 +214,9 @@ svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_ke
     if (status == SVO_OK) {
         status = fill_params(tree, function, &params);
     }
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]), SVO_I_ARGUMENT(tree->ray_triangles), SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->ray_nodes),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(tree->ray_triangles), SVO_I_ARGUMENT(params)};
     *count = sizeof arguments / sizeof arguments[0];
     for (cl_uint i = 0; i < *count && status == SVO_OK; ++i) {
         const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);

@@ -173,11 +173,9 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 /* What the ray kernels read beside the arrays, where the tree has lists. */
 static svo_status prepare_rays(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
-    const svo_i_snapped_mesh mesh = {tree->host[SVO_TREE_VERTICES], tree->info.vertex_count,
-                                     tree->host[SVO_TREE_INDICES], tree->host[SVO_TREE_TRIANGLE_IDS],
-                                     tree->info.list_triangle_count};
+    const int32_t *vertices = tree->host[SVO_TREE_VERTICES];
     return (tree->info.need & SVO_NEED_RAYS) != 0
-               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", &mesh, queue, NULL)
+               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", vertices, queue, NULL)
                : SVO_OK;
 }
 

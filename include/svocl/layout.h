@@ -152,7 +152,7 @@ SVO_RECORD(svo_hit)
     SVO_F32 u; /* 8: weight of the triangle's second corner */
     SVO_F32 v; /* 12: weight of the third; the first has 1 - u - v */
     SVO_F32 normal[3]; /* 16: of the triangle, unit, by the order of its corners; zero without area */
-    SVO_U32 count; /* 28: steps of the walk; with SVO_TRACE_COUNT the triangles met */
+    SVO_U32 count; /* 28: leaves looked into; with SVO_TRACE_COUNT the triangles met */
 };
 #define SVO_NO_TRIANGLE 0xffffffffu
 

@@ -36,7 +36,7 @@ ray_verdict ray_judge(const oracle_ray_scene *scene, const uint32_t *triangle_id
 {
     ray_verdict verdict = {0};
     for (size_t i = 0; i < ray_count; ++i) {
-        verdict.steps += (double)ours[i].count / (double)ray_count;
+        verdict.leaves += (double)ours[i].count / (double)ray_count;
         verdict.hits += ours[i].triangle != SVO_NO_TRIANGLE;
         if (theirs == NULL || ours[i].triangle == theirs[i].triangle) {
             continue;

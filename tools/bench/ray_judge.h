@@ -8,7 +8,7 @@
 
 typedef struct ray_verdict {
     size_t hits; /* of ours */
-    double steps; /* of ours, mean over all rays */
+    double leaves; /* that ours looked into, mean over all rays */
     size_t differing; /* ids that differ, for whatever cause: the sum of the three below */
     size_t tied; /* both met something at the same t, up to rounding: an edge or a corner that triangles share */
     size_t wrong_ids, missed; /* ours against the reference; missed: it met something, ours did not */

@@ -247,7 +247,7 @@ static int print_json(const ray_bench *bench)
         json_add_text(one, "name", set->name);
         json_add_count(one, "rays", bench->ray_count);
         json_add_count(one, "hits", set->verdict.hits);
-        cJSON_AddNumberToObject(one, "steps", set->verdict.steps);
+        cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
         cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms));
         if (bench->rival != NULL) {
             cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms));
