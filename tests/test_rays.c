@@ -70,18 +70,34 @@ static bool is_tied(const oracle_ray_scene *mesh, const svo_ray *ray, double a, 
     return fabs(a - b) <= 0x1p-22 * fmax(fabs(a), fabs(b)) + 1e-3 / (mesh->scale * length);
 }
 
-static void check_closest(const char *what, const built *tree, const svo_ray *ray, const svo_hit *hit)
+static bool is_closest(const built *tree, const svo_ray *ray, const svo_hit *hit, oracle_ray_hit *exact)
 {
     const oracle_ray_scene mesh = scene_of(tree);
     const oracle_ray wide = widen(ray);
-    const oracle_ray_hit exact = oracle_ray_closest(&mesh, &wide);
-    const uint32_t id = exact.hit ? tree->arrays.triangle_ids[exact.triangle] : SVO_NO_TRIANGLE;
-    const bool same = hit->triangle == id || (exact.hit && hit->triangle != SVO_NO_TRIANGLE);
-    if (!same || (exact.hit && !is_tied(&mesh, ray, (double)hit->t, exact.t))) {
+    *exact = oracle_ray_closest(&mesh, &wide);
+    if (!exact->hit || hit->triangle == SVO_NO_TRIANGLE) {
+        return !exact->hit && hit->triangle == SVO_NO_TRIANGLE;
+    }
+    return is_tied(&mesh, ray, (double)hit->t, exact->t);
+}
+
+/* The same triangle as the reference, or another with the same t. In long double a denormal component cannot be told from
+   zero; beside the edge of a triangle the answer of a ray that leans to the same side a little more will do. */
+static void check_closest(const char *what, const built *tree, const svo_ray *ray, const svo_hit *hit)
+{
+    oracle_ray_hit exact;
+    oracle_ray_hit other;
+    svo_ray leaning = *ray;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float component = ray->direction[axis];
+        const bool denormal = component != 0.0f && fabsf(component) < 0x1p-126f;
+        leaning.direction[axis] = denormal ? copysignf(0x1p-40f, component) : component;
+    }
+    if (!is_closest(tree, ray, hit, &exact) && !is_closest(tree, &leaning, hit, &other)) {
         fail_msg("%s: from %a %a %a along %a %a %a: triangle %d at %.9g, the reference has %d at %.9g", what,
                  (double)ray->origin[0], (double)ray->origin[1], (double)ray->origin[2], (double)ray->direction[0],
-                 (double)ray->direction[1], (double)ray->direction[2], (int)hit->triangle, (double)hit->t, (int)id,
-                 exact.t);
+                 (double)ray->direction[1], (double)ray->direction[2], (int)hit->triangle, (double)hit->t,
+                 exact.hit ? (int)tree->arrays.triangle_ids[exact.triangle] : -1, exact.t);
     }
 }
 
@@ -365,8 +381,8 @@ static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
     uint64_t random = 13;
     scene *made = make_scene("knot:2000");
     built tree;
-    uint64_t good_steps = 0;
-    uint64_t mixed_steps = 0;
+    uint64_t good_leaves = 0;
+    uint64_t mixed_leaves = 0;
     build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         rays[i] = random_ray(&random, 2.0);
@@ -387,10 +403,10 @@ static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
         } else {
             assert_memory_equal(&mixed[i], &good[i], sizeof good[i]);
         }
-        good_steps += good[i].count;
-        mixed_steps += mixed[i].count;
+        good_leaves += good[i].count;
+        mixed_leaves += mixed[i].count;
     }
-    assert_true((double)mixed_steps <= 2.5 * (double)good_steps);
+    assert_true((double)mixed_leaves <= 2.5 * (double)good_leaves);
     built_destroy(&tree);
     scene_destroy(&made);
 }
@@ -432,7 +448,7 @@ static void any_hit_and_count_agree_with_the_reference(void **state)
     owned_mesh_free(&owned);
 }
 
-/* Everything but the steps. */
+/* Everything but the leaves looked into. */
 static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, unsigned depth)
 {
     for (size_t i = 0; i < count; ++i) {
