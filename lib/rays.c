@@ -10,6 +10,9 @@
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
+/* Made by cmake/embed.cmake. */
+extern const char svo_i_source_rays[];
+
 /* ---- what a tree keeps ---- */
 
 /* The largest coordinate there is, at least the width of the grid. */
@@ -206,8 +209,20 @@ static svo_status check_tree(const svo_tree *tree, const char *function)
     return SVO_OK;
 }
 
-svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                               cl_uint *count)
+/* Sets arguments from first_index on. */
+static svo_status set_arguments(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
+                                const svo_i_argument *arguments, cl_uint argument_count)
+{
+    for (cl_uint i = 0; i < argument_count; ++i) {
+        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
     svo_status status = check_tree(tree, function);
@@ -217,14 +232,31 @@ svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_ke
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->ray_nodes),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
                                         SVO_I_ARGUMENT(tree->ray_triangles), SVO_I_ARGUMENT(params)};
-    *count = sizeof arguments / sizeof arguments[0];
-    for (cl_uint i = 0; i < *count && status == SVO_OK; ++i) {
-        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
-        if (error != CL_SUCCESS) {
-            status = svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
-        }
+    return status == SVO_OK ? set_arguments(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
+                            : status;
+}
+
+svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index)
+{
+    static const char function[] = "svo_tree_set_args";
+    if (tree == NULL || kernel == NULL) {
+        return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 tree == NULL ? "tree" : "kernel");
     }
-    return status;
+    if (tree->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    return set_tree(tree, function, kernel, first_index);
+}
+
+const char *svo_tree_kernel_source(void)
+{
+    return svo_i_source_rays;
+}
+
+const char *svo_tree_kernel_options(void)
+{
+    return "-cl-std=CL1.2";
 }
 
 /* ---- batches ---- */
@@ -269,24 +301,17 @@ static svo_status make_kernel(const svo_tree *tree, const char *function, cl_mem
     const cl_uint items = (cl_uint)ray_count;
     const cl_uint any = flags == SVO_TRACE_ANY;
     cl_program program = NULL;
-    cl_uint first = 0;
     svo_status status = svo_i_program_get(tree->device, function, SVO_I_PROGRAM_TRACE,
                                           flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "", &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(tree->device, function, program, "svo_k_trace", out);
     }
     if (status == SVO_OK) {
-        status = svo_i_rays_set_args(tree, function, *out, 0, &first);
+        status = set_tree(tree, function, *out, 0);
     }
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(hits), SVO_I_ARGUMENT(items),
                                         SVO_I_ARGUMENT(any)};
-    for (cl_uint i = 0; i < sizeof arguments / sizeof arguments[0] && status == SVO_OK; ++i) {
-        const cl_int error = clSetKernelArg(*out, first + i, arguments[i].bytes, arguments[i].value);
-        if (error != CL_SUCCESS) {
-            status = svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
-        }
-    }
-    return status;
+    return status == SVO_OK ? set_arguments(tree, function, *out, SVO_TREE_ARGUMENTS, arguments, 4) : status;
 }
 
 svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,

@@ -25,10 +25,6 @@ svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *fu
 uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth);
 void svo_i_rays_release(svo_tree *tree);
 
-/* Sets the arguments SVO_TREE_PARAMETERS from first_index on; returns their number in *count. */
-svo_status svo_i_rays_set_args(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                               cl_uint *count);
-
 SVO_I_SHARED_END
 
 #endif

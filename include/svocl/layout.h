@@ -156,6 +156,19 @@ SVO_RECORD(svo_hit)
 };
 #define SVO_NO_TRIANGLE 0xffffffffu
 
+/* What a ray met of the voxels. 32 bytes. */
+SVO_RECORD(svo_voxel_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 node; /* 4: into the tree's nodes; SVO_NO_NODE: nothing */
+    SVO_U32 level; /* 8: of the node; the tree's depth: a leaf */
+    SVO_U32 face; /* 12: it was entered by: 2 * axis, plus 1 for the high side; SVO_FACE_NONE: the ray began in it */
+    SVO_F32 normal[3]; /* 16: of that face, unit; zero without one */
+    SVO_U32 steps; /* 28: cells looked into */
+};
+#define SVO_NO_NODE   0xffffffffu
+#define SVO_FACE_NONE 6u
+
 /* What the ray kernels know of a tree besides its arrays. World coordinates are sums of three floats each, which hold a
    double exactly. 64 bytes. */
 SVO_RECORD(svo_ray_params)
@@ -198,6 +211,7 @@ SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray, 32);
 SVO_ASSERT_BYTES(svo_hit, 32);
+SVO_ASSERT_BYTES(svo_voxel_hit, 32);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_widen_params, 32);
 #endif

@@ -75,6 +75,34 @@ SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_
 SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
                                   uint32_t flags, cl_command_queue queue);
 
+/*
+ * Rays in a kernel of one's own. The source is a text in OpenCL C 1.2 to put before the kernel's:
+ *
+ *   clCreateProgramWithSource(context, 2, (const char *[]){svo_tree_kernel_source(), mine}, NULL, &error)
+ *   clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL)
+ *
+ * It declares what kernels need:
+ *
+ *   SVO_TREE_PARAMETERS    among the kernel's parameters, SVO_TREE_ARGUMENTS of them
+ *   SVO_TREE_MAKE(tree)    an svo_tree from these parameters
+ *   svo_ray, svo_hit, svo_voxel_hit    as in layout.h
+ *   bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
+ *   bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
+ *   uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *   bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
+ *        the first leaf, or a larger node where a pixel of that footprint is larger still; for trees without lists too
+ *
+ * Other names it declares begin with svo_ or SVO_. Both strings are static.
+ */
+#define SVO_TREE_ARGUMENTS 6u
+SVO_API const char *svo_tree_kernel_source(void);
+SVO_API const char *svo_tree_kernel_options(void);
+
+/* Sets the kernel's arguments first_index .. first_index + SVO_TREE_ARGUMENTS - 1, where SVO_TREE_PARAMETERS stand. The
+   tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS.
+   Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_CL_ERROR. */
+SVO_API svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index);
+
 #ifdef __cplusplus
 }
 #endif
