@@ -19,6 +19,7 @@ struct svo_i_program_cache {
 extern const char svo_i_source_build[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
+extern const char svo_i_source_view[];
 
 void svo_i_program_cache_destroy(svo_i_program_cache *cache)
 {
@@ -51,7 +52,8 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
 static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
                           cl_program *out)
 {
-    const char *const sources[SVO_I_PROGRAM_KINDS] = {svo_i_source_build, svo_i_source_cast, svo_i_source_trace};
+    const char *const sources[SVO_I_PROGRAM_KINDS] = {svo_i_source_build, svo_i_source_cast, svo_i_source_trace,
+                                                      svo_i_source_view};
     const char *source = sources[kind];
     char options[KEYS_BYTES + 32];
     (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);

@@ -11,7 +11,8 @@
 typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
     SVO_I_PROGRAM_CAST, /* cast */
-    SVO_I_PROGRAM_TRACE, /* rays, trace */
+    SVO_I_PROGRAM_TRACE, /* rays, trace, widen */
+    SVO_I_PROGRAM_VIEW, /* rays, view */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 

@@ -225,13 +225,13 @@ static svo_status set_arguments(const svo_tree *tree, const char *function, cl_k
 static svo_status set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
-    svo_status status = check_tree(tree, function);
-    if (status == SVO_OK) {
-        status = fill_params(tree, function, &params);
-    }
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->ray_nodes),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-                                        SVO_I_ARGUMENT(tree->ray_triangles), SVO_I_ARGUMENT(params)};
+    const svo_status status = fill_params(tree, function, &params);
+    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                                          SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                                          SVO_I_ARGUMENT(tree->ray_nodes),
+                                                          SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                                          SVO_I_ARGUMENT(tree->ray_triangles),
+                                                          SVO_I_ARGUMENT(params)};
     return status == SVO_OK ? set_arguments(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
                             : status;
 }

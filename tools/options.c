@@ -12,6 +12,7 @@
 
 #include "program.h"
 #include "scenes/scenes.h"
+#include "svocl/trace.h"
 #include "table.h"
 
 typedef struct choice {
@@ -54,6 +55,13 @@ static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"osmesa", SVO_GL_OSMESA, false},
                                   {NULL, 0, false}};
 
+static const choice views[] = {{"shaded", SVO_VIEW_SHADED, false},
+                               {"normal", SVO_VIEW_NORMAL, false},
+                               {"depth", SVO_VIEW_DEPTH, false},
+                               {"steps", SVO_VIEW_STEPS, false},
+                               {"level", SVO_VIEW_LEVEL, false},
+                               {"triangles", SVO_VIEW_TRIANGLES, false},
+                               {NULL, 0, false}};
 static const choice rivals[] = {{"none", 0, false}, {"embree", 1, false}, {NULL, 0, false}};
 
 static void *field(program *state, const rule *option)
@@ -269,6 +277,8 @@ static const rule rules[] = {
      "how much work: triangles per case grow with it (8)"},
     {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
+    {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
+     "shaded, normal, depth, steps, level, triangles (shaded)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_BENCH_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
      "do it N times; times are medians, of builds without the first (1)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,

@@ -60,6 +60,7 @@ typedef struct options {
     uint64_t triangles, seed;
     bool has_triangles, has_seed;
     uint32_t width, height; /* pixels */
+    int view; /* svo_render_view */
     uint64_t count; /* stress: how much work */
     int versus; /* bench: 0 nothing, 1 Embree */
     uint64_t rays; /* bench: rays of a set */

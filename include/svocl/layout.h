@@ -135,6 +135,13 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
 };
 
+/* What kernels/view.cl shows: svo_render_view of trace.h. */
+#define SVO_VIEW_KIND_NORMAL    1u
+#define SVO_VIEW_KIND_DEPTH     2u
+#define SVO_VIEW_KIND_STEPS     3u
+#define SVO_VIEW_KIND_LEVEL     4u
+#define SVO_VIEW_KIND_TRIANGLES 5u
+
 /* A ray in world coordinates: origin + t * direction for t_min <= t <= t_max. 32 bytes. */
 SVO_RECORD(svo_ray)
 {

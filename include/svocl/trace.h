@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Casting rays through the tree's voxels on the device: for now pictures, every pixel one ray that stops at the first
- * leaf (or at the first node that is smaller than a pixel).
+ * Rays through a tree on the device: pictures of its voxels, batches of rays against its triangles, the nearest triangle
+ * to points, and the same in a kernel of one's own.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -27,14 +27,25 @@ typedef struct svo_camera {
    aspect: width / height, above 0; anything else counts as 1. Needs the host arrays (svo_tree_download). */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
 
+/* What a picture shows. */
+typedef enum svo_render_view {
+    SVO_VIEW_SHADED = 0, /* light, shadows, colours */
+    SVO_VIEW_NORMAL = SVO_VIEW_KIND_NORMAL, /* x, y, z as red, green, blue: the voxel's own, else its face's */
+    SVO_VIEW_DEPTH = SVO_VIEW_KIND_DEPTH, /* near ones bright */
+    SVO_VIEW_STEPS = SVO_VIEW_KIND_STEPS, /* cells the ray looked into, from blue to red at 64 */
+    SVO_VIEW_LEVEL = SVO_VIEW_KIND_LEVEL, /* a colour for the level of the node it stopped at */
+    SVO_VIEW_TRIANGLES = SVO_VIEW_KIND_TRIANGLES /* a colour for each triangle; needs SVO_NEED_RAYS */
+} svo_render_view;
+
 typedef struct svo_render_options {
     size_t struct_size; /* sizeof(svo_render_options) */
     uint32_t width, height; /* pixels, 1 .. 16384 */
     svo_camera camera;
+    svo_render_view view;
 } svo_render_options;
 
 /*
- * Draws the tree and waits for it: voxels shaded by normal (their own, else the face the ray entered by) and colour
+ * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the ray entered by) and colour
  * (their own, else light grey), with soft shadowing from a second ray towards the light.
  *
  * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
