@@ -275,8 +275,12 @@ static const rule rules[] = {
      "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 1, 1000, NULL,
      "how much work: triangles per case grow with it (8)"},
-    {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
+    {"size", '\0', OPTION_PICTURE_SIZE, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
+    {"rays", '\0', OPTION_TRACE_COMMAND, "FILE", read_text, FIELD(rays_path), 0, 0, NULL,
+     "CSV file with a ray per line: ox,oy,oz,dx,dy,dz"},
+    {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
+     "a ray per pixel: auto, or eye, target, up, degrees as numbers (6, 9 or 10)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_BENCH_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
@@ -287,7 +291,7 @@ static const rule rules[] = {
      "hash the nodes alone, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
      "measure this beside it, in turns: embree (none)"},
-    {"rays", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(rays), 1, 100000000, NULL,
+    {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays of each set (1000000)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
     {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
@@ -396,7 +400,7 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .width = 1024,
                                .height = 768,
                                .count = 8,
-                               .rays = 1000000};
+                               .ray_count = 1000000};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

@@ -26,7 +26,9 @@ enum option_group {
     OPTION_RENDER_COMMAND = 256,
     OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
-    OPTION_BENCH_COMMAND = 2048 /* what is measured, against what, with how much */
+    OPTION_BENCH_COMMAND = 2048, /* what is measured, against what, with how much */
+    OPTION_TRACE_COMMAND = 4096, /* rays, camera */
+    OPTION_PICTURE_SIZE = 8192
 };
 
 #define OPTION_DEFAULT_DEPTH 8
@@ -43,6 +45,7 @@ typedef struct options {
 
     uint64_t depth;
     bool has_depth;
+    bool depth_for_rays; /* set by commands: the depth that svo_plan_ray_depth finds, in place of depth */
     int frontend; /* svo_gl_raster */
     int share; /* svo_gl_share */
     int builder; /* one value in this version */
@@ -63,7 +66,8 @@ typedef struct options {
     int view; /* svo_render_view */
     uint64_t count; /* stress: how much work */
     int versus; /* bench: 0 nothing, 1 Embree */
-    uint64_t rays; /* bench: rays of a set */
+    uint64_t ray_count; /* bench: of a set */
+    const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 
 typedef struct command {

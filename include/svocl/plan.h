@@ -99,6 +99,11 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
 
 SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
+/* The depth at which rays against this mesh's triangles are traced fastest, 1 .. 12, whatever the plan's own depth: the
+   deepest where the count law expects a triangle in at most 6 leaves. Deeper, rays walk more and the lists take more
+   memory; less deep, each leaf holds more triangles to test. Which triangle a ray meets does not depend on the depth. */
+SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
+
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
    attempts that were too small included. Memory of OpenGL (the mesh; with share "copy" its side of the list) is apart.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */

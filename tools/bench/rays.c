@@ -358,9 +358,10 @@ int bench_rays(program *state)
     given->input = given->input != NULL ? given->input : DEFAULT_INPUT;
     ray_bench bench = {.state = state,
                        .threads = count_threads(given),
-                       .ray_count = (size_t)given->rays,
+                       .ray_count = (size_t)given->ray_count,
                        .repeats = given->repeat > 1 ? (size_t)given->repeat : DEFAULT_REPEATS};
     given->repeat = 1; /* builds */
+    given->depth_for_rays = !given->has_depth;
     program_begin_progress(state, 3 + SET_COUNT);
     const int exit_code = run_bench(&bench);
     release(&bench);
