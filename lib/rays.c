@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against triangles, the host's side of kernels/rays.clh and trace.cl: what a tree keeps for them, batches of rays,
- * and the way into an integrator's own kernel. Reads finished trees.
+ * Rays against triangles, the host's side of kernels/rays.clh: what a tree keeps for them, and the way into svocl's and
+ * an integrator's kernels. Reads finished trees; rays_batch.c launches.
  */
 #include "rays.h"
 
@@ -196,11 +196,16 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     return SVO_OK;
 }
 
-static svo_status check_tree(const svo_tree *tree, const char *function)
+svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
 {
     if ((tree->info.need & SVO_NEED_RAYS) == 0) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree holds no leaf lists; build it with SVO_NEED_RAYS", function);
+    }
+    if (tree->info.coverage == SVO_COVERAGE_THIN) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree's coverage is thin, which leaves out voxels that triangles touch",
+                                 function);
     }
     if (tree->ray_triangles == NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
@@ -210,8 +215,8 @@ static svo_status check_tree(const svo_tree *tree, const char *function)
 }
 
 /* Sets arguments from first_index on. */
-static svo_status set_arguments(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                                const svo_i_argument *arguments, cl_uint argument_count)
+svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
+                          const svo_i_argument *arguments, cl_uint argument_count)
 {
     for (cl_uint i = 0; i < argument_count; ++i) {
         const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
@@ -222,7 +227,7 @@ static svo_status set_arguments(const svo_tree *tree, const char *function, cl_k
     return SVO_OK;
 }
 
-static svo_status set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
     const svo_status status = fill_params(tree, function, &params);
@@ -232,7 +237,7 @@ static svo_status set_tree(const svo_tree *tree, const char *function, cl_kernel
                                                           SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
                                                           SVO_I_ARGUMENT(tree->ray_triangles),
                                                           SVO_I_ARGUMENT(params)};
-    return status == SVO_OK ? set_arguments(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
+    return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
                             : status;
 }
 
@@ -246,7 +251,7 @@ svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint fir
     if (tree->device == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    return set_tree(tree, function, kernel, first_index);
+    return svo_i_rays_set_tree(tree, function, kernel, first_index);
 }
 
 const char *svo_tree_kernel_source(void)
@@ -257,145 +262,4 @@ const char *svo_tree_kernel_source(void)
 const char *svo_tree_kernel_options(void)
 {
     return "-cl-std=CL1.2";
-}
-
-/* ---- batches ---- */
-
-static svo_status check_batch(const svo_tree *tree, const void *rays, const void *hits, size_t ray_count,
-                              uint32_t flags, cl_command_queue queue, const char *function)
-{
-    if (rays == NULL || hits == NULL || queue == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 rays == NULL   ? "rays"
-                                 : hits == NULL ? "hits"
-                                                : "queue");
-    }
-    if (ray_count > SVO_TRACE_RAYS_MAX) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %zu rays are above %u", function, ray_count,
-                                 SVO_TRACE_RAYS_MAX);
-    }
-    if (flags > SVO_TRACE_COUNT) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function, flags,
-                                 (unsigned)SVO_TRACE_COUNT);
-    }
-    return check_tree(tree, function);
-}
-
-/* Bytes of a caller's buffer must do for all records. */
-static svo_status check_bytes(const svo_tree *tree, const char *function, const char *name, cl_mem buffer, size_t bytes)
-{
-    size_t held = 0;
-    const cl_int error = clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(tree->device, function, "clGetMemObjectInfo", error);
-    }
-    return held >= bytes
-               ? SVO_OK
-               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                   "%s: %s holds %zu bytes, below the %zu of the rays", function, name, held, bytes);
-}
-
-static svo_status make_kernel(const svo_tree *tree, const char *function, cl_mem rays, cl_mem hits, size_t ray_count,
-                              uint32_t flags, cl_kernel *out)
-{
-    const cl_uint items = (cl_uint)ray_count;
-    const cl_uint any = flags == SVO_TRACE_ANY;
-    cl_program program = NULL;
-    svo_status status = svo_i_program_get(tree->device, function, SVO_I_PROGRAM_TRACE,
-                                          flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "", &program, NULL);
-    if (status == SVO_OK) {
-        status = svo_i_kernel_create(tree->device, function, program, "svo_k_trace", out);
-    }
-    if (status == SVO_OK) {
-        status = set_tree(tree, function, *out, 0);
-    }
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(hits), SVO_I_ARGUMENT(items),
-                                        SVO_I_ARGUMENT(any)};
-    return status == SVO_OK ? set_arguments(tree, function, *out, SVO_TREE_ARGUMENTS, arguments, 4) : status;
-}
-
-svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
-                                  cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
-{
-    static const char function[] = "svo_tree_trace_enqueue";
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    svo_status status = check_batch(tree, rays, hits, ray_count, flags, queue, function);
-    if (status == SVO_OK) {
-        status = check_bytes(tree, function, "rays", rays, ray_count * sizeof(svo_ray));
-    }
-    if (status == SVO_OK) {
-        status = check_bytes(tree, function, "hits", hits, ray_count * sizeof(svo_hit));
-    }
-    cl_kernel kernel = NULL;
-    if (status == SVO_OK && ray_count > 0) {
-        status = make_kernel(tree, function, rays, hits, ray_count, flags, &kernel);
-    }
-    if (status == SVO_OK) {
-        const size_t local = SVO_GROUP_ITEMS;
-        const size_t global = (ray_count + local - 1) / local * local;
-        /* No rays: an event all the same. */
-        const cl_int error =
-            ray_count > 0 ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
-                          : clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
-        if (error != CL_SUCCESS) {
-            status = svo_i_device_fail_cl(tree->device, function, "clEnqueueNDRangeKernel", error);
-        }
-    }
-    if (kernel != NULL) {
-        clReleaseKernel(kernel);
-    }
-    return status;
-}
-
-/* The rays of a host array, in buffers of this call. */
-static svo_status trace_through(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
-                                uint32_t flags, cl_command_queue queue, cl_mem buffers[2])
-{
-    static const char function[] = "svo_tree_trace";
-    cl_event traced = NULL;
-    svo_status status =
-        svo_i_device_buffer(tree->device, function, "rays", CL_MEM_READ_ONLY, ray_count * sizeof *rays, &buffers[0]);
-    if (status == SVO_OK) {
-        status = svo_i_device_buffer(tree->device, function, "hits", CL_MEM_WRITE_ONLY, ray_count * sizeof *hits,
-                                     &buffers[1]);
-    }
-    if (status == SVO_OK) {
-        const cl_int error =
-            clEnqueueWriteBuffer(queue, buffers[0], CL_TRUE, 0, ray_count * sizeof *rays, rays, 0, NULL, NULL);
-        status =
-            error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
-    }
-    if (status == SVO_OK) {
-        status = svo_tree_trace_enqueue(tree, buffers[0], buffers[1], ray_count, flags, queue, 0, NULL, &traced);
-    }
-    if (status == SVO_OK) {
-        const cl_int error =
-            clEnqueueReadBuffer(queue, buffers[1], CL_TRUE, 0, ray_count * sizeof *hits, hits, 1, &traced, NULL);
-        status =
-            error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
-        clReleaseEvent(traced);
-    }
-    return status;
-}
-
-svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
-                          cl_command_queue queue)
-{
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    svo_status status = check_batch(tree, rays, hits, ray_count, flags, queue, "svo_tree_trace");
-    if (status != SVO_OK || ray_count == 0) {
-        return status;
-    }
-    cl_mem buffers[2] = {NULL, NULL};
-    status = trace_through(tree, rays, hits, ray_count, flags, queue, buffers);
-    for (int i = 0; i < 2; ++i) {
-        if (buffers[i] != NULL) {
-            clReleaseMemObject(buffers[i]);
-        }
-    }
-    return status;
 }

@@ -25,6 +25,13 @@ svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *fu
 uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth);
 void svo_i_rays_release(svo_tree *tree);
 
+/* Whether the tree can be asked for triangles; function: for the message. */
+svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
+/* Sets the arguments SVO_TREE_PARAMETERS, and any others, from first_index on. */
+svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
+svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
+                          const svo_i_argument *arguments, cl_uint argument_count);
+
 SVO_I_SHARED_END
 
 #endif

@@ -8,6 +8,7 @@
 #include "device.h"
 #include "message.h"
 #include "program.h"
+#include "rays.h"
 #include "svocl/layout.h"
 #include "svocl/plan.h"
 #include "tree.h"
@@ -314,12 +315,7 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
     }
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(normals), SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(eye),
                                         SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
-    for (cl_uint i = 0; i < sizeof arguments / sizeof arguments[0] && status == SVO_OK; ++i) {
-        const cl_int error = clSetKernelArg(*out, SVO_TREE_ARGUMENTS + i, arguments[i].bytes, arguments[i].value);
-        status =
-            error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, "svo_tree_render", "clSetKernelArg", error);
-    }
-    return status;
+    return status == SVO_OK ? svo_i_rays_set(tree, "svo_tree_render", *out, SVO_TREE_ARGUMENTS, arguments, 5) : status;
 }
 
 /* The kernel of a shaded picture, all its arguments set. */

@@ -61,8 +61,9 @@ enum { WORDS = 256 };
 
 static const char shader_head[] = "layout(local_size_x = 64) in;\n" SHADER_BLOCK("draw_item") SHADER_BLOCK(
     "build_state") SHADER_BLOCK("triangle_record") SHADER_BLOCK("subdivide_params") SHADER_BLOCK("filter_params")
-    SHADER_BLOCK("material_record") SHADER_BLOCK("cast_params") SHADER_BLOCK("ray") SHADER_BLOCK("hit")
-        SHADER_BLOCK("voxel_hit") SHADER_BLOCK("ray_params") SHADER_BLOCK(
+    SHADER_BLOCK("material_record") SHADER_BLOCK("cast_params") SHADER_BLOCK("ray") SHADER_BLOCK("hit") SHADER_BLOCK(
+        "query_point") SHADER_BLOCK("nearest") SHADER_BLOCK("voxel_hit") SHADER_BLOCK("ray_params")
+        SHADER_BLOCK(
             "widen_params") "layout(std430, binding = 1) writeonly buffer Found { uint found[]; };\n"
                             "uniform uint item_count;\n"
                             "uint at(uint word) { return (word - 0x3f800000u) * 4u; }\n"

@@ -517,6 +517,156 @@ static void an_empty_tree_is_never_met(void **state)
     }
 }
 
+/* ---- nearest triangles ---- */
+
+static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint64_t seed)
+{
+    enum { POINTS = 1500 };
+    static svo_query_point points[POINTS];
+    static svo_nearest results[POINTS];
+    uint64_t random = seed;
+    built tree;
+    build_for_rays(opened, mesh, depth, NULL, 0, &tree);
+    const oracle_ray_scene snapped = scene_of(&tree);
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double spread = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 2.0 : 30.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            points[i].position[axis] =
+                (float)(tree.info.origin[axis] + tree.info.edge * (0.5 + spread * (random_unit(&random) - 0.5)));
+        }
+        points[i].farthest = i % 5 == 0 ? (float)(tree.info.edge * 0.05) : INFINITY;
+    }
+    assert_int_equal(svo_tree_nearest(tree.tree, points, results, POINTS, opened->queue), SVO_OK);
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double at[3] = {(double)points[i].position[0], (double)points[i].position[1],
+                              (double)points[i].position[2]};
+        size_t triangle = 0;
+        const double distance = oracle_nearest(&snapped, at, &triangle);
+        const double slack = distance * 0x1p-22 + 1e-3 / snapped.scale;
+        if (results[i].triangle == SVO_NO_TRIANGLE) {
+            assert_true(distance >= (double)points[i].farthest - slack);
+            continue;
+        }
+        const uint32_t met = results[i].triangle; /* none refused: ids are positions */
+        if (fabs((double)results[i].distance - distance) > slack ||
+            oracle_triangle_distance(&snapped, met, at) > distance + slack) {
+            fail_msg("depth %u, point %zu: triangle %u at %.9g, the reference has %zu at %.9g", depth, i, met,
+                     (double)results[i].distance, triangle, distance);
+        }
+        double moved = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            moved += ((double)results[i].position[axis] - at[axis]) * ((double)results[i].position[axis] - at[axis]);
+        }
+        assert_true(fabs(sqrt(moved) - distance) <= tree.info.edge * 1e-5);
+    }
+    built_destroy(&tree);
+}
+
+static void the_nearest_triangle_is_the_nearest(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = make_scene("knot:1500");
+    owned_mesh owned;
+    random_mesh(31, 300, 0, &owned);
+    for (unsigned depth = 1; depth <= 7; depth += 2) {
+        check_nearest(opened, &owned.mesh, depth, depth);
+    }
+    check_nearest(opened, scene_mesh(made), 6, 6);
+    owned_mesh_free(&owned);
+    scene_destroy(&made);
+}
+
+/* ---- a kernel of one's own ---- */
+
+static const char voxel_kernel[] =
+    "__kernel void find(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const svo_ray ray = rays[get_global_id(0)];\n"
+    "    svo_voxel_hit hit;\n"
+    "    svo_trace_voxel(&tree, &ray, 0.0f, &hit);\n"
+    "    hits[get_global_id(0)] = hit;\n"
+    "}\n";
+
+static cl_kernel make_voxel_kernel(const fixture *opened)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), voxel_kernel};
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_int error = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, &error);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "find", &error);
+    assert_int_equal(error, CL_SUCCESS);
+    clReleaseProgram(program);
+    return kernel;
+}
+
+static void run_voxel_kernel(const fixture *opened, const built *tree, const svo_ray *rays, svo_voxel_hit *hits,
+                             size_t count)
+{
+    cl_context context = svo_device_cl_context(opened->device);
+    cl_kernel kernel = make_voxel_kernel(opened);
+    const size_t local = 50;
+    cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *rays, NULL, NULL);
+    cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
+    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
+    clEnqueueWriteBuffer(opened->queue, from, CL_TRUE, 0, count * sizeof *rays, rays, 0, NULL, NULL);
+    assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &count, &local, 0, NULL, NULL), CL_SUCCESS);
+    clEnqueueReadBuffer(opened->queue, to, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL);
+    clReleaseMemObject(from);
+    clReleaseMemObject(to);
+    clReleaseKernel(kernel);
+}
+
+/* The tree need not hold lists. Voxels come before the triangles in them, by at most their diagonal. */
+static void voxels_are_met_just_before_their_triangles(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 1000 };
+    static svo_ray rays[RAYS];
+    static svo_hit triangles[RAYS];
+    static svo_voxel_hit voxels[RAYS];
+    uint64_t random = 8;
+    scene *made = make_scene("knot:3000");
+    built tree;
+    built plain;
+    size_t met = 0;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    fixture_build(opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 1.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double side = axis == (int)(i % 3) ? 2.0 : (double)rays[i].origin[axis];
+            const double towards = tree.info.origin[axis] + tree.info.edge * random_unit(&random);
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * side);
+            rays[i].direction[axis] = (float)(towards - (double)rays[i].origin[axis]);
+        }
+    }
+    trace(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, triangles);
+    run_voxel_kernel(opened, &plain, rays, voxels, RAYS);
+    for (size_t i = 0; i < RAYS; ++i) {
+        if (triangles[i].triangle != SVO_NO_TRIANGLE) {
+            ++met;
+            assert_int_not_equal(voxels[i].node, SVO_NO_NODE);
+            assert_true(voxels[i].t <= triangles[i].t * 1.0001f);
+        }
+        if (voxels[i].node != SVO_NO_NODE) {
+            assert_int_equal(voxels[i].level, 6);
+            assert_in_range(voxels[i].node, plain.info.inner_count, plain.info.node_count - 1);
+            assert_in_range(voxels[i].face, 0, 5);
+            const int axis = (int)voxels[i].face / 2;
+            assert_true(voxels[i].normal[axis] == (voxels[i].face % 2 == 0 ? -1.0f : 1.0f));
+            assert_true(voxels[i].normal[axis] * rays[i].direction[axis] < 0.0f);
+        }
+    }
+    assert_true(met > RAYS / 20);
+    built_destroy(&plain);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 /* ---- calls ---- */
 
 static void refuses_what_it_cannot_do(void **state)
@@ -593,6 +743,8 @@ int main(void)
         cmocka_unit_test(t13_bad_rays_meet_nothing_and_cost_nothing),
         cmocka_unit_test(any_hit_and_count_agree_with_the_reference),
         cmocka_unit_test(hits_do_not_depend_on_the_depth),
+        cmocka_unit_test(the_nearest_triangle_is_the_nearest),
+        cmocka_unit_test(voxels_are_met_just_before_their_triangles),
         cmocka_unit_test(refuses_what_it_cannot_do),
         cmocka_unit_test(events_order_an_out_of_order_queue),
     };

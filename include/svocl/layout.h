@@ -163,6 +163,23 @@ SVO_RECORD(svo_hit)
 };
 #define SVO_NO_TRIANGLE 0xffffffffu
 
+/* A point that asks for its nearest triangle. 16 bytes. */
+SVO_RECORD(svo_query_point)
+{
+    SVO_F32 position[3]; /* 0: world */
+    SVO_F32 farthest; /* 12: world: triangles farther away do not count; infinity allowed */
+};
+
+/* The triangle nearest to a point. 32 bytes. */
+SVO_RECORD(svo_nearest)
+{
+    SVO_F32 distance; /* 0: world; infinity: none */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: none */
+    SVO_F32 position[3]; /* 8: world: the nearest point on it */
+    SVO_U32 leaves; /* 20: looked into */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 /* What a ray met of the voxels. 32 bytes. */
 SVO_RECORD(svo_voxel_hit)
 {
@@ -218,6 +235,8 @@ SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray, 32);
 SVO_ASSERT_BYTES(svo_hit, 32);
+SVO_ASSERT_BYTES(svo_query_point, 16);
+SVO_ASSERT_BYTES(svo_nearest, 32);
 SVO_ASSERT_BYTES(svo_voxel_hit, 32);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_widen_params, 32);

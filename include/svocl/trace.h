@@ -71,7 +71,7 @@ typedef enum svo_trace_flags {
  * it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number that is not
  * finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
  *
- * tree: with SVO_NEED_RAYS, uploaded or built on device. rays: ray_count records svo_ray (layout.h). hits: ray_count
+ * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray (layout.h). hits: ray_count
  * records svo_hit, written whole, in the order of the rays. ray_count: at most SVO_TRACE_RAYS_MAX. flags: one of
  * svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event: as in clEnqueueNDRangeKernel.
  *
@@ -85,6 +85,21 @@ SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_
 /* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
 SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
                                   uint32_t flags, cl_command_queue queue);
+
+/*
+ * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the mesh.
+ * Distances are measured in double and rounded to float, on devices with cl_khr_fp64. For triangles that lie inside the
+ * grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has none.
+ *
+ * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All else as
+ * for svo_tree_trace_enqueue.
+ */
+SVO_API svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                            cl_event *event);
+/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
+                                    size_t point_count, cl_command_queue queue);
 
 /*
  * Rays in a kernel of one's own. The source is a text in OpenCL C 1.2 to put before the kernel's:
