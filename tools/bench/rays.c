@@ -209,10 +209,10 @@ static void judge_set(ray_bench *bench, ray_set *set)
     const svo_tree_info *info = &bench->work.result.info;
     svo_tree_get_arrays(bench->work.result.tree, &arrays);
     const oracle_ray_scene snapped = {.vertices = arrays.vertices,
-                                    .indices = arrays.indices,
-                                    .triangle_count = (size_t)info->list_triangle_count,
-                                    .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                                    .scale = info->scale};
+                                      .indices = arrays.indices,
+                                      .triangle_count = (size_t)info->list_triangle_count,
+                                      .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                                      .scale = info->scale};
     if (bench->rival != NULL) { /* its triangles are counted without the refused ones */
         for (size_t i = 0; i < bench->ray_count; ++i) {
             const uint32_t triangle = bench->theirs[i].triangle;
@@ -281,7 +281,11 @@ static int print_table(const ray_bench *bench)
         table_cell(rows, "%s", set->name);
         table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms) * 1e6).text);
         table_cell(rows, "%s", rivalled ? figure_rate(mrays(bench, set->theirs_ms) * 1e6).text : "");
-        table_cell(rows, rivalled ? "%.2f" : "", rivalled ? set->theirs_ms / set->ours_ms : 0.0);
+        if (rivalled) {
+            table_cell(rows, "%.2f", set->theirs_ms / set->ours_ms);
+        } else {
+            table_cell(rows, "%s", "");
+        }
         table_cell(rows, "%zu", set->verdict.differing);
         table_cell(rows, "%zu", set->verdict.tied);
         table_cell(rows, "%zu", set->verdict.wrong_ids + set->verdict.missed);
