@@ -112,9 +112,16 @@ static uint svo_nearest_pick(const svo_nearest_search *search, ulong left, float
     return best;
 }
 
+/* A node on the way down, and the cells of it that are left to visit. */
+typedef struct svo_nearest_frame {
+    ulong occupied, left;
+    float4 low; /* its first corner, grid units */
+    uint first_child;
+} svo_nearest_frame;
+
 static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
 {
-    svo_ray_frame stack[SVO_RAY_LEVELS];
+    svo_nearest_frame stack[SVO_RAY_LEVELS];
     const uint top = tree->params.levels - 1u;
     uint level = top;
     uint node = 0u;
@@ -122,15 +129,15 @@ static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
     float4 low = (float4)(0.0f);
     bool opened = true;
     for (;;) {
-        svo_ray_frame *at = &stack[level];
+        svo_nearest_frame *at = &stack[level];
         if (opened) {
             const uint4 stored = tree->nodes[node];
-            at->occupied = (ulong)stored.x | (ulong)stored.y << 32;
+            at->occupied = svo_node_cells(stored);
             at->left = at->occupied;
             at->first_child = stored.z;
-            at->near = low;
+            at->low = low;
         }
-        const uint cell = svo_nearest_pick(search, at->left, at->near, width);
+        const uint cell = svo_nearest_pick(search, at->left, at->low, width);
         opened = false;
         if (cell == 64u) {
             if (level == top) {
@@ -149,7 +156,7 @@ static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
             }
             continue;
         }
-        low = at->near + svo_cell_position(cell) * width;
+        low = at->low + svo_cell_position(cell) * width;
         node = child;
         --level;
         width *= 0.25f;
