@@ -30,7 +30,7 @@ typedef enum svo_need {
     SVO_NEED_DEFAULT = 0, /* the colours and normals that the mesh has */
     SVO_NEED_COLOR = 1, /* RGBA8 per node; white if the mesh has neither colours nor materials */
     SVO_NEED_NORMAL = 2, /* 3 x int16 per node; the triangles' own normals if the mesh has none */
-    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices */
+    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices, and what the ray kernels read */
     SVO_NEED_NONE = 0x40000000 /* occupancy alone */
 } svo_need;
 
