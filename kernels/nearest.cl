@@ -132,7 +132,7 @@ static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
         svo_nearest_frame *at = &stack[level];
         if (opened) {
             const uint4 stored = tree->nodes[node];
-            at->occupied = svo_node_cells(stored);
+            at->occupied = (ulong)stored.x | (ulong)stored.y << 32;
             at->left = at->occupied;
             at->first_child = stored.z;
             at->low = low;

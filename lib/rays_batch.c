@@ -5,6 +5,10 @@
 #include "rays.h"
 #include "svocl/trace.h"
 
+/* Rays of a work-item on CPUs; see kernels/trace.cl. */
+#define RAYS_PER_ITEM      16
+#define RAYS_PER_ITEM_TEXT "16"
+
 /* One batch: records in, records out, one work-item each. */
 typedef struct batch {
     const char *function; /* for messages */
@@ -12,6 +16,7 @@ typedef struct batch {
     const char *input_name, *output_name; /* of the arguments */
     size_t input_bytes, output_bytes; /* of a record */
     size_t count;
+    size_t per_item; /* records a work-item takes */
     const cl_uint *last_argument; /* after the count; NULL: none */
 } batch;
 
@@ -83,7 +88,8 @@ static svo_status enqueue(const svo_tree *tree, const batch *asked, cl_mem input
     }
     if (status == SVO_OK) {
         const size_t local = SVO_GROUP_ITEMS;
-        const size_t global = (asked->count + local - 1) / local * local;
+        const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
+        const size_t global = (items + local - 1) / local * local;
         /* Nothing to do: an event all the same. */
         const cl_int error =
             asked->count > 0 ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
@@ -153,15 +159,19 @@ static svo_status run_blocking(const svo_tree *tree, const batch *asked, const v
 static svo_status ray_batch(const svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
                             batch *out)
 {
+    const bool together = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->is_cpu;
     *any = flags == SVO_TRACE_ANY;
     *out = (batch){.function = function,
                    .kernel_name = "svo_k_trace",
-                   .keys = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "",
+                   .keys = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
+                           : together               ? " -DSVO_RAYS_PER_ITEM=" RAYS_PER_ITEM_TEXT
+                                                    : "",
                    .input_name = "rays",
                    .output_name = "hits",
                    .input_bytes = sizeof(svo_ray),
                    .output_bytes = sizeof(svo_hit),
                    .count = ray_count,
+                   .per_item = together ? RAYS_PER_ITEM : 1,
                    .last_argument = any};
     return flags <= SVO_TRACE_COUNT
                ? SVO_OK
@@ -204,7 +214,8 @@ static batch point_batch(const char *function, size_t point_count)
                    .output_name = "results",
                    .input_bytes = sizeof(svo_query_point),
                    .output_bytes = sizeof(svo_nearest),
-                   .count = point_count};
+                   .count = point_count,
+                   .per_item = 1};
 }
 
 svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
