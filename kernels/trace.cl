@@ -137,6 +137,7 @@ svo_k_trace(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit 
     }
     SVO_TREE_MAKE(tree);
 #ifdef SVO_COUNT_HITS
+    (void)any;
     const svo_ray ray = rays[first];
     svo_hit hit;
     svo_trace_count(&tree, &ray, &hit);

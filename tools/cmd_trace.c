@@ -74,10 +74,11 @@ static int trace(program *state, const session *opened, const svo_tree *tree)
     svo_hit *hits = calloc(cast.count + 1, sizeof *hits);
     if (hits == NULL) {
         exit_code = program_fail(state, PROGRAM_FAILED, "out of memory for %zu rays", cast.count);
+        ray_table_free(&cast);
+        return exit_code;
     }
     const double started_ms = input_now_ms();
-    if (exit_code == PROGRAM_DONE &&
-        svo_tree_trace(tree, cast.rays, hits, cast.count, SVO_TRACE_CLOSEST, opened->queue) != SVO_OK) {
+    if (svo_tree_trace(tree, cast.rays, hits, cast.count, SVO_TRACE_CLOSEST, opened->queue) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
     }
     const double trace_ms = input_now_ms() - started_ms;
