@@ -364,14 +364,19 @@ static svo_status prepare_rays(svo_i_build *build)
     const svo_plan *plan = build->plan;
     const svo_tree_info *info = &build->tree->info;
     const double start_ms = svo_i_now_ms();
-    const svo_status status =
-        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, plan->vertices, build->queue, wait_list(build));
+    double device_ms = 0.0;
+    const svo_status status = svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program,
+                                                 plan->vertices, build->queue, wait_list(build), &device_ms);
     if (status == SVO_OK) {
         svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
         svo_i_plan_buffer_add(build->plan, "ray_nodes",
                               svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
     }
-    add_time(build->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    if (build->profiling) {
+        add_time(build->report, SVO_STAGE_PACK, device_ms, "cl-event");
+    } else {
+        add_time(build->report, SVO_STAGE_PACK, svo_i_now_ms() - start_ms, "wall");
+    }
     return status;
 }
 

@@ -34,10 +34,22 @@ typedef struct preparation {
     cl_program program;
     cl_command_queue queue;
     const cl_event *wait; /* NULL: nothing to wait for */
+    double device_ms; /* of the launches, as far as the queue says */
 } preparation;
 
+/* Milliseconds of a finished command; 0 where its queue does not say. */
+static double event_ms(cl_event event)
+{
+    cl_ulong start = 0;
+    cl_ulong end = 0;
+    const bool known =
+        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) == CL_SUCCESS &&
+        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) == CL_SUCCESS;
+    return known && end > start ? (double)(end - start) * 1e-6 : 0.0;
+}
+
 /* Launches a kernel and waits for it. */
-static svo_status run(const preparation *p, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
+static svo_status run(preparation *p, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
                       uint64_t items)
 {
     cl_kernel kernel = NULL;
@@ -54,6 +66,7 @@ static svo_status run(const preparation *p, const char *name, const svo_i_argume
             clEnqueueNDRangeKernel(p->queue, kernel, 1, NULL, &global, &local, p->wait != NULL ? 1 : 0, p->wait, &done);
         if (error == CL_SUCCESS) {
             error = clWaitForEvents(1, &done);
+            p->device_ms += event_ms(done);
             clReleaseEvent(done);
         }
         status = error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(p->device, p->function, name, error);
@@ -62,7 +75,7 @@ static svo_status run(const preparation *p, const char *name, const svo_i_argume
     return status;
 }
 
-static svo_status spread_triangles(const preparation *p)
+static svo_status spread_triangles(preparation *p)
 {
     svo_tree *tree = p->tree;
     const cl_uint count = (cl_uint)tree->info.list_count;
@@ -102,7 +115,7 @@ uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth)
     return count;
 }
 
-static svo_status widen_levels(const preparation *p)
+static svo_status widen_levels(preparation *p)
 {
     svo_tree *tree = p->tree;
     const svo_tree_info *info = &tree->info;
@@ -128,11 +141,15 @@ static svo_status widen_levels(const preparation *p)
     return status;
 }
 
-svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const int32_t *vertices,
-                              cl_command_queue queue, const cl_event *wait)
+svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, cl_program program,
+                              const int32_t *vertices, cl_command_queue queue, const cl_event *wait, double *device_ms)
 {
-    preparation p = {.tree = tree, .device = device, .function = function, .queue = queue, .wait = wait};
-    svo_status status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &p.program, NULL);
+    preparation p = {
+        .tree = tree, .device = device, .function = function, .program = program, .queue = queue, .wait = wait};
+    svo_status status = SVO_OK;
+    if (program == NULL) {
+        status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &p.program, NULL);
+    }
     if (status == SVO_OK) {
         status = spread_triangles(&p);
     }
@@ -143,6 +160,7 @@ svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *fu
     if (status != SVO_OK) {
         svo_i_rays_release(tree);
     }
+    *device_ms = p.device_ms;
     return status;
 }
 

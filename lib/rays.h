@@ -16,11 +16,13 @@ SVO_I_SHARED_BEGIN
 
 /*
  * Makes what the ray kernels read beside the tree's own arrays, ray_triangles and ray_nodes, from the buffers of a tree
- * with lists. vertices: the snapped ones on the host. wait: NULL, or what the buffers wait for. Waits until it is done.
- * function: for messages.
+ * with lists, and waits until it is done.
+ *
+ * program: has kernels/widen.cl; NULL: that of the batches. vertices: the snapped ones on the host. wait: NULL, or what the
+ * buffers wait for. device_ms: time of the launches; 0 where the queue does not profile. function: for messages.
  */
-svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, const int32_t *vertices,
-                              cl_command_queue queue, const cl_event *wait);
+svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, cl_program program,
+                              const int32_t *vertices, cl_command_queue queue, const cl_event *wait, double *device_ms);
 /* Wide nodes of an octree. */
 uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth);
 void svo_i_rays_release(svo_tree *tree);

@@ -174,8 +174,9 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 static svo_status prepare_rays(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
     const int32_t *vertices = tree->host[SVO_TREE_VERTICES];
+    double unread = 0.0;
     return (tree->info.need & SVO_NEED_RAYS) != 0
-               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", vertices, queue, NULL)
+               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", NULL, vertices, queue, NULL, &unread)
                : SVO_OK;
 }
 

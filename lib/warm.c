@@ -41,6 +41,8 @@ static const kernel_shape shapes[] = {
     {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
     {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
     {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, SVO_NEED_RAYS},
+    {"svo_k_spread", 5, sizeof(cl_uint), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS},
+    {"svo_k_widen", 3, sizeof(svo_widen_params), 0, LAUNCH_LEVELS, SVO_NEED_RAYS},
     {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, PAYLOAD},
     {"svo_k_gather_level", 18, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
     {"svo_k_filter", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, PAYLOAD},
