@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures: rays through the tree's voxels, shaded.
- *
- * The walk goes through empty space one empty cell at a time, each as large as the tree allows (top-down after Revelles,
- * Urena and Lastra, "An Efficient Parametric Algorithm for Octree Traversal", 2000; the stack of nodes and the stop at
- * the size of a pixel after Laine and Karras, "Efficient Sparse Voxel Octrees", 2010). The ray's cell is kept in
- * integers: a step sets the crossed axis exactly and the other two from the ray, never backwards. So the walk ends, and
- * neither rounding nor a direction along an axis can make it slip through a face.
+ * Pictures: rays through the tree's voxels (voxels.clh), shaded.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
  * Reads child_mask, first_child and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
@@ -14,131 +8,7 @@
  */
 #include "svocl/layout.h"
 
-#define SVO_CAST_LEVELS 17 /* root to leaves at depth 16 */
-/* Directions closer to an axis than this are treated as this far from it: crossings stay finite. */
-#define SVO_CAST_DIRECTION_MIN 1e-20f
-#define SVO_CAST_FAR           1e30f
-
-typedef struct svo_cast_tree {
-    __global const uchar *child_mask;
-    __global const uint *first_child;
-    uint depth;
-} svo_cast_tree;
-
-typedef struct svo_cast_ray {
-    float3 origin;
-    float3 direction; /* unit */
-    float footprint; /* nodes smaller than footprint * distance are not opened */
-    float range;
-} svo_cast_ray;
-
-typedef struct svo_cast_hit {
-    float distance;
-    uint node;
-    uint level;
-    int axis; /* of the face the ray came in by */
-} svo_cast_hit;
-
-static float svo_away_from_zero(float component)
-{
-    return fabs(component) < SVO_CAST_DIRECTION_MIN ? SVO_CAST_DIRECTION_MIN : component;
-}
-
-/* The cell of a point, inside low .. high. Vector bounds and floor: oclgrind 21.10 gets scalar bounds of clamp and the
-   rounding suffixes of conversions wrong. */
-static int3 svo_cast_cell(float3 point, int3 low, int3 high)
-{
-    return clamp(convert_int3_sat(floor(point)), low, high);
-}
-
-/* Where the ray is inside the grid: distances of entry and exit, and the axis of the entry. */
-static bool svo_cast_clip(const svo_cast_ray *ray, float3 inverse, float width, float *entry, int *axis)
-{
-    const float3 at_low = -ray->origin * inverse;
-    const float3 at_high = (width - ray->origin) * inverse;
-    const float3 near_faces = fmin(at_low, at_high);
-    const float3 far_faces = fmax(at_low, at_high);
-    const float first = fmax(near_faces.x, fmax(near_faces.y, near_faces.z));
-    const float last = fmin(far_faces.x, fmin(far_faces.y, far_faces.z));
-    *axis = first == near_faces.x ? 0 : first == near_faces.y ? 1 : 2;
-    *entry = fmax(first, 0.0f);
-    return last >= *entry;
-}
-
-/* From node at level down to what holds the cell: returns the level reached, and true in *solid when the ray stops there;
-   otherwise the cell's child on the level below is empty. */
-static uint svo_cast_descend(const svo_cast_tree *tree, uint *stack, uint level, int3 cell, float node_min, bool *solid)
-{
-    for (;;) {
-        const uint shift = tree->depth - level;
-        if (shift == 0u || (level > 0u && (float)(1u << shift) < node_min)) {
-            *solid = true;
-            return level;
-        }
-        const int3 bits = (cell >> (int)(shift - 1u)) & 1;
-        const uint octant = (uint)(bits.x | bits.y << 1 | bits.z << 2);
-        const uint node = stack[level];
-        const uint mask = tree->child_mask[node];
-        if ((mask >> octant & 1u) == 0u) {
-            *solid = false;
-            return level;
-        }
-        level += 1u;
-        stack[level] = tree->first_child[node] + popcount(mask & ((1u << octant) - 1u));
-    }
-}
-
-/* The first voxel along the ray. */
-static bool svo_cast(const svo_cast_tree *tree, const svo_cast_ray *ray, svo_cast_hit *hit)
-{
-    const int cells = 1 << (int)tree->depth;
-    const float3 direction = (float3)(svo_away_from_zero(ray->direction.x), svo_away_from_zero(ray->direction.y),
-                                      svo_away_from_zero(ray->direction.z));
-    const float3 inverse = 1.0f / direction;
-    const int3 forward = direction > 0.0f; /* -1 where true */
-    float t;
-    int axis;
-    if (!svo_cast_clip(ray, inverse, (float)cells, &t, &axis)) {
-        return false;
-    }
-    int3 cell = svo_cast_cell(ray->origin + t * direction, (int3)(0), (int3)(cells - 1));
-    uint stack[SVO_CAST_LEVELS];
-    stack[0] = 0u;
-    uint level = 0u;
-    while (t <= ray->range) {
-        bool solid;
-        level = svo_cast_descend(tree, stack, level, cell, ray->footprint * t, &solid);
-        if (solid) {
-            hit->distance = t;
-            hit->node = stack[level];
-            hit->level = level;
-            hit->axis = axis;
-            return true;
-        }
-        /* Leave the empty cell by the nearest of its three far faces. */
-        const int width = 1 << (int)(tree->depth - level - 1u);
-        const int3 low = cell & -width;
-        const int3 exit = select(low, low + width, forward);
-        const float3 crossing = (convert_float3(exit) - ray->origin) * inverse;
-        axis = crossing.x <= crossing.y ? (crossing.x <= crossing.z ? 0 : 2) : (crossing.y <= crossing.z ? 1 : 2);
-        t = fmax(t, fmin(crossing.x, fmin(crossing.y, crossing.z)));
-        const int3 along = svo_cast_cell(ray->origin + t * direction, low, low + width - 1);
-        int3 next = select(min(cell, along), max(cell, along), forward);
-        const int3 outside = select(low - 1, low + width, forward);
-        next.x = axis == 0 ? outside.x : next.x;
-        next.y = axis == 1 ? outside.y : next.y;
-        next.z = axis == 2 ? outside.z : next.z;
-        const int3 changed = cell ^ next;
-        const uint difference = (uint)(changed.x | changed.y | changed.z);
-        if (difference >= (uint)cells) {
-            return false; /* a coordinate of -1 or beyond the last cell */
-        }
-        /* The deepest node that holds both cells. */
-        level = min(level, tree->depth - (32u - clz(difference)));
-        cell = next;
-    }
-    return false;
-}
+#include "voxels.clh"
 
 /* How much of a small hemisphere above the point is free of voxels, nearer ones counting more. 0 .. 1. */
 static float svo_cast_openness(const svo_cast_tree *tree, float3 point, float3 normal, float range)

@@ -5,6 +5,8 @@
  */
 #include "build.h"
 
+#include "rays.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -418,6 +420,28 @@ static svo_status keep_geometry(svo_i_build *build)
     return status;
 }
 
+/* What the ray kernels read beside the tree's arrays. */
+static svo_status prepare_rays(svo_i_build *build)
+{
+    const svo_plan *plan = build->plan;
+    const svo_tree_info *info = &build->tree->info;
+    const double start_ms = svo_i_now_ms();
+    double device_ms = 0.0;
+    const svo_status status = svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program,
+                                                 plan->vertices, build->queue, wait_list(build), &device_ms);
+    if (status == SVO_OK) {
+        svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
+        svo_i_plan_buffer_add(build->plan, "ray_nodes",
+                              svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
+    }
+    if (build->profiling) {
+        svo_i_report_add(build->report, SVO_STAGE_PACK, device_ms, "cl-event");
+    } else {
+        svo_i_report_add(build->report, SVO_STAGE_PACK, svo_i_now_ms() - start_ms, "wall");
+    }
+    return status;
+}
+
 static void fill_info(svo_i_build *build)
 {
     const svo_plan_info *from = &build->plan->info;
@@ -513,6 +537,9 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
         }
         if (status == SVO_OK) {
             status = make_lists(build, true);
+        }
+        if (status == SVO_OK) {
+            status = prepare_rays(build);
         }
     }
     if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {

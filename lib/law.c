@@ -12,6 +12,11 @@
 
 #include "plan.h"
 
+/* Rays are fastest where the leaves are about as large as the triangles: where a triangle is in this many of them. */
+#define RAY_PAIRS_PER_TRIANGLE 6.0
+/* The deepest tree of a grid of 2^20 units. */
+#define RAY_DEPTH_MAX 12u
+
 /* A triangle cut by six planes has at most nine corners. */
 #define CORNERS_MAX 9
 
@@ -117,6 +122,15 @@ double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
 {
     const double voxel = (double)(1u << (plan->info.snap_bits - level));
     return plan->law[0] + plan->law[1] / voxel + plan->law[2] / (voxel * voxel);
+}
+
+unsigned svo_plan_ray_depth(const svo_plan *plan)
+{
+    unsigned depth = SVO_DEPTH_MIN;
+    while (depth < RAY_DEPTH_MAX && svo_i_plan_expected(plan, depth + 1) <= RAY_PAIRS_PER_TRIANGLE * plan->law[0]) {
+        ++depth;
+    }
+    return depth;
 }
 
 uint64_t svo_i_with_slack(double expected)

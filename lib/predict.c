@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "plan.h"
+#include "rays.h"
 #include "svocl/tree.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
@@ -65,6 +66,16 @@ static void predict_ranges(svo_plan *plan, uint64_t leaves)
     }
 }
 
+/* What rays read: a node for every second level, from the leaves' grandparents up. */
+static uint64_t expected_ray_nodes(const svo_plan *plan)
+{
+    uint64_t nodes = 1;
+    for (uint32_t level = plan->info.depth; level >= 2; level -= 2) {
+        nodes += svo_i_with_slack(svo_i_plan_expected(plan, level - 2));
+    }
+    return nodes;
+}
+
 /* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
 static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
 {
@@ -79,6 +90,8 @@ static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
         svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
         svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
     }
+    svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
+    svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
 }
 
 /* The attributes this mesh has and this request reads. */

@@ -20,6 +20,8 @@ extern const char svo_i_source_build[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_sort[];
+extern const char svo_i_source_trace[];
+extern const char svo_i_source_view[];
 
 void svo_i_program_cache_destroy(svo_i_program_cache *cache)
 {
@@ -52,10 +54,10 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
 static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
                           cl_program *out)
 {
-    const char *const sources[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_BUILD] = svo_i_source_build,
-                                                      [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-                                                      [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,
-                                                      [SVO_I_PROGRAM_SORT] = svo_i_source_sort};
+    const char *const sources[SVO_I_PROGRAM_KINDS] = {
+        [SVO_I_PROGRAM_BUILD] = svo_i_source_build,       [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
+        [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
+        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,       [SVO_I_PROGRAM_VIEW] = svo_i_source_view};
     const char *source = sources[kind];
     char options[KEYS_BYTES + 32];
     (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);

@@ -8,6 +8,7 @@
 #include "device.h"
 #include "message.h"
 #include "program.h"
+#include "rays.h"
 #include "svocl/layout.h"
 #include "svocl/plan.h"
 #include "tree.h"
@@ -224,6 +225,10 @@ static svo_status check_options(svo_device *device, const svo_tree *tree, const 
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: camera.vertical_fov %g is not between 0 and pi", fov);
     }
+    if ((unsigned)options->view > SVO_VIEW_TRIANGLES) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: options.view %d is not in 0 .. %d",
+                                 (int)options->view, (int)SVO_VIEW_TRIANGLES);
+    }
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: the tree is on another device");
     }
@@ -288,22 +293,61 @@ typedef struct picture {
     cl_mem params, pixels;
 } picture;
 
-static svo_status prepare(svo_device *device, const svo_tree *tree, svo_cast_params *params, picture *out)
+/* The kernel of a view without light, all its arguments set. */
+static svo_status prepare_view(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+                               const picture *drawn, cl_kernel *out)
+{
+    const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
+    const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
+    const cl_uint shown = options->view;
+    cl_program program = NULL;
+    if (options->view == SVO_VIEW_TRIANGLES && tree->ray_triangles == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
+    }
+    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW,
+                                          normals != NULL ? " -DSVO_NORMAL" : "", &program, NULL);
+    if (status == SVO_OK) {
+        status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out);
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_set_args(tree, *out, 0);
+    }
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(normals), SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(eye),
+                                        SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
+    return status == SVO_OK ? svo_i_rays_set(tree, "svo_tree_render", *out, SVO_TREE_ARGUMENTS, arguments, 5) : status;
+}
+
+/* The kernel of a shaded picture, all its arguments set. */
+static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const picture *drawn, cl_kernel *out)
 {
     static const char *const keys[4] = {"", " -DSVO_COLOR", " -DSVO_NORMAL", " -DSVO_COLOR -DSVO_NORMAL"};
     const cl_mem colors = tree->buffers[SVO_TREE_COLORS];
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
     const int key = (colors != NULL ? 1 : 0) + (normals != NULL ? 2 : 0);
-    const size_t pixel_bytes = (size_t)params->width * params->height * 4;
-    cl_program program;
+    cl_program program = NULL;
     svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys[key], &program, NULL);
     if (status == SVO_OK) {
-        status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", &out->kernel);
+        status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", out);
     }
-    if (status == SVO_OK) {
-        status =
-            svo_i_device_buffer(device, "svo_tree_render", "camera", CL_MEM_READ_ONLY, sizeof *params, &out->params);
-    }
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(colors),
+        SVO_I_ARGUMENT(normals),
+        SVO_I_ARGUMENT(drawn->params),
+        SVO_I_ARGUMENT(drawn->pixels),
+    };
+    return status == SVO_OK
+               ? svo_i_kernel_set(device, "svo_tree_render", *out, arguments, sizeof arguments / sizeof arguments[0])
+               : status;
+}
+
+static svo_status prepare(svo_device *device, const svo_tree *tree, const svo_render_options *options, picture *out)
+{
+    const size_t pixel_bytes = (size_t)options->width * options->height * 4;
+    svo_status status = svo_i_device_buffer(device, "svo_tree_render", "camera", CL_MEM_READ_ONLY,
+                                            sizeof(svo_cast_params), &out->params);
     if (status == SVO_OK) {
         status =
             svo_i_device_buffer(device, "svo_tree_render", "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels);
@@ -311,15 +355,8 @@ static svo_status prepare(svo_device *device, const svo_tree *tree, svo_cast_par
     if (status != SVO_OK) {
         return status;
     }
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(colors),
-        SVO_I_ARGUMENT(normals),
-        SVO_I_ARGUMENT(out->params),
-        SVO_I_ARGUMENT(out->pixels),
-    };
-    return svo_i_kernel_set(device, "svo_tree_render", out->kernel, arguments, sizeof arguments / sizeof arguments[0]);
+    return options->view == SVO_VIEW_SHADED ? prepare_shaded(device, tree, out, &out->kernel)
+                                            : prepare_view(device, tree, options, out, &out->kernel);
 }
 
 /* Each command waits for the one before by its event: the queue may be out of order. */
@@ -368,7 +405,7 @@ svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_r
         return status;
     }
     picture drawn = {NULL, NULL, NULL};
-    status = prepare(device, tree, &params, &drawn);
+    status = prepare(device, tree, options, &drawn);
     if (status == SVO_OK) {
         status = draw(device, queue, &drawn, &params, rgba);
     }

@@ -11,6 +11,7 @@
 
 #include "device.h"
 #include "message.h"
+#include "rays.h"
 #include "svocl/plan.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -33,6 +34,7 @@ void svo_tree_destroy(svo_tree **tree)
         }
         free((*tree)->host[i]);
     }
+    svo_i_rays_release(*tree);
     free(*tree);
     *tree = NULL;
 }
@@ -180,6 +182,16 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     return SVO_OK;
 }
 
+/* What the ray kernels read beside the arrays, where the tree has lists. */
+static svo_status prepare_rays(svo_tree *tree, svo_device *device, cl_command_queue queue)
+{
+    const int32_t *vertices = tree->host[SVO_TREE_VERTICES];
+    double unread = 0.0;
+    return (tree->info.need & SVO_NEED_RAYS) != 0
+               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", NULL, vertices, queue, NULL, &unread)
+               : SVO_OK;
+}
+
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
     if (tree == NULL || device == NULL || queue == NULL) {
@@ -212,7 +224,12 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
             }
         }
     }
+    if (status == SVO_OK) {
+        memcpy(tree->buffers, buffers, sizeof buffers);
+        status = prepare_rays(tree, device, queue);
+    }
     if (status != SVO_OK) {
+        memset(tree->buffers, 0, sizeof tree->buffers);
         for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
             if (buffers[i] != NULL) {
                 clReleaseMemObject(buffers[i]);
@@ -220,7 +237,6 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
         }
         return status;
     }
-    memcpy(tree->buffers, buffers, sizeof buffers);
     tree->device = device;
     return SVO_OK;
 }

@@ -59,26 +59,30 @@ enum { WORDS = 256 };
 #define SHADER_BLOCK(name) \
     "layout(std430, binding = 0) readonly buffer Block_" name " { svo_" name " " name "_items[]; };\n"
 
-static const char shader_head[] = "layout(local_size_x = 64) in;\n" SHADER_BLOCK("draw_item") SHADER_BLOCK(
-    "build_state") SHADER_BLOCK("triangle_record") SHADER_BLOCK("subdivide_params") SHADER_BLOCK("tile_item")
-    SHADER_BLOCK("voxelize_params") SHADER_BLOCK("sort_params") SHADER_BLOCK("ascend_params")
-        SHADER_BLOCK("filter_params") SHADER_BLOCK("material_record") SHADER_BLOCK(
-            "cast_params") "layout(std430, binding = 1) writeonly buffer Found { uint found[]; };\n"
-                           "uniform uint item_count;\n"
-                           "uint at(uint word) { return (word - 0x3f800000u) * 4u; }\n"
-                           "uint at(float word) { return at(floatBitsToUint(word)); }\n"
-                           "#define RECORD(record, items, first) found[n++] = 0u; found[n++] = at(items[1].first) - "
-                           "at(items[0].first);\n"
-                           "#define SCALAR(record, items, field) found[n++] = at(items[0].field); found[n++] = 4u;\n"
-                           "#define ARRAY(record, items, field) found[n++] = at(items[0].field[0]);\\\n"
-                           "    found[n++] = at(items[0].field[items[0].field.length() - 1]) + 4u - "
-                           "at(items[0].field[0]);\n"
-                           "void main()\n"
-                           "{\n"
-                           "    uint n = 0u;\n"
-                           "    if (gl_GlobalInvocationID.x >= item_count) {\n"
-                           "        return;\n"
-                           "    }\n";
+static const char shader_head[] = "layout(local_size_x = 64) in;\n" SHADER_BLOCK("draw_item")
+    SHADER_BLOCK("build_state") SHADER_BLOCK("triangle_record") SHADER_BLOCK("subdivide_params")
+        SHADER_BLOCK("tile_item") SHADER_BLOCK("voxelize_params") SHADER_BLOCK("sort_params")
+            SHADER_BLOCK("ascend_params") SHADER_BLOCK("filter_params") SHADER_BLOCK("material_record")
+                SHADER_BLOCK("cast_params") SHADER_BLOCK("ray") SHADER_BLOCK("hit") SHADER_BLOCK("query_point")
+                    SHADER_BLOCK("nearest") SHADER_BLOCK("voxel_hit") SHADER_BLOCK("ray_params") SHADER_BLOCK(
+                        "widen_params") "layout(std430, binding = 1) writeonly buffer Found { uint found[]; };\n"
+                                        "uniform uint item_count;\n"
+                                        "uint at(uint word) { return (word - 0x3f800000u) * 4u; }\n"
+                                        "uint at(float word) { return at(floatBitsToUint(word)); }\n"
+                                        "#define RECORD(record, items, first) found[n++] = 0u; found[n++] = "
+                                        "at(items[1].first) - "
+                                        "at(items[0].first);\n"
+                                        "#define SCALAR(record, items, field) found[n++] = at(items[0].field); "
+                                        "found[n++] = 4u;\n"
+                                        "#define ARRAY(record, items, field) found[n++] = at(items[0].field[0]);\\\n"
+                                        "    found[n++] = at(items[0].field[items[0].field.length() - 1]) + 4u - "
+                                        "at(items[0].field[0]);\n"
+                                        "void main()\n"
+                                        "{\n"
+                                        "    uint n = 0u;\n"
+                                        "    if (gl_GlobalInvocationID.x >= item_count) {\n"
+                                        "        return;\n"
+                                        "    }\n";
 
 /* layout.h, head, the list of fields and the closing brace. By malloc. */
 static char *make_source(const char *head)

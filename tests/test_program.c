@@ -594,6 +594,76 @@ static void opengl_is_started_only_for_what_needs_it(void **state)
     assert_non_null(strstr(last.output, "cl   works"));
 }
 
+static void rays_from_a_file_become_hits(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("rays.csv",
+               "ox,oy,oz,dx,dy,dz\n0.5,0.4,-1,0,0,2\n5,5,5,1,0,0\n\n0.5,nan,0.5,1,0,1\r\n0.3,0.2,0.5,1,0,0");
+    run_well("$SVOCL trace scene:cube --rays rays.csv -o hits.csv");
+    run_well("cat hits.csv");
+    assert_non_null(strstr(last.output, "ray,t,triangle,u,v\n0,0.5,"));
+    assert_non_null(strstr(last.output, "\n1,inf,-1,0,0\n2,inf,-1,0,0\n3,0.6999999"));
+    run_well("$SVOCL build scene:cube -d 4 --need rays -o cube.svo");
+    run_well("$SVOCL trace cube.svo --rays rays.csv -o again.csv && cmp hits.csv again.csv");
+    cJSON *document = run_json("$SVOCL trace scene:cube --camera auto --size 8x6 -o seen.csv --json");
+    assert_int_equal((int)number_of(document, "rays"), 48);
+    assert_true(number_of(document, "hits") > 10);
+    cJSON_Delete(document);
+    write_text("bad.csv", "0,0,0,1,0,0\n1,2,3,4,5\n");
+    run_badly("$SVOCL trace scene:cube --rays bad.csv -o none.csv", 1, "bad.csv:2");
+    run_badly("$SVOCL trace scene:cube --rays nowhere.csv -o none.csv", 1, "nowhere.csv");
+    run_badly("$SVOCL trace scene:cube -o none.csv", 2, "--rays");
+    run_badly("$SVOCL trace scene:cube --rays rays.csv", 2, "-o");
+    run_badly("$SVOCL trace scene:cube --camera 1,2 -o none.csv", 2, "'1,2'");
+    static const char *const kept[] = {"rays.csv", "hits.csv", "cube.svo", "again.csv", "seen.csv", "bad.csv"};
+    expect_files(kept, sizeof kept / sizeof kept[0]);
+}
+
+/* On little work: that both sides run, and agree. */
+static void rays_are_measured_beside_embree(void **state)
+{
+    (void)state;
+    need_builds();
+    run("$SVOCL bench rays scene:knot:3000 --vs embree --ray-count 5000 --repeat 2 --json");
+    if (strstr(last.errors, "libembree-dev") != NULL) {
+        print_message("skipped: built without libembree-dev\n");
+        skip();
+    }
+    cJSON *document = run_json("$SVOCL bench rays scene:knot:3000 --vs embree --ray-count 5000 --repeat 2 --json");
+    const cJSON *set = NULL;
+    cJSON_ArrayForEach(set, array_of(document, "sets"))
+    {
+        text_of(set, "name");
+        assert_int_equal((int)number_of(set, "rays"), 5000);
+        assert_true(number_of(set, "ours_mrays") > 0 && number_of(set, "embree_mrays") > 0);
+        assert_true(number_of(set, "ratio") > 0);
+        assert_int_equal((int)number_of(set, "wrong_ids"), 0);
+        assert_int_equal((int)number_of(set, "missed"), 0);
+    }
+    cJSON_Delete(document);
+    run_badly("$SVOCL bench", 2, "rays");
+    run_badly("$SVOCL bench sums", 2, "'sums'");
+}
+
+static void every_view_is_a_picture(void **state)
+{
+    (void)state;
+    static const char *const views[] = {"shaded", "normal", "depth", "steps", "level", "triangles"};
+    need_builds();
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "$SVOCL render scene:cube -d 4 --size 32x24 --view %s -o %s.png", views[i],
+                 views[i]);
+        run_well(line);
+        run("test -s shaded.png");
+        assert_int_equal(last.exit_code, 0);
+    }
+    run_badly("$SVOCL render scene:cube --view none -o a.png", 2, "none");
+    run_well("$SVOCL build scene:cube -d 4 -o plain.svo");
+    run_badly("$SVOCL render plain.svo --view triangles -o a.png", 1, "leaf lists");
+}
+
 static void a_picture_is_written(void **state)
 {
     (void)state;
@@ -653,6 +723,9 @@ int main(void)
                                        IN_FOLDER(verify_finds_every_scene_exact),
                                        IN_FOLDER(the_hash_is_the_same_every_way),
                                        IN_FOLDER(hash_says_what_ran),
-                                       IN_FOLDER(a_picture_is_written)};
+                                       IN_FOLDER(a_picture_is_written),
+                                       IN_FOLDER(rays_from_a_file_become_hits),
+                                       IN_FOLDER(rays_are_measured_beside_embree),
+                                       IN_FOLDER(every_view_is_a_picture)};
     return cmocka_run_group_tests_name("program", tests, NULL, NULL);
 }

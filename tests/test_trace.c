@@ -228,7 +228,7 @@ static reference_answer reference_pixel(const occupancy *voxels, const pinhole *
 
 static void render(const svo_tree *tree, const svo_camera *camera, uint8_t *rgba)
 {
-    const svo_render_options options = {sizeof options, WIDTH, HEIGHT, *camera};
+    const svo_render_options options = {sizeof options, WIDTH, HEIGHT, *camera, SVO_VIEW_SHADED};
     memset(rgba, 0x5a, (size_t)WIDTH * HEIGHT * 4);
     if (svo_tree_render(device, tree, &options, queue, rgba) != SVO_OK) {
         fail_msg("%s", svo_device_message(device));
@@ -520,7 +520,8 @@ static void bad_arguments_are_refused(void **unused)
     occupancy *voxels = new_occupancy(1);
     voxels->leaves[0] = true;
     svo_tree *tree = make_tree(voxels, false);
-    const svo_render_options good = {sizeof good, WIDTH, HEIGHT, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}};
+    const svo_render_options good = {
+        sizeof good, WIDTH, HEIGHT, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}, SVO_VIEW_SHADED};
     expect_refusal(tree, NULL, "options is NULL");
     svo_render_options bad = good;
     bad.struct_size = 1;

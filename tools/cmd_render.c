@@ -55,8 +55,10 @@ static int report_picture(program *state, const session *opened, const svo_camer
 static int render(program *state, const session *opened, const svo_tree *tree)
 {
     const options *given = &state->options;
-    svo_render_options render_options = {
-        .struct_size = sizeof render_options, .width = given->width, .height = given->height};
+    svo_render_options render_options = {.struct_size = sizeof render_options,
+                                         .width = given->width,
+                                         .height = given->height,
+                                         .view = (svo_render_view)given->view};
     svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
     uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
     if (rgba == NULL) {
@@ -103,7 +105,11 @@ static int render_tree_file(program *state)
 static int render_mesh(program *state)
 {
     job done;
-    int exit_code = job_run(state, state->options.need, 2, &done);
+    uint32_t need = state->options.need;
+    if (state->options.view == SVO_VIEW_TRIANGLES) {
+        need = need == SVO_NEED_NONE ? SVO_NEED_RAYS : need | SVO_NEED_RAYS;
+    }
+    int exit_code = job_run(state, need, 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

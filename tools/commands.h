@@ -12,6 +12,8 @@ int command_info(program *state);
 int command_hash(program *state);
 int command_verify(program *state);
 int command_render(program *state);
+int command_trace(program *state);
 int command_stress(program *state);
+int command_bench(program *state);
 
 #endif

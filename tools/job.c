@@ -17,6 +17,22 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
     }
 }
 
+/* A plan at the depth that was asked for, or at the one that is best for rays. */
+static svo_status make_plan(const options *given, svo_device *device, const svo_mesh *mesh,
+                            const svo_plan_options *plan_options, svo_plan **out)
+{
+    svo_status status = svo_plan_create(device, mesh, (unsigned)given->depth, plan_options, out);
+    if (status != SVO_OK || !given->depth_for_rays) {
+        return status;
+    }
+    const unsigned depth = svo_plan_ray_depth(*out);
+    if (depth != (unsigned)given->depth) {
+        svo_plan_destroy(out);
+        status = svo_plan_create(device, mesh, depth, plan_options, out);
+    }
+    return status;
+}
+
 /* One build from the mesh to the tree; an earlier build's tree in result is replaced. */
 static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
 {
@@ -30,7 +46,7 @@ static int build_once(program *state, session *opened, const svo_mesh *mesh, uin
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
     progress_step(state->progress, "snapping to the grid");
-    svo_status status = svo_plan_create(opened->device, mesh, (unsigned)given->depth, &plan_options, &plan);
+    svo_status status = make_plan(given, opened->device, mesh, &plan_options, &plan);
     if (status == SVO_OK) {
         session_choose(state, opened, plan);
         progress_step(state->progress, "building the tree");
@@ -93,6 +109,11 @@ static int build_repeatedly(program *state, session *opened, const svo_mesh *mes
     return exit_code;
 }
 
+int job_build(program *state, uint32_t need, job *done)
+{
+    return build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+}
+
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
 {
     *done = (job){0};
@@ -102,7 +123,7 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
         exit_code = session_open(state, &done->opened);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+        exit_code = job_build(state, need, done);
     }
     if (exit_code != PROGRAM_DONE) {
         job_release(done);

@@ -32,6 +32,9 @@ typedef struct job {
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 void job_release(job *done);
 
+/* The building part of job_run, for a source and a session that are open. Leaves both so on failure. */
+int job_build(program *state, uint32_t need, job *done);
+
 /* Adds what ran: frontend and why, share, builder, coverage, context, device, renderer, depth. */
 void job_add_what_ran(cJSON *document, const job *done);
 

@@ -24,10 +24,14 @@ static const command commands[] = {
     {"hash", command_hash, BUILDS | OPTION_HASH_COMMAND, "INPUT", true,
      "Prints the hash of a mesh's octree, or of a .svo file."},
     {"verify", command_verify, BUILDS, "INPUT", true, "Builds the octree and compares it with the exact reference."},
-    {"render", command_render, BUILDS | OPTION_OUTPUT | OPTION_RENDER_COMMAND, "INPUT", true,
+    {"render", command_render, BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_RENDER_COMMAND, "INPUT", true,
      "Draws the octree of a mesh or of a .svo file into a PNG picture."},
+    {"trace", command_trace, BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND, "INPUT", true,
+     "Traces rays from a file or a camera against the triangles of a mesh or of a .svo file."},
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
+    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND, "INPUT", false,
+     "Measures: bench rays [INPUT], rays against triangles, --vs embree beside Embree's."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])

@@ -12,6 +12,7 @@
 
 #include "program.h"
 #include "scenes/scenes.h"
+#include "svocl/trace.h"
 #include "table.h"
 
 typedef struct choice {
@@ -58,6 +59,15 @@ static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"egl-device", SVO_GL_EGL_DEVICE, false},
                                   {"osmesa", SVO_GL_OSMESA, false},
                                   {NULL, 0, false}};
+
+static const choice views[] = {{"shaded", SVO_VIEW_SHADED, false},
+                               {"normal", SVO_VIEW_NORMAL, false},
+                               {"depth", SVO_VIEW_DEPTH, false},
+                               {"steps", SVO_VIEW_STEPS, false},
+                               {"level", SVO_VIEW_LEVEL, false},
+                               {"triangles", SVO_VIEW_TRIANGLES, false},
+                               {NULL, 0, false}};
+static const choice rivals[] = {{"none", 0, false}, {"embree", 1, false}, {NULL, 0, false}};
 
 static void *field(program *state, const rule *option)
 {
@@ -192,6 +202,12 @@ static int read_need(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+static int read_depth(program *state, const rule *option, const char *value)
+{
+    state->options.has_depth = true;
+    return read_count(state, option, value);
+}
+
 static int read_triangles(program *state, const rule *option, const char *value)
 {
     state->options.has_triangles = true;
@@ -225,7 +241,7 @@ static int read_pixels(program *state, const rule *option, const char *value)
 #define FIELD(name) offsetof(options, name)
 
 static const rule rules[] = {
-    {"depth", 'd', OPTION_BUILD, "D", read_count, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
+    {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
      "color,normal,rays,material,fill or none (colours and normals of the mesh)"},
@@ -257,14 +273,24 @@ static const rule rules[] = {
      "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
      "how much work: triangles per case grow with it (8); 0: the least"},
-    {"size", '\0', OPTION_RENDER_COMMAND, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
+    {"size", '\0', OPTION_PICTURE_SIZE, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
      "pixels of the picture (1024x768)"},
-    {"repeat", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
-     "build N times; times are medians without the first (1)"},
+    {"rays", '\0', OPTION_TRACE_COMMAND, "FILE", read_text, FIELD(rays_path), 0, 0, NULL,
+     "CSV file with a ray per line: ox,oy,oz,dx,dy,dz"},
+    {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
+     "a ray per pixel: auto, or eye, target, up, degrees as numbers (6, 9 or 10)"},
+    {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
+     "shaded, normal, depth, steps, level, triangles (shaded)"},
+    {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_BENCH_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
+     "do it N times; times are medians, of builds without the first (1)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash the nodes alone, without lists and payload"},
+    {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
+     "measure this beside it, in turns: embree (none)"},
+    {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
+     "rays of each set (1000000)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
     {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
     {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this"},
@@ -331,6 +357,8 @@ static int parse_all(program *state, const command *which, int argument_count, c
             if (result != PROGRAM_DONE) {
                 return result;
             }
+        } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.subject == NULL) {
+            state->options.subject = arguments[i];
         } else if (which->input_name == NULL || state->options.input != NULL) {
             return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many", arguments[i]);
         } else {
@@ -379,7 +407,8 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .seed = 1,
                                .width = 1024,
                                .height = 768,
-                               .count = 8};
+                               .count = 8,
+                               .ray_count = 1000000};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

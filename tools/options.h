@@ -25,7 +25,10 @@ enum option_group {
     OPTION_SCENE_COMMAND = 128,
     OPTION_RENDER_COMMAND = 256,
     OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
-    OPTION_STRESS_COMMAND = 1024 /* count, seed */
+    OPTION_STRESS_COMMAND = 1024, /* count, seed */
+    OPTION_BENCH_COMMAND = 2048, /* what is measured, against what, with how much */
+    OPTION_TRACE_COMMAND = 4096, /* rays, camera */
+    OPTION_PICTURE_SIZE = 8192
 };
 
 enum option_frontend {
@@ -40,6 +43,7 @@ enum option_frontend {
 
 typedef struct options {
     const char *input; /* the argument that is no option; NULL: none */
+    const char *subject; /* bench: what is measured, the argument before */
     unsigned given_groups; /* groups of the options on the command line */
     uint64_t help, verbose, json; /* flags: 0 or 1 */
 
@@ -48,6 +52,8 @@ typedef struct options {
 
     uint64_t depth;
     int frontend; /* option_frontend */
+    bool has_depth;
+    bool depth_for_rays; /* set by commands: the depth that svo_plan_ray_depth finds, in place of depth */
     int share; /* svo_gl_share */
     int builder; /* svo_builder */
     int coverage; /* svo_coverage */
@@ -65,7 +71,11 @@ typedef struct options {
     uint64_t triangles, seed;
     bool has_triangles, has_seed;
     uint32_t width, height; /* pixels */
+    int view; /* svo_render_view */
     uint64_t count; /* stress: how much work */
+    int versus; /* bench: 0 nothing, 1 Embree */
+    uint64_t ray_count; /* bench: of a set */
+    const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 
 typedef struct command {

@@ -203,6 +203,88 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
 };
 
+/* What kernels/view.cl shows: svo_render_view of trace.h. */
+#define SVO_VIEW_KIND_NORMAL    1u
+#define SVO_VIEW_KIND_DEPTH     2u
+#define SVO_VIEW_KIND_STEPS     3u
+#define SVO_VIEW_KIND_LEVEL     4u
+#define SVO_VIEW_KIND_TRIANGLES 5u
+
+/* A ray in world coordinates: origin + t * direction for t_min <= t <= t_max. 32 bytes. */
+SVO_RECORD(svo_ray)
+{
+    SVO_F32 origin[3]; /* 0 */
+    SVO_F32 direction[3]; /* 12: any length above 0 */
+    SVO_F32 t_min; /* 24: in lengths of direction */
+    SVO_F32 t_max; /* 28: infinity allowed */
+};
+
+/* What a ray met. 32 bytes. */
+SVO_RECORD(svo_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: nothing */
+    SVO_F32 u; /* 8: weight of the triangle's second corner */
+    SVO_F32 v; /* 12: weight of the third; the first has 1 - u - v */
+    SVO_F32 normal[3]; /* 16: of the triangle, unit, by the order of its corners; zero without area */
+    SVO_U32 count; /* 28: leaves looked into; with SVO_TRACE_COUNT the triangles met */
+};
+#define SVO_NO_TRIANGLE 0xffffffffu
+
+/* A point that asks for its nearest triangle. 16 bytes. */
+SVO_RECORD(svo_query_point)
+{
+    SVO_F32 position[3]; /* 0: world */
+    SVO_F32 farthest; /* 12: world: triangles farther away do not count; infinity allowed */
+};
+
+/* The triangle nearest to a point. 32 bytes. */
+SVO_RECORD(svo_nearest)
+{
+    SVO_F32 distance; /* 0: world; infinity: none */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: none */
+    SVO_F32 position[3]; /* 8: world: the nearest point on it */
+    SVO_U32 leaves; /* 20: looked into */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* What a ray met of the voxels. 32 bytes. */
+SVO_RECORD(svo_voxel_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 node; /* 4: into the tree's nodes; SVO_NO_NODE: nothing */
+    SVO_U32 level; /* 8: of the node; the tree's depth: a leaf */
+    SVO_U32 face; /* 12: it was entered by: 2 * axis, plus 1 for the high side; SVO_FACE_NONE: the ray began in it */
+    SVO_F32 normal[3]; /* 16: of that face, unit; zero without one */
+    SVO_U32 steps; /* 28: cells looked into */
+};
+#define SVO_NO_NODE   0xffffffffu
+#define SVO_FACE_NONE 6u
+
+/* What the ray kernels know of a tree besides its arrays. World coordinates are sums of three floats each, which hold a
+   double exactly. 64 bytes. */
+SVO_RECORD(svo_ray_params)
+{
+    SVO_F32 origin[9]; /* 0: of the grid: x, y, z of the first parts, then of the second and third ones */
+    SVO_F32 scale[3]; /* 36: grid units per world unit, in three parts */
+    SVO_U32 depth; /* 48 */
+    SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
+    SVO_U32 levels; /* 56: of wide nodes, each two levels of the octree; the first may be half of one */
+    SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
+};
+
+/* Arguments of the widen kernel: wide nodes of one level. 32 bytes. */
+SVO_RECORD(svo_widen_params)
+{
+    SVO_U32 node_begin; /* 0: first node of the octree's level */
+    SVO_U32 node_count; /* 4 */
+    SVO_U32 child_begin; /* 8: first node of the level below the wide ones: two below, one for a lone root */
+    SVO_U32 wide_begin; /* 12: first record of this level */
+    SVO_U32 wide_child_begin; /* 16: first record of the next level; 0 for leaves */
+    SVO_U32 lone_root; /* 20: not 0: the root alone, as octant 0 of a grid twice as wide */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 /* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
 #if !defined(GL_core_profile)
 #if defined(__OPENCL_C_VERSION__)
@@ -223,6 +305,13 @@ SVO_ASSERT_BYTES(svo_ascend_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
+SVO_ASSERT_BYTES(svo_ray, 32);
+SVO_ASSERT_BYTES(svo_hit, 32);
+SVO_ASSERT_BYTES(svo_query_point, 16);
+SVO_ASSERT_BYTES(svo_nearest, 32);
+SVO_ASSERT_BYTES(svo_voxel_hit, 32);
+SVO_ASSERT_BYTES(svo_ray_params, 64);
+SVO_ASSERT_BYTES(svo_widen_params, 32);
 #endif
 
 #endif

@@ -8,7 +8,7 @@
  *   svo_plan    what a build will do              plan.h
  *   svo_build   plan + front end + queue -> tree  build.h
  *   svo_tree    the result: buffers, hash         tree.h
- *   rays        pictures                          trace.h
+ *   rays        triangles, voxels, pictures       trace.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H

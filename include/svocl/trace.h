@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Casting rays through the tree's voxels on the device: for now pictures, every pixel one ray that stops at the first
- * leaf (or at the first node that is smaller than a pixel).
+ * Rays through a tree on the device: pictures of its voxels, batches of rays against its triangles, the nearest triangle
+ * to points, and the same in a kernel of one's own.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
 
 #include <stdint.h>
 
+#include "svocl/layout.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
@@ -26,14 +27,25 @@ typedef struct svo_camera {
    aspect: width / height, above 0; anything else counts as 1. Needs the host arrays (svo_tree_download). */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
 
+/* What a picture shows. */
+typedef enum svo_render_view {
+    SVO_VIEW_SHADED = 0, /* light, shadows, colours */
+    SVO_VIEW_NORMAL = SVO_VIEW_KIND_NORMAL, /* x, y, z as red, green, blue: the voxel's own, else its face's */
+    SVO_VIEW_DEPTH = SVO_VIEW_KIND_DEPTH, /* near ones bright */
+    SVO_VIEW_STEPS = SVO_VIEW_KIND_STEPS, /* cells the ray looked into, from blue to red at 64 */
+    SVO_VIEW_LEVEL = SVO_VIEW_KIND_LEVEL, /* a colour for the level of the node it stopped at */
+    SVO_VIEW_TRIANGLES = SVO_VIEW_KIND_TRIANGLES /* a colour for each triangle; needs SVO_NEED_RAYS */
+} svo_render_view;
+
 typedef struct svo_render_options {
     size_t struct_size; /* sizeof(svo_render_options) */
     uint32_t width, height; /* pixels, 1 .. 16384 */
     svo_camera camera;
+    svo_render_view view;
 } svo_render_options;
 
 /*
- * Draws the tree and waits for it: voxels shaded by normal (their own, else the face the ray entered by) and colour
+ * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the ray entered by) and colour
  * (their own, else light grey), with soft shadowing from a second ray towards the light.
  *
  * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
@@ -41,6 +53,81 @@ typedef struct svo_render_options {
  */
 SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
+
+/* What a batch of rays asks for. */
+typedef enum svo_trace_flags {
+    SVO_TRACE_CLOSEST = 0, /* the first triangle along each ray: by t as reported, then by its position in the mesh */
+    SVO_TRACE_ANY = 1, /* whether there is one: the record is of some triangle that the ray meets */
+    SVO_TRACE_COUNT = 2 /* how many there are, each once; the record is of the first one */
+} svo_trace_flags;
+
+#define SVO_TRACE_RAYS_MAX 0x7fffffffu
+
+/*
+ * Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
+ *
+ * Which triangle is hit, its t, u and v are decided in double and are the same on every device with cl_khr_fp64, whatever
+ * the tree's depth. Closed surfaces have no gaps: a ray through an edge or a corner meets one of the triangles that share
+ * it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number that is not
+ * finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
+ *
+ * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray (layout.h). hits: ray_count
+ * records svo_hit, written whole, in the order of the rays. ray_count: at most SVO_TRACE_RAYS_MAX. flags: one of
+ * svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event: as in clEnqueueNDRangeKernel.
+ *
+ * The first call of a device handle compiles the kernel. Nothing is allocated on the device.
+ * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED, SVO_CL_ERROR.
+ */
+SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
+                                          uint32_t flags, cl_command_queue queue, cl_uint num_wait,
+                                          const cl_event *wait, cl_event *event);
+
+/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
+                                  uint32_t flags, cl_command_queue queue);
+
+/*
+ * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the mesh.
+ * Distances are measured in double and rounded to float, on devices with cl_khr_fp64. For triangles that lie inside the
+ * grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has none.
+ *
+ * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All else as
+ * for svo_tree_trace_enqueue.
+ */
+SVO_API svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                            cl_event *event);
+/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
+                                    size_t point_count, cl_command_queue queue);
+
+/*
+ * Rays in a kernel of one's own. The source is a text in OpenCL C 1.2 to put before the kernel's:
+ *
+ *   clCreateProgramWithSource(context, 2, (const char *[]){svo_tree_kernel_source(), mine}, NULL, &error)
+ *   clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL)
+ *
+ * It declares what kernels need:
+ *
+ *   SVO_TREE_PARAMETERS    among the kernel's parameters, SVO_TREE_ARGUMENTS of them
+ *   SVO_TREE_MAKE(tree)    an svo_tree from these parameters
+ *   svo_ray, svo_hit, svo_voxel_hit    as in layout.h
+ *   bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
+ *   bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
+ *   uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *   bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
+ *        the first leaf, or a larger node where a pixel of that footprint is larger still; for trees without lists too
+ *
+ * Other names it declares begin with svo_ or SVO_. Both strings are static.
+ */
+#define SVO_TREE_ARGUMENTS 6u
+SVO_API const char *svo_tree_kernel_source(void);
+SVO_API const char *svo_tree_kernel_options(void);
+
+/* Sets the kernel's arguments first_index .. first_index + SVO_TREE_ARGUMENTS - 1, where SVO_TREE_PARAMETERS stand. The
+   tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS.
+   Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_CL_ERROR. */
+SVO_API svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays in a kernel of one's own: a ring that throws a shadow on itself, one work-item per pixel, drawn with letters. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "svocl/gl.h"
+#include "svocl/svocl.h"
+
+#define ROUND  96u /* corners around the ring, and around its tube */
+#define TUBE   48u
+#define WIDTH  72u
+#define HEIGHT 30u
+
+/* The whole of the integrator's side: svo_trace_closest finds what a pixel sees, svo_trace_any what is in the light's way.
+   The picture holds 0 for nothing, 1 for shadow, 2 and up for light. */
+static const char kernel_source[] =
+    "__kernel void draw(SVO_TREE_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const uint x = get_global_id(0);\n"
+    "    const uint y = get_global_id(1);\n"
+    "    const float3 sun = normalize((float3)(0.9f, 0.3f, 0.25f));\n"
+    "    const float right = ((float)x + 0.5f) / (float)width * 4.2f - 2.1f;\n"
+    "    const float up = 1.75f - ((float)y + 0.5f) / (float)height * 3.5f;\n"
+    "    const svo_ray ray = {{right, up + 4.0f, 4.0f - up}, {0.0f, -1.0f, -1.0f}, 0.0f, INFINITY};\n"
+    "    svo_hit hit;\n"
+    "    uchar shade = 0;\n"
+    "    if (svo_trace_closest(&tree, &ray, &hit)) {\n"
+    "        const float3 normal = (float3)(hit.normal[0], hit.normal[1], hit.normal[2]);\n"
+    "        const float light = dot(normal, sun);\n"
+    "        svo_ray shadow = {{0.0f, 0.0f, 0.0f}, {sun.x, sun.y, sun.z}, 0.01f, INFINITY};\n"
+    "        svo_hit blocker;\n"
+    "        for (int axis = 0; axis < 3; ++axis) {\n"
+    "            shadow.origin[axis] = ray.origin[axis] + hit.t * ray.direction[axis];\n"
+    "        }\n"
+    "        shade = light <= 0.0f || svo_trace_any(&tree, &shadow, &blocker) ? 1 : 2 + (uchar)(light * 4.99f);\n"
+    "    }\n"
+    "    picture[y * width + x] = shade;\n"
+    "}\n";
+
+/* A ring around the z axis. */
+static void make_ring(float *positions, uint32_t *indices)
+{
+    for (uint32_t i = 0; i < ROUND * TUBE; ++i) {
+        const double around = 6.283185307179586 * (i / TUBE) / ROUND;
+        const double across = 6.283185307179586 * (i % TUBE) / TUBE;
+        const double radius = 1.3 + 0.45 * cos(across);
+        positions[3 * i] = (float)(radius * cos(around));
+        positions[3 * i + 1] = (float)(radius * sin(around));
+        positions[3 * i + 2] = (float)(0.45 * sin(across));
+        const uint32_t a = i;
+        const uint32_t b = i / TUBE * TUBE + (i + 1) % TUBE;
+        const uint32_t c = (i + TUBE) % (ROUND * TUBE);
+        const uint32_t d = (b + TUBE) % (ROUND * TUBE);
+        const uint32_t corners[6] = {a, c, b, b, c, d};
+        for (uint32_t k = 0; k < 6; ++k) {
+            indices[6 * i + k] = corners[k];
+        }
+    }
+}
+
+/* The text of svocl before one's own; the tree's arguments before one's own. */
+static cl_kernel make_kernel(const svo_device *device, const svo_tree *tree, cl_mem picture)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), kernel_source};
+    const cl_device_id id = svo_device_cl_device(device);
+    const cl_uint width = WIDTH;
+    const cl_uint height = HEIGHT;
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 2, sources, NULL, NULL);
+    cl_kernel kernel = NULL;
+    if (program != NULL && clBuildProgram(program, 1, &id, svo_tree_kernel_options(), NULL, NULL) == CL_SUCCESS)
+        kernel = clCreateKernel(program, "draw", NULL);
+    if (kernel != NULL &&
+        (svo_tree_set_args(tree, kernel, 0) != SVO_OK ||
+         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
+         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
+         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {
+        clReleaseKernel(kernel);
+        kernel = NULL;
+    }
+    if (program != NULL)
+        clReleaseProgram(program);
+    return kernel;
+}
+
+static void print_picture(const unsigned char *picture)
+{
+    unsigned seen = 0;
+    unsigned dark = 0;
+    for (unsigned y = 0; y < HEIGHT; ++y) {
+        for (unsigned x = 0; x < WIDTH; ++x) {
+            const unsigned char shade = picture[y * WIDTH + x];
+            putchar(" .:-=+*#"[shade & 7]);
+            seen += shade > 0;
+            dark += shade == 1;
+        }
+        putchar('\n');
+    }
+    printf("%u pixels see the ring, %u of them in its own shadow\n", seen, dark);
+}
+
+static bool draw(const svo_device *device, const svo_tree *tree, cl_command_queue queue)
+{
+    unsigned char pixels[WIDTH * HEIGHT];
+    const size_t size[2] = {WIDTH, HEIGHT};
+    const size_t group[2] = {WIDTH, 1};
+    cl_mem picture = clCreateBuffer(svo_device_cl_context(device), CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
+    cl_kernel kernel = picture != NULL ? make_kernel(device, tree, picture) : NULL;
+    const bool drawn =
+        kernel != NULL && clEnqueueNDRangeKernel(queue, kernel, 2, NULL, size, group, 0, NULL, NULL) == CL_SUCCESS &&
+        clEnqueueReadBuffer(queue, picture, CL_TRUE, 0, sizeof pixels, pixels, 0, NULL, NULL) == CL_SUCCESS;
+    if (drawn)
+        print_picture(pixels);
+    if (kernel != NULL)
+        clReleaseKernel(kernel);
+    if (picture != NULL)
+        clReleaseMemObject(picture);
+    return drawn;
+}
+
+int main(void)
+{
+    static float positions[ROUND * TUBE * 3];
+    static uint32_t indices[ROUND * TUBE * 6];
+    const svo_mesh ring = {.struct_size = sizeof(svo_mesh),
+                           .positions = positions,
+                           .vertex_count = ROUND * TUBE,
+                           .indices = indices,
+                           .triangle_count = ROUND * TUBE * 2};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
+    svo_message message = {""};
+    svo_device *device = NULL;
+    svo_gl_context *context = NULL;
+    svo_gl *gl = NULL;
+    cl_command_queue queue = NULL;
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+
+    make_ring(positions, indices);
+    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK &&
+                svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &message) == SVO_OK &&
+                svo_gl_create(device, context, NULL, &gl) == SVO_OK;
+    if (done)
+        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
+    done = done && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
+           svo_build(plan, svo_gl_frontend(gl), queue, &tree, NULL) == SVO_OK && draw(device, tree, queue);
+    if (!done)
+        fprintf(stderr, "%s\n", device == NULL || message.text[0] != '\0' ? message.text : svo_device_message(device));
+
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+    if (queue != NULL)
+        clReleaseCommandQueue(queue);
+    svo_gl_destroy(&gl);
+    svo_gl_context_destroy(&context);
+    svo_device_destroy(&device);
+    return done ? 0 : 1;
+}

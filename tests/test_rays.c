@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays and points against the triangles of a tree, beside a reference that tries every triangle in long double: hits, any
+ * hit, counts, nearest triangles, trees of every depth, kernels of one's own, and the ways to call it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "meshes.h"
+#include "ray_check.h"
+
+/* ---- any hit, counts, depths ---- */
+
+static void any_hit_and_count_agree_with_the_reference(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 2000 };
+    static svo_ray rays[RAYS];
+    static svo_hit closest[RAYS];
+    static svo_hit any[RAYS];
+    static svo_hit count[RAYS];
+    uint64_t random = 99;
+    owned_mesh owned;
+    built tree;
+    random_mesh(4, 500, 0, &owned);
+    build_for_rays(opened, &owned.mesh, 6, NULL, 0, &tree);
+    const oracle_ray_scene mesh = ray_scene_of(&tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 3.0);
+    }
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, closest);
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_ANY, any);
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_COUNT, count);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const oracle_ray wide = widen_ray(&rays[i]);
+        assert_int_equal(any[i].triangle == SVO_NO_TRIANGLE, closest[i].triangle == SVO_NO_TRIANGLE);
+        assert_int_equal(count[i].triangle, closest[i].triangle);
+        assert_int_equal(count[i].count, oracle_ray_count(&mesh, &wide));
+        double t = 0;
+        if (any[i].triangle != SVO_NO_TRIANGLE) {
+            assert_true(oracle_ray_meets(&mesh, any[i].triangle, &wide, &t)); /* none refused: ids are positions */
+            assert_true(is_tied(&mesh, &rays[i], (double)any[i].t, t));
+        }
+    }
+    built_destroy(&tree);
+    owned_mesh_free(&owned);
+}
+
+/* Everything but the leaves looked into. */
+static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, unsigned depth)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (memcmp(&a[i], &b[i], offsetof(svo_hit, count)) != 0) {
+            fail_msg("depth %u, ray %zu: triangle %d at %.9g instead of %d at %.9g", depth, i, (int)a[i].triangle,
+                     (double)a[i].t, (int)b[i].triangle, (double)b[i].t);
+        }
+    }
+}
+
+static void hits_do_not_depend_on_the_depth(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 4000 };
+    static svo_ray rays[RAYS];
+    static svo_hit first[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 2;
+    scene *made = make_scene("knot:3000");
+    for (unsigned depth = 1; depth <= 11; ++depth) {
+        built tree;
+        build_for_rays(opened, scene_mesh(made), depth, NULL, 0, &tree);
+        for (size_t i = 0; i < RAYS && depth == 1; ++i) {
+            rays[i] = random_ray(&random, 3.0);
+            for (int axis = 0; axis < 3; ++axis) {
+                rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * (double)rays[i].origin[axis]);
+            }
+        }
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, depth == 1 ? first : hits);
+        assert_same_hits(depth == 1 ? first : hits, first, RAYS, depth);
+        built_destroy(&tree);
+    }
+    scene_destroy(&made);
+}
+
+/* u, v and the normal of one known triangle. */
+static void a_hit_says_where_on_the_triangle(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    static const float corners[9] = {0, 0, 0, 4, 0, 0, 0, 4, 0};
+    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = corners, .vertex_count = 3, .triangle_count = 1};
+    const double origin[3] = {-4, -4, -4};
+    const svo_ray ray = {{1, 2, 3}, {0, 0, -0.5f}, 0, 100};
+    svo_hit hit;
+    built tree;
+    build_for_rays(opened, &mesh, 3, origin, 16, &tree);
+    trace_rays(opened, &tree, &ray, 1, SVO_TRACE_CLOSEST, &hit);
+    assert_int_equal(hit.triangle, 0);
+    assert_true(hit.t == 6.0f && hit.u == 0.25f && hit.v == 0.5f);
+    assert_true(hit.normal[0] == 0.0f && hit.normal[1] == 0.0f && hit.normal[2] == 1.0f);
+    built_destroy(&tree);
+}
+
+static void an_empty_tree_is_never_met(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    const svo_mesh nothing = {.struct_size = sizeof nothing};
+    const svo_ray ray = {{0.5f, 0.5f, -1}, {0, 0, 1}, 0, INFINITY};
+    for (unsigned depth = 1; depth <= 4; ++depth) {
+        svo_hit hit;
+        built tree;
+        build_for_rays(opened, &nothing, depth, NULL, 0, &tree);
+        trace_rays(opened, &tree, &ray, 1, SVO_TRACE_CLOSEST, &hit);
+        assert_int_equal(hit.triangle, SVO_NO_TRIANGLE);
+        built_destroy(&tree);
+    }
+}
+
+/* ---- nearest triangles ---- */
+
+static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint64_t seed)
+{
+    enum { POINTS = 1500 };
+    static svo_query_point points[POINTS];
+    static svo_nearest results[POINTS];
+    uint64_t random = seed;
+    built tree;
+    build_for_rays(opened, mesh, depth, NULL, 0, &tree);
+    const oracle_ray_scene snapped = ray_scene_of(&tree);
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double spread = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 2.0 : 30.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            points[i].position[axis] =
+                (float)(tree.info.origin[axis] + tree.info.edge * (0.5 + spread * (random_unit(&random) - 0.5)));
+        }
+        points[i].farthest = i % 5 == 0 ? (float)(tree.info.edge * 0.05) : INFINITY;
+    }
+    assert_int_equal(svo_tree_nearest(tree.tree, points, results, POINTS, opened->queue), SVO_OK);
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double at[3] = {(double)points[i].position[0], (double)points[i].position[1],
+                              (double)points[i].position[2]};
+        size_t triangle = 0;
+        const double distance = oracle_nearest(&snapped, at, &triangle);
+        const double slack = distance * 0x1p-22 + 1e-3 / snapped.scale;
+        if (results[i].triangle == SVO_NO_TRIANGLE) {
+            assert_true(distance >= (double)points[i].farthest - slack);
+            continue;
+        }
+        const uint32_t met = results[i].triangle; /* none refused: ids are positions */
+        if (fabs((double)results[i].distance - distance) > slack ||
+            oracle_triangle_distance(&snapped, met, at) > distance + slack) {
+            fail_msg("depth %u, point %zu: triangle %u at %.9g, the reference has %zu at %.9g", depth, i, met,
+                     (double)results[i].distance, triangle, distance);
+        }
+        double moved = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            moved += ((double)results[i].position[axis] - at[axis]) * ((double)results[i].position[axis] - at[axis]);
+        }
+        assert_true(fabs(sqrt(moved) - distance) <= tree.info.edge * 1e-5);
+    }
+    built_destroy(&tree);
+}
+
+static void the_nearest_triangle_is_the_nearest(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = make_scene("knot:1500");
+    owned_mesh owned;
+    random_mesh(31, 300, 0, &owned);
+    for (unsigned depth = 1; depth <= 7; depth += 2) {
+        check_nearest(opened, &owned.mesh, depth, depth);
+    }
+    check_nearest(opened, scene_mesh(made), 6, 6);
+    owned_mesh_free(&owned);
+    scene_destroy(&made);
+}
+
+/* ---- a kernel of one's own ---- */
+
+static const char voxel_kernel[] =
+    "__kernel void find(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const svo_ray ray = rays[get_global_id(0)];\n"
+    "    svo_voxel_hit hit;\n"
+    "    svo_trace_voxel(&tree, &ray, 0.0f, &hit);\n"
+    "    hits[get_global_id(0)] = hit;\n"
+    "}\n";
+
+static cl_kernel make_voxel_kernel(const fixture *opened)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), voxel_kernel};
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_int error = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, &error);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "find", &error);
+    assert_int_equal(error, CL_SUCCESS);
+    clReleaseProgram(program);
+    return kernel;
+}
+
+static void run_voxel_kernel(const fixture *opened, const built *tree, const svo_ray *rays, svo_voxel_hit *hits,
+                             size_t count)
+{
+    cl_context context = svo_device_cl_context(opened->device);
+    cl_kernel kernel = make_voxel_kernel(opened);
+    const size_t local = 50;
+    cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *rays, NULL, NULL);
+    cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
+    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
+    clEnqueueWriteBuffer(opened->queue, from, CL_TRUE, 0, count * sizeof *rays, rays, 0, NULL, NULL);
+    assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &count, &local, 0, NULL, NULL), CL_SUCCESS);
+    clEnqueueReadBuffer(opened->queue, to, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL);
+    clReleaseMemObject(from);
+    clReleaseMemObject(to);
+    clReleaseKernel(kernel);
+}
+
+/* The tree need not hold lists. Voxels come before the triangles in them, by at most their diagonal. */
+static void voxels_are_met_just_before_their_triangles(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 1000 };
+    static svo_ray rays[RAYS];
+    static svo_hit triangles[RAYS];
+    static svo_voxel_hit voxels[RAYS];
+    uint64_t random = 8;
+    scene *made = make_scene("knot:3000");
+    built tree;
+    built plain;
+    size_t met = 0;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    fixture_build(opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 1.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double side = axis == (int)(i % 3) ? 2.0 : (double)rays[i].origin[axis];
+            const double towards = tree.info.origin[axis] + tree.info.edge * random_unit(&random);
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * side);
+            rays[i].direction[axis] = (float)(towards - (double)rays[i].origin[axis]);
+        }
+    }
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, triangles);
+    run_voxel_kernel(opened, &plain, rays, voxels, RAYS);
+    for (size_t i = 0; i < RAYS; ++i) {
+        if (triangles[i].triangle != SVO_NO_TRIANGLE) {
+            ++met;
+            assert_int_not_equal(voxels[i].node, SVO_NO_NODE);
+            assert_true(voxels[i].t <= triangles[i].t * 1.0001f);
+        }
+        if (voxels[i].node != SVO_NO_NODE) {
+            assert_int_equal(voxels[i].level, 6);
+            assert_in_range(voxels[i].node, plain.info.inner_count, plain.info.node_count - 1);
+            assert_in_range(voxels[i].face, 0, 5);
+            const int axis = (int)voxels[i].face / 2;
+            assert_true(voxels[i].normal[axis] == (voxels[i].face % 2 == 0 ? -1.0f : 1.0f));
+            assert_true(voxels[i].normal[axis] * rays[i].direction[axis] < 0.0f);
+        }
+    }
+    assert_true(met > RAYS / 20);
+    built_destroy(&plain);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
+/* ---- calls ---- */
+
+static void refuses_what_it_cannot_do(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = make_scene("cube");
+    const svo_ray ray = {{0.5f, 0.5f, -1}, {0, 0, 1}, 0, INFINITY};
+    svo_hit hit;
+    built plain;
+    built tree;
+    fixture_build(opened, scene_mesh(made), 3, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
+    build_for_rays(opened, scene_mesh(made), 3, NULL, 0, &tree);
+    assert_int_equal(svo_tree_trace(plain.tree, &ray, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
+    assert_int_equal(svo_tree_trace(tree.tree, NULL, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_trace(tree.tree, &ray, NULL, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 1, 0, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 1, 7, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_trace(NULL, &ray, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 0, 0, opened->queue), SVO_OK);
+    built_destroy(&tree);
+    built_destroy(&plain);
+    scene_destroy(&made);
+}
+
+/* On a queue that may run commands in any order, events alone say what comes first. */
+static void events_order_an_out_of_order_queue(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = make_scene("cube");
+    built tree;
+    build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &tree);
+    cl_int error = CL_SUCCESS;
+    cl_context context = svo_device_cl_context(opened->device);
+    cl_command_queue queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device),
+                                                  CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
+    if (error != CL_SUCCESS) {
+        queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device), 0, &error);
+    }
+    const svo_ray ray = {{(float)(tree.info.origin[0] + tree.info.edge * 0.3),
+                          (float)(tree.info.origin[1] + tree.info.edge * 0.4), (float)(tree.info.origin[2] - 1)},
+                         {0, 0, 1},
+                         0,
+                         INFINITY};
+    svo_hit hit = {.triangle = SVO_NO_TRIANGLE};
+    cl_mem rays = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof ray, NULL, &error);
+    cl_mem hits = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof hit, NULL, &error);
+    cl_event events[2] = {NULL, NULL};
+    assert_int_equal(clEnqueueWriteBuffer(queue, rays, CL_FALSE, 0, sizeof ray, &ray, 0, NULL, &events[0]), CL_SUCCESS);
+    assert_int_equal(svo_tree_trace_enqueue(tree.tree, rays, hits, 1, 0, queue, 1, &events[0], &events[1]), SVO_OK);
+    assert_int_equal(clEnqueueReadBuffer(queue, hits, CL_TRUE, 0, sizeof hit, &hit, 1, &events[1], NULL), CL_SUCCESS);
+    assert_int_not_equal(hit.triangle, SVO_NO_TRIANGLE);
+    assert_true(fabsf(hit.t - 1.0f) < 1e-4f);
+    assert_int_equal(svo_tree_trace_enqueue(tree.tree, rays, hits, 2, 0, queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    for (int i = 0; i < 2; ++i) {
+        clReleaseEvent(events[i]);
+    }
+    clReleaseMemObject(rays);
+    clReleaseMemObject(hits);
+    clReleaseCommandQueue(queue);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hit_says_where_on_the_triangle),
+        cmocka_unit_test(an_empty_tree_is_never_met),
+        cmocka_unit_test(any_hit_and_count_agree_with_the_reference),
+        cmocka_unit_test(hits_do_not_depend_on_the_depth),
+        cmocka_unit_test(the_nearest_triangle_is_the_nearest),
+        cmocka_unit_test(voxels_are_met_just_before_their_triangles),
+        cmocka_unit_test(refuses_what_it_cannot_do),
+        cmocka_unit_test(events_order_an_out_of_order_queue),
+    };
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}

@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svocl bench rays: millions of rays per second against the triangles of a tree, beside Embree's rtcIntersect1 on as many
+ * threads, in one run, in turns, over the same rays and the same snapped triangles.
+ *
+ * The mesh is snapped to integers first and built from those, so that grid units are world units, and both sides get the
+ * same bits for every vertex and every ray.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "bench.h"
+#include "embree.h"
+#include "job.h"
+#include "ray_judge.h"
+#include "ray_sets.h"
+#include "table.h"
+
+#define DEFAULT_INPUT   "scene:statue:120000"
+#define DEFAULT_REPEATS 7u
+#define SNAP_MAX        1048575.0 /* 2^20 - 1 */
+
+/* One set of rays, and what came of it. */
+typedef struct ray_set {
+    const char *name;
+    svo_ray *rays;
+    double ours_ms, theirs_ms; /* medians; theirs 0 without Embree */
+    ray_verdict verdict;
+} ray_set;
+
+#define SET_COUNT 2
+
+typedef struct ray_bench {
+    program *state;
+    job work;
+    svo_mesh snapped; /* the input with integer coordinates */
+    float *positions;
+    embree *rival; /* NULL: none asked for */
+    unsigned threads;
+    size_t ray_count, repeats;
+    svo_hit *ours, *theirs;
+    cl_mem device_rays, device_hits;
+    ray_set sets[SET_COUNT];
+} ray_bench;
+
+/* ---- the scene ---- */
+
+static double position_of(const svo_mesh *mesh, size_t index)
+{
+    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
+}
+
+/* Integers 0 .. 2^20 - 1 in place of coordinates; what is not finite stays so and is refused by the build. */
+static int snap_mesh(ray_bench *bench)
+{
+    const svo_mesh *mesh = bench->work.source.mesh;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    double edge = 0;
+    bench->positions = calloc(mesh->vertex_count * 3 + 1, sizeof *bench->positions);
+    if (bench->positions == NULL) {
+        return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu vertices", mesh->vertex_count);
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+        for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+            const double at = position_of(mesh, i);
+            if (isfinite(at) && pass == 0) {
+                low[i % 3] = fmin(low[i % 3], at);
+            } else if (isfinite(at)) {
+                edge = fmax(edge, at - low[i % 3]);
+            }
+        }
+    }
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        bench->positions[i] = (float)rint((position_of(mesh, i) - low[i % 3]) * (SNAP_MAX / (edge > 0 ? edge : 1)));
+    }
+    bench->snapped = (svo_mesh){.struct_size = sizeof bench->snapped,
+                                .positions = bench->positions,
+                                .vertex_count = mesh->vertex_count,
+                                .indices = mesh->indices,
+                                .triangle_count = mesh->triangle_count};
+    bench->work.source.mesh = &bench->snapped;
+    return PROGRAM_DONE;
+}
+
+/* Embree's copy of the triangles that the tree holds. */
+static int open_rival(ray_bench *bench)
+{
+    svo_tree_arrays arrays;
+    const svo_tree_info *info = &bench->work.result.info;
+    svo_tree_get_arrays(bench->work.result.tree, &arrays);
+    float *vertices = calloc((size_t)info->vertex_count * 3 + 1, sizeof *vertices);
+    if (vertices != NULL) {
+        for (size_t i = 0; i < (size_t)info->vertex_count * 3; ++i) {
+            vertices[i] = (float)arrays.vertices[i];
+        }
+        bench->rival =
+            embree_create(vertices, (size_t)info->vertex_count, arrays.indices, (size_t)info->list_triangle_count);
+    }
+    free(vertices);
+    return bench->rival != NULL ? PROGRAM_DONE
+                                : program_fail(bench->state, PROGRAM_FAILED, "Embree cannot take the triangles");
+}
+
+/* ---- rays ---- */
+
+static cl_mem make_buffer(const ray_bench *bench, size_t bytes)
+{
+    cl_int error = CL_SUCCESS;
+    return clCreateBuffer(svo_device_cl_context(bench->work.opened.device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+}
+
+static int make_rays(ray_bench *bench)
+{
+    static const char *const names[SET_COUNT] = {"primary", "incoherent"};
+    const size_t count = bench->ray_count;
+    const svo_tree *tree = bench->work.result.tree;
+    svo_camera camera;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    double high[3] = {0, 0, 0};
+    for (size_t i = 0; i < bench->snapped.vertex_count * 3; ++i) {
+        const double at = (double)bench->positions[i];
+        low[i % 3] = isfinite(at) ? fmin(low[i % 3], at) : low[i % 3];
+        high[i % 3] = isfinite(at) ? fmax(high[i % 3], at) : high[i % 3];
+    }
+    bool there = true;
+    for (int k = 0; k < SET_COUNT; ++k) {
+        bench->sets[k].name = names[k];
+        bench->sets[k].rays = calloc(count, sizeof(svo_ray));
+        there = there && bench->sets[k].rays != NULL;
+    }
+    bench->ours = calloc(count, sizeof(svo_hit));
+    bench->theirs = calloc(count, sizeof(svo_hit));
+    bench->device_rays = make_buffer(bench, count * sizeof(svo_ray));
+    bench->device_hits = make_buffer(bench, count * sizeof(svo_hit));
+    if (!there || bench->ours == NULL || bench->theirs == NULL || bench->device_rays == NULL ||
+        bench->device_hits == NULL) {
+        return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu rays", count);
+    }
+    svo_camera_frame(tree, 1.0f, &camera);
+    ray_set_primary(&camera, count, bench->sets[0].rays);
+    ray_set_incoherent(low, high, count, bench->sets[1].rays);
+    return PROGRAM_DONE;
+}
+
+/* ---- measuring ---- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double left = *(const double *)a;
+    const double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+static double median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, compare_doubles);
+    return values[count / 2];
+}
+
+/* One pass of ours, from the call to its end; below 0 when it fails. */
+static double trace_ours(ray_bench *bench)
+{
+    const session *opened = &bench->work.opened;
+    cl_event event = NULL;
+    const double start_ms = input_now_ms();
+    if (svo_tree_trace_enqueue(bench->work.result.tree, bench->device_rays, bench->device_hits, bench->ray_count,
+                               SVO_TRACE_CLOSEST, opened->queue, 0, NULL, &event) != SVO_OK) {
+        return -1.0;
+    }
+    const cl_int error = clWaitForEvents(1, &event);
+    const double ms = input_now_ms() - start_ms;
+    clReleaseEvent(event);
+    return error == CL_SUCCESS ? ms : -1.0;
+}
+
+/* Ours and theirs in turns; the first turn warms up and is not counted. */
+static int measure_set(ray_bench *bench, ray_set *set)
+{
+    const size_t bytes = bench->ray_count * sizeof(svo_ray);
+    cl_command_queue queue = bench->work.opened.queue;
+    double *times = calloc(2 * bench->repeats, sizeof *times);
+    bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
+                                                        NULL, NULL) == CL_SUCCESS;
+    for (size_t turn = 0; turn <= bench->repeats && worked; ++turn) {
+        const double ours = trace_ours(bench);
+        const double theirs = bench->rival != NULL ? embree_trace(bench->rival, set->rays, bench->theirs,
+                                                                  bench->ray_count, bench->threads)
+                                                   : 0.0;
+        worked = ours >= 0 && theirs >= 0;
+        if (turn > 0) {
+            times[turn - 1] = ours;
+            times[bench->repeats + turn - 1] = theirs;
+        }
+    }
+    worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
+                                           bench->ours, 0, NULL, NULL) == CL_SUCCESS;
+    if (worked) {
+        set->ours_ms = median(times, bench->repeats);
+        set->theirs_ms = median(times + bench->repeats, bench->repeats);
+    }
+    free(times);
+    return worked ? PROGRAM_DONE : program_fail_library(bench->state, svo_device_message(bench->work.opened.device));
+}
+
+static void judge_set(ray_bench *bench, ray_set *set)
+{
+    svo_tree_arrays arrays;
+    const svo_tree_info *info = &bench->work.result.info;
+    svo_tree_get_arrays(bench->work.result.tree, &arrays);
+    const oracle_ray_scene snapped = {.vertices = arrays.vertices,
+                                      .indices = arrays.indices,
+                                      .triangle_count = (size_t)info->list_triangle_count,
+                                      .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                                      .scale = info->scale};
+    if (bench->rival != NULL) { /* its triangles are counted without the refused ones */
+        for (size_t i = 0; i < bench->ray_count; ++i) {
+            const uint32_t triangle = bench->theirs[i].triangle;
+            bench->theirs[i].triangle = triangle != SVO_NO_TRIANGLE ? arrays.triangle_ids[triangle] : triangle;
+        }
+    }
+    set->verdict = ray_judge(&snapped, arrays.triangle_ids, set->rays, bench->ours,
+                             bench->rival != NULL ? bench->theirs : NULL, bench->ray_count);
+}
+
+/* ---- reporting ---- */
+
+static double mrays(const ray_bench *bench, double ms)
+{
+    return ms > 0 ? (double)bench->ray_count / ms * 1e-3 : 0.0;
+}
+
+static int print_json(const ray_bench *bench)
+{
+    cJSON *document = cJSON_CreateObject();
+    json_add_text(document, "input", bench->work.source.name);
+    job_add_what_ran(document, &bench->work);
+    json_add_count(document, "triangles", bench->work.result.info.list_triangle_count);
+    json_add_count(document, "threads", bench->threads);
+    json_add_count(document, "repeats", bench->repeats);
+    json_add_text(document, "vs", bench->rival != NULL ? "embree" : NULL);
+    json_add_text(document, "embree_version", bench->rival != NULL ? embree_version(bench->rival) : NULL);
+    cJSON *sets = cJSON_AddArrayToObject(document, "sets");
+    for (int k = 0; k < SET_COUNT; ++k) {
+        const ray_set *set = &bench->sets[k];
+        cJSON *one = cJSON_CreateObject();
+        json_add_text(one, "name", set->name);
+        json_add_count(one, "rays", bench->ray_count);
+        json_add_count(one, "hits", set->verdict.hits);
+        cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
+        cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms));
+        if (bench->rival != NULL) {
+            cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms));
+            cJSON_AddNumberToObject(one, "ratio", set->theirs_ms / set->ours_ms);
+            json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
+            json_add_count(one, "missed", set->verdict.missed);
+            json_add_count(one, "differing", set->verdict.differing);
+            json_add_count(one, "tied", set->verdict.tied);
+            json_add_count(one, "embree_wrong_ids", set->verdict.their_wrong_ids);
+            json_add_count(one, "embree_missed", set->verdict.their_missed);
+        }
+        cJSON_AddItemToArray(sets, one);
+    }
+    return json_print(bench->state, document);
+}
+
+static int print_table(const ray_bench *bench)
+{
+    progress_hide(bench->state->progress);
+    table_line("%s: %s triangles at depth %u, %s rays a set, medians of %zu turns", bench->work.source.name,
+               figure_count(bench->work.result.info.list_triangle_count).text, bench->work.result.info.depth,
+               figure_count(bench->ray_count).text, bench->repeats);
+    table *rows = table_create("lrrrrrrr");
+    const char *const heads[] = {"rays", "svocl", "Embree", "ratio", "differing", "tied", "wrong", "Embree wrong"};
+    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i) {
+        table_cell(rows, "%s", heads[i]);
+    }
+    for (int k = 0; k < SET_COUNT; ++k) {
+        const ray_set *set = &bench->sets[k];
+        const bool rivalled = bench->rival != NULL;
+        table_cell(rows, "%s", set->name);
+        table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms) * 1e6).text);
+        table_cell(rows, "%s", rivalled ? figure_rate(mrays(bench, set->theirs_ms) * 1e6).text : "");
+        if (rivalled) {
+            table_cell(rows, "%.2f", set->theirs_ms / set->ours_ms);
+        } else {
+            table_cell(rows, "%s", "");
+        }
+        table_cell(rows, "%zu", set->verdict.differing);
+        table_cell(rows, "%zu", set->verdict.tied);
+        table_cell(rows, "%zu", set->verdict.wrong_ids + set->verdict.missed);
+        table_cell(rows, "%zu", set->verdict.their_wrong_ids + set->verdict.their_missed);
+    }
+    table_print(rows);
+    return PROGRAM_DONE;
+}
+
+/* ---- all of it ---- */
+
+static unsigned count_threads(const options *given)
+{
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
+}
+
+static int run_bench(ray_bench *bench)
+{
+    program *state = bench->state;
+    int exit_code = input_open(state, &bench->work.source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open(state, &bench->work.opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = snap_mesh(bench);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
+    }
+    if (exit_code == PROGRAM_DONE && state->options.versus != 0) {
+        exit_code = open_rival(bench);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_rays(bench);
+    }
+    for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
+        progress_step(state->progress, "tracing rays");
+        exit_code = measure_set(bench, &bench->sets[k]);
+        if (exit_code == PROGRAM_DONE) {
+            judge_set(bench, &bench->sets[k]);
+        }
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = state->options.json ? print_json(bench) : print_table(bench);
+    }
+    return exit_code;
+}
+
+static void release(ray_bench *bench)
+{
+    for (int k = 0; k < SET_COUNT; ++k) {
+        free(bench->sets[k].rays);
+    }
+    if (bench->device_rays != NULL) {
+        clReleaseMemObject(bench->device_rays);
+    }
+    if (bench->device_hits != NULL) {
+        clReleaseMemObject(bench->device_hits);
+    }
+    free(bench->ours);
+    free(bench->theirs);
+    embree_destroy(&bench->rival);
+    job_release(&bench->work);
+    free(bench->positions);
+}
+
+int bench_rays(program *state)
+{
+    options *given = &state->options;
+    if (given->versus != 0 && !embree_is_there()) {
+        return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
+    }
+    given->input = given->input != NULL ? given->input : DEFAULT_INPUT;
+    ray_bench bench = {.state = state,
+                       .threads = count_threads(given),
+                       .ray_count = (size_t)given->ray_count,
+                       .repeats = given->repeat > 1 ? (size_t)given->repeat : DEFAULT_REPEATS};
+    given->repeat = 1; /* builds */
+    given->depth_for_rays = !given->has_depth;
+    program_begin_progress(state, 3 + SET_COUNT);
+    const int exit_code = run_bench(&bench);
+    release(&bench);
+    return exit_code;
+}
