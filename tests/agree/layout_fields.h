@@ -98,6 +98,8 @@ ARRAY(svo_cast_params, cast_params_items, sun)
 SCALAR(svo_cast_params, cast_params_items, samples)
 ARRAY(svo_cast_params, cast_params_items, up)
 SCALAR(svo_cast_params, cast_params_items, occlusion_range)
+/* From here on what kernels alone read and write: a shader has not room for so many blocks. */
+#if !defined(GL_core_profile)
 RECORD(svo_ray, ray_items, origin[0])
 ARRAY(svo_ray, ray_items, origin)
 ARRAY(svo_ray, ray_items, direction)
@@ -141,3 +143,4 @@ SCALAR(svo_widen_params, widen_params_items, wide_begin)
 SCALAR(svo_widen_params, widen_params_items, wide_child_begin)
 SCALAR(svo_widen_params, widen_params_items, lone_root)
 ARRAY(svo_widen_params, widen_params_items, reserved)
+#endif
