@@ -135,6 +135,7 @@ typedef struct svo_payload {
 
 static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
 {
+    SVO_UNUSED(fill_shift);
 #ifdef SVO_COLOR
     const uint4 mean = svo_mean_color(sums.color, sums.weight);
     payload.colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
