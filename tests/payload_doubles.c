@@ -145,7 +145,7 @@ static void double_weights(const payload_pair *pair, const double at[3], double 
 static double double_share(const payload_pair *pair, svo_weights mode, double weights[3])
 {
     double centroid[3];
-    const double half = (double)(pair->box.width / 2);
+    const double half = (double)pair->box.width * 0.5;
     const double middle[3] = {half, half, half};
     const double area = payload_double_part(pair, centroid);
     double_weights(pair, mode == SVO_WEIGHTS_AREA ? centroid : middle, weights);

@@ -141,7 +141,7 @@ static void area_and_centroid_are_those_of_the_clipped_triangle(void **state)
     double worst_area = 0.0;
     for (uint32_t i = 0; i < RECORDS; ++i) {
         payload_pair pair;
-        double centroid[3];
+        double centroid[3] = {0.0, 0.0, 0.0};
         open_record(&given[i], &pair);
         const clip_probe_output found = clip_probe(given[i]);
         const int64_t first[3] = {pair.corners[0][0], pair.corners[0][1], pair.corners[0][2]};

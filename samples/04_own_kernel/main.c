@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "svocl/gl.h"
 #include "svocl/svocl.h"
@@ -44,20 +45,20 @@ static const char kernel_source[] =
 static void make_ring(float *positions, uint32_t *indices)
 {
     for (uint32_t i = 0; i < ROUND * TUBE; ++i) {
-        const double around = 6.283185307179586 * (i / TUBE) / ROUND;
-        const double across = 6.283185307179586 * (i % TUBE) / TUBE;
+        const uint32_t slice = i / TUBE;
+        const uint32_t side = i % TUBE;
+        const double around = 6.283185307179586 * slice / ROUND;
+        const double across = 6.283185307179586 * side / TUBE;
         const double radius = 1.3 + 0.45 * cos(across);
-        positions[3 * i] = (float)(radius * cos(around));
-        positions[3 * i + 1] = (float)(radius * sin(around));
-        positions[3 * i + 2] = (float)(0.45 * sin(across));
-        const uint32_t a = i;
-        const uint32_t b = i / TUBE * TUBE + (i + 1) % TUBE;
+        float *position = positions + (size_t)3 * i;
+        position[0] = (float)(radius * cos(around));
+        position[1] = (float)(radius * sin(around));
+        position[2] = (float)(0.45 * sin(across));
+        const uint32_t b = slice * TUBE + (i + 1) % TUBE;
         const uint32_t c = (i + TUBE) % (ROUND * TUBE);
         const uint32_t d = (b + TUBE) % (ROUND * TUBE);
-        const uint32_t corners[6] = {a, c, b, b, c, d};
-        for (uint32_t k = 0; k < 6; ++k) {
-            indices[6 * i + k] = corners[k];
-        }
+        const uint32_t corners[6] = {i, c, b, b, c, d};
+        memcpy(indices + (size_t)6 * i, corners, sizeof corners);
     }
 }
 
@@ -126,9 +127,9 @@ int main(void)
     static uint32_t indices[ROUND * TUBE * 6];
     const svo_mesh ring = {.struct_size = sizeof(svo_mesh),
                            .positions = positions,
-                           .vertex_count = ROUND * TUBE,
+                           .vertex_count = (size_t)ROUND * TUBE,
                            .indices = indices,
-                           .triangle_count = ROUND * TUBE * 2};
+                           .triangle_count = (size_t)ROUND * TUBE * 2};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
     svo_message message = {""};
     svo_device *device = NULL;

@@ -59,7 +59,7 @@ int main(int argument_count, char **arguments)
                            .positions = positions,
                            .vertex_count = 12,
                            .indices = indices,
-                           .triangle_count = 2 * OBJECT_TRIANGLES};
+                           .triangle_count = (size_t)2 * OBJECT_TRIANGLES};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
     const svo_ray ray = ray_of_click(strtod(arguments[1], NULL), strtod(arguments[2], NULL));
     svo_message message = {""};
