@@ -115,11 +115,17 @@ static svo_status create_host(svo_i_share_buffer *buffer)
     return SVO_OK;
 }
 
-static svo_status create_copy(svo_i_share_buffer *buffer)
+/* OpenGL's side of a copy, or all of a buffer that stays there. */
+static svo_status create_data(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
-    svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
+    return check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
+}
+
+static svo_status create_copy(svo_i_share_buffer *buffer)
+{
+    const svo_status status = create_data(buffer);
     if (status != SVO_OK) {
         return status;
     }
@@ -134,7 +140,9 @@ static svo_status create_current(svo_i_share_buffer *buffer)
     svo_i_gl_clear_errors(gl);
     gl->GenBuffers(1, &buffer->name);
     gl->BindBuffer(WORK_TARGET, buffer->name);
-    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? create_host(buffer) : create_copy(buffer);
+    svo_status status = buffer->share == SVO_GL_SHARE_HOST   ? create_host(buffer)
+                        : buffer->share == SVO_GL_SHARE_COPY ? create_copy(buffer)
+                                                             : create_data(buffer);
     gl->BindBuffer(WORK_TARGET, 0);
     return status;
 }
@@ -142,7 +150,7 @@ static svo_status create_current(svo_i_share_buffer *buffer)
 svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context, svo_gl_share share, size_t bytes,
                                      svo_i_share_buffer *out)
 {
-    if (share != SVO_GL_SHARE_HOST && share != SVO_GL_SHARE_COPY) {
+    if (share == SVO_GL_SHARE_SHARING) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d makes no buffers",
                                  (int)share);
     }

@@ -159,12 +159,6 @@ static double event_span_ms(cl_event first, cl_event last)
     return (double)(end - start) * 1e-6;
 }
 
-static void add_time(svo_build_report *report, svo_stage stage, double ms, const char *clock)
-{
-    report->stages[stage].ms += ms;
-    report->stages[stage].clock = clock;
-}
-
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
 {
     if (build->stage_first == NULL) {
@@ -176,17 +170,16 @@ svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
     }
     const double span = build->profiling ? event_span_ms(build->stage_first, build->last) : -1.0;
     if (span >= 0.0) {
-        add_time(build->report, stage, span, "cl-event");
+        svo_i_report_add(build->report, stage, span, "cl-event");
     } else {
-        add_time(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
+        svo_i_report_add(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
     }
     clReleaseEvent(build->stage_first);
     build->stage_first = NULL;
     return SVO_OK;
 }
 
-/* The -D keys of the kernels this plan needs. */
-static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
+void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes)
 {
     const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
     const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
@@ -240,8 +233,8 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
         double transfer_ms = 0.0;
         status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, &voxelize_ms,
                                     &transfer_ms);
-        add_time(build->report, SVO_STAGE_VOXELIZE, voxelize_ms, "wall");
-        add_time(build->report, SVO_STAGE_TRANSFER, transfer_ms, "wall");
+        svo_i_report_add(build->report, SVO_STAGE_VOXELIZE, voxelize_ms, "wall");
+        svo_i_report_add(build->report, SVO_STAGE_TRANSFER, transfer_ms, "wall");
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {
@@ -277,7 +270,8 @@ static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
                                  "svo_build: the scene has %llu fragments, above %u; lower the depth",
                                  (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
     }
-    for (uint32_t i = 0; status == SVO_OK && i < build->list.chunk_count; ++i) {
+    /* A list that stays with the front end has no OpenCL buffers. */
+    for (uint32_t i = 0; status == SVO_OK && frontend->make_tree == NULL && i < build->list.chunk_count; ++i) {
         svo_i_plan_buffer_add(build->plan, "fragments",
                               build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
     }
@@ -356,11 +350,11 @@ static svo_status make_nodes(svo_i_build *build)
     return status == SVO_OK ? trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4) : status;
 }
 
-/* What rays need of the mesh. */
-static svo_status keep_geometry(svo_i_build *build)
+svo_status svo_i_keep_geometry(svo_i_build *build)
 {
     const svo_plan *plan = build->plan;
     svo_status status = SVO_OK;
+    svo_i_build_stage_begin(build);
     if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
         status = svo_i_build_upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12,
                                     &build->tree->buffers[SVO_TREE_VERTICES]);
@@ -375,7 +369,7 @@ static svo_status keep_geometry(svo_i_build *build)
     }
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
-    return status;
+    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
 }
 
 static void fill_info(svo_i_build *build)
@@ -437,26 +431,16 @@ static svo_status make_payload(svo_i_build *build)
     return status;
 }
 
-static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
+/* The tree of the list, by OpenCL. */
+static svo_status make_tree(svo_i_build *build)
 {
     const uint32_t need = build->plan->info.need;
-    svo_status status = check_size(build);
-    if (status == SVO_OK) {
-        status = make_list(build, frontend);
-    }
-    if (status == SVO_OK) {
-        fill_info(build);
-        status = alloc_cursors(build);
-    }
+    svo_status status = alloc_cursors(build);
     if (status == SVO_OK) {
         status = make_nodes(build);
     }
     if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
-        svo_i_build_stage_begin(build);
-        status = keep_geometry(build);
-        if (status == SVO_OK) {
-            status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
-        }
+        status = svo_i_keep_geometry(build);
         if (status == SVO_OK) {
             status = svo_i_pack(build, true);
         }
@@ -465,6 +449,19 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
         status = make_payload(build);
     }
     return status;
+}
+
+static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
+{
+    svo_status status = check_size(build);
+    if (status == SVO_OK) {
+        status = make_list(build, frontend);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    fill_info(build);
+    return frontend->make_tree != NULL ? frontend->make_tree(frontend->self, build) : make_tree(build);
 }
 
 /* Waits for what was launched, also after a failure, and releases everything but the tree. */
@@ -517,22 +514,25 @@ static bool queue_profiles(cl_command_queue queue)
     return (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
 }
 
+static svo_status compile_kernels(svo_i_build *build)
+{
+    char keys[SVO_I_KEYS_BYTES];
+    bool fresh = false;
+    svo_i_build_keys(build->plan, keys, sizeof keys);
+    const svo_status status =
+        svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
+    return status == SVO_OK && fresh ? svo_i_build_warm(build) : status;
+}
+
 /* Kernels and shaders, as far as this device and context have not compiled them before. */
 static svo_status compile(svo_i_build *build, svo_frontend *frontend)
 {
     const double start_ms = svo_i_now_ms();
-    char keys[256];
-    bool fresh = false;
-    program_keys(build->plan, keys, sizeof keys);
-    svo_status status =
-        svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
-    if (status == SVO_OK && fresh) {
-        status = svo_i_build_warm(build);
-    }
+    svo_status status = frontend->make_tree == NULL ? compile_kernels(build) : SVO_OK;
     if (status == SVO_OK) {
         status = frontend->prepare(frontend->self, build->plan);
     }
-    add_time(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 
@@ -556,9 +556,11 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
                          .queue = queue,
                          .profiling = queue_profiles(queue),
                          .report = report != NULL ? report : &unread};
-    *build.report =
-        (svo_build_report){.struct_size = sizeof *report, .frontend = frontend->name, .share = frontend->share};
-    add_time(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
+    *build.report = (svo_build_report){.struct_size = sizeof *report,
+                                       .frontend = frontend->name,
+                                       .share = frontend->share,
+                                       .builder = frontend->make_tree != NULL ? frontend->builder : "cl"};
+    svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
     build.tree = svo_i_tree_new();
     if (build.tree == NULL) {

@@ -38,6 +38,8 @@ typedef struct svo_i_build {
 /* svo_build's name, for messages. */
 #define SVO_I_BUILD "svo_build"
 
+SVO_I_SHARED_BEGIN
+
 /* Allocation that keeps the plan's list of buffers; release knows the bytes from the buffer itself. */
 svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, filled from the host. */
@@ -58,6 +60,12 @@ svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *o
 svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
                            cl_uint argument_count, uint64_t items);
 
+/* The -D keys of the kernels this plan needs, a space before each. */
+#define SVO_I_KEYS_BYTES 256
+void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes);
+/* What rays need of the mesh, into the tree. */
+svo_status svo_i_keep_geometry(svo_i_build *build);
+
 /* Launches between begin and end are counted to the stage. Stages may be entered several times. */
 void svo_i_build_stage_begin(svo_i_build *build);
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
@@ -67,8 +75,12 @@ svo_status svo_i_build_warm(svo_i_build *build);
 /* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
+/* What the device's counts say at the end of the subdivision: *fits, and then the tree's counts. */
+svo_status svo_i_take_state(svo_i_build *build, const svo_build_state *state, bool *fits);
 /* pack.c: list_begin; and list, if asked for. */
 svo_status svo_i_pack(svo_i_build *build, bool with_lists);
+/* Radix passes of four bits that tell the triangles apart, an even number so that the result ends where it began. */
+uint32_t svo_i_digit_passes(uint32_t triangle_count);
 
 /* The mesh's attributes on the device; NULL where the plan does not have them. */
 typedef struct svo_i_surface {
@@ -87,5 +99,7 @@ void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info,
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
 /* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);
+
+SVO_I_SHARED_END
 
 #endif

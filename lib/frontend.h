@@ -22,6 +22,15 @@ typedef struct svo_i_fragment_list {
     uint32_t chunk_count;
 } svo_i_fragment_list;
 
+/* Adds to the time of a stage. clock: a static string. */
+static inline void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
+{
+    report->stages[stage].ms += ms;
+    report->stages[stage].clock = clock;
+}
+
+struct svo_i_build; /* build.h */
+
 struct svo_frontend {
     const char *name; /* "gl-expand", ... */
     const char *share; /* "host", ... */
@@ -37,6 +46,11 @@ struct svo_frontend {
                            svo_i_fragment_list *list, double *voxelize_ms, double *transfer_ms);
     /* Releases the buffers of a list, also of one that voxelize left half done. */
     void (*release)(void *self, svo_i_fragment_list *list);
+
+    /* NULL: OpenCL makes the tree of the list. Otherwise the front end does, of chunks that it kept to itself (their
+       buffers may be NULL), into the tree's OpenCL buffers and its info; prepare has compiled what it needs. */
+    svo_status (*make_tree)(void *self, struct svo_i_build *build);
+    const char *builder; /* the name of that way, for the report */
 };
 
 #endif

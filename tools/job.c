@@ -34,7 +34,9 @@ static int build_once(program *state, const session *opened, const svo_mesh *mes
         progress_step(state->progress, "building the tree");
         svo_tree_destroy(&result->tree);
         result->report = (svo_build_report){.struct_size = sizeof result->report};
-        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &result->tree, &result->report);
+        status = given->builder == OPTION_BUILDER_GL_COMPUTE
+                     ? svo_gl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
+                     : svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &result->tree, &result->report);
     }
     if (status == SVO_OK) {
         svo_plan_get_info(plan, &result->plan);
@@ -122,7 +124,7 @@ void job_add_what_ran(cJSON *document, const job *done)
 {
     json_add_text(document, "frontend", done->result.report.frontend);
     json_add_text(document, "share", done->result.report.share);
-    json_add_text(document, "builder", "cl");
+    json_add_text(document, "builder", done->result.report.builder);
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
     json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
     json_add_text(document, "context", svo_gl_context_kind_name(done->opened.gl_info.kind));

@@ -43,7 +43,10 @@ static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"host", SVO_GL_SHARE_HOST, false},
                                 {"copy", SVO_GL_SHARE_COPY, false},
                                 {NULL, 0, false}};
-static const choice builders[] = {{"cl", 0, false}, {"sorted", 0, true}, {"gl-compute", 0, true}, {NULL, 0, false}};
+static const choice builders[] = {{"cl", OPTION_BUILDER_CL, false},
+                                  {"gl-compute", OPTION_BUILDER_GL_COMPUTE, false},
+                                  {"sorted", 0, true},
+                                  {NULL, 0, false}};
 static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
                                    {"closed", SVO_COVERAGE_CLOSED, false},
                                    {"thin", SVO_COVERAGE_THIN, false},
@@ -246,7 +249,8 @@ static const rule rules[] = {
      "auto, gl-expand, gl-hw (auto)"},
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, sharing, host, copy (auto)"},
-    {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders, "cl"},
+    {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders,
+     "cl, gl-compute: what makes the tree of the list (cl)"},
     {"context", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
     {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "N", read_gl_device, FIELD(gl_device), 0, 1023, NULL,

@@ -28,6 +28,8 @@ enum option_group {
     OPTION_STRESS_COMMAND = 1024 /* count, seed */
 };
 
+enum option_builder { OPTION_BUILDER_CL, OPTION_BUILDER_GL_COMPUTE };
+
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
 
@@ -42,7 +44,7 @@ typedef struct options {
     uint64_t depth;
     int frontend; /* svo_gl_raster */
     int share; /* svo_gl_share */
-    int builder; /* one value in this version */
+    int builder; /* option_builder */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */

@@ -61,7 +61,8 @@ static void print_what_ran(const job *done)
     table_cell(rows, "opengl");
     table_cell(rows, "%s, %s", done->opened.gl_info.renderer, svo_gl_context_kind_name(done->opened.gl_info.kind));
     table_cell(rows, "ways");
-    table_cell(rows, "frontend %s, share %s, builder cl", result->report.frontend, result->report.share);
+    table_cell(rows, "frontend %s, share %s, builder %s", result->report.frontend, result->report.share,
+               result->report.builder);
     table_print(rows);
 }
 

@@ -35,7 +35,7 @@ SVO_API const char *svo_stage_name(svo_stage stage); /* "grid", "compile", ...; 
 
 typedef struct svo_stage_time {
     double ms;
-    const char *clock; /* "wall" or "cl-event"; NULL: the stage did not run */
+    const char *clock; /* "wall", "cl-event" or "gl-timer"; NULL: the stage did not run */
 } svo_stage_time;
 
 typedef struct svo_build_report {
@@ -46,6 +46,7 @@ typedef struct svo_build_report {
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "gl-expand", "gl-hw"; static strings */
     const char *share; /* "host", "copy" */
+    const char *builder; /* "cl"; "gl-compute" (svo_gl_build); static strings */
 } svo_build_report;
 
 /*

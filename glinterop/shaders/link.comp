@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Links the fragments of each leaf into a list: kernels/link.cl in GLSL. heads[k] is the first fragment of leaf k plus one,
+ * 0 for none; a fragment's next one takes the place of its cursor.
+ *
+ * Launch: one invocation per fragment of a chunk.
+ */
+uniform svo_filter_params params;
+
+layout(std430, binding = 0) buffer Cursors
+{
+    uint cursors[];
+};
+layout(std430, binding = 1) buffer Heads
+{
+    uint heads[];
+};
+
+void main()
+{
+    uint index = svo_item();
+    if (index < params.fragment_count) {
+        cursors[index] = atomicExchange(heads[cursors[index] - params.leaf_begin], index + 1u);
+    }
+}
