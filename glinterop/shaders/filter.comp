@@ -114,18 +114,24 @@ void svo_store_sums(svo_sums sums, uint node)
 
 /* The tree so far and its payload. */
 #ifdef SVO_K_FILTER
-#define SVO_TREE_BINDING 0
-#define SVO_PAYLOAD_BINDING 4
+#define SVO_BINDING_MASKS       0
+#define SVO_BINDING_FIRST_CHILD 1
+#define SVO_BINDING_COLORS      4
+#define SVO_BINDING_NORMALS     5
+#define SVO_BINDING_FILLS       6
 #else
-#define SVO_TREE_BINDING 10
-#define SVO_PAYLOAD_BINDING 12
+#define SVO_BINDING_MASKS       10
+#define SVO_BINDING_FIRST_CHILD 11
+#define SVO_BINDING_COLORS      12
+#define SVO_BINDING_NORMALS     13
+#define SVO_BINDING_FILLS       14
 #endif
 
-layout(std430, binding = SVO_TREE_BINDING) readonly buffer Masks
+layout(std430, binding = SVO_BINDING_MASKS) readonly buffer Masks
 {
     uint masks[];
 };
-layout(std430, binding = SVO_TREE_BINDING + 1) readonly buffer FirstChild
+layout(std430, binding = SVO_BINDING_FIRST_CHILD) readonly buffer FirstChild
 {
     uint first_child[];
 };
@@ -137,7 +143,7 @@ uint svo_child_count(uint node)
 
 #ifdef SVO_COLOR
 
-layout(std430, binding = SVO_PAYLOAD_BINDING) writeonly buffer Colors
+layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
 {
     uint colors[];
 };
@@ -155,7 +161,7 @@ uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
 
 #ifdef SVO_NORMAL
 
-layout(std430, binding = SVO_PAYLOAD_BINDING + 1) buffer Normals
+layout(std430, binding = SVO_BINDING_NORMALS) buffer Normals
 {
     uint normals[]; /* two numbers a word */
 };
@@ -180,7 +186,7 @@ void svo_put_normal(uint index, int number)
 
 #ifdef SVO_FILL
 
-layout(std430, binding = SVO_PAYLOAD_BINDING + 2) buffer Fills
+layout(std430, binding = SVO_BINDING_FILLS) buffer Fills
 {
     uint fills[]; /* two numbers a word */
 };
