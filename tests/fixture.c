@@ -4,6 +4,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include <cmocka.h>
@@ -121,8 +122,8 @@ static void list_buffers(const svo_plan *plan, built *out)
     }
 }
 
-void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                   built *out)
+static void build_by(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                     bool in_gl, built *out)
 {
     svo_plan_options sized = options != NULL ? *options : (svo_plan_options){0};
     sized.struct_size = sizeof sized;
@@ -130,7 +131,8 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
     svo_plan *plan = NULL;
     svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &out->tree, &out->report);
+        status = in_gl ? svo_gl_build(opened->gl, plan, opened->queue, &out->tree, &out->report)
+                       : svo_build(plan, svo_gl_frontend(opened->gl), opened->queue, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, opened->queue);
@@ -150,6 +152,18 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);
     svo_tree_get_arrays(out->tree, &out->arrays);
+}
+
+void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                   built *out)
+{
+    build_by(opened, mesh, depth, options, false, out);
+}
+
+void fixture_build_in_gl(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                         built *out)
+{
+    build_by(opened, mesh, depth, options, true, out);
 }
 
 void built_destroy(built *finished)

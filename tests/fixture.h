@@ -53,6 +53,9 @@ typedef struct built {
 /* options: NULL means all defaults; struct_size need not be set. */
 void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
                    built *out);
+/* The same by svo_gl_build. */
+void fixture_build_in_gl(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                         built *out);
 void built_destroy(built *finished);
 
 #endif
