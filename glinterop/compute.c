@@ -42,7 +42,7 @@ svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, boo
     if (status == SVO_OK) {
         svo_i_gl_clear_errors(compute->gl);
         compute->gl->GenQueries(2, compute->queries);
-        status = check(compute, "creating queries");
+        status = svo_i_compute_alloc_zero(compute, "exhausted", 4, &compute->exhausted);
         svo_i_gl_context_release_current(context);
     }
     if (status != SVO_OK) {
@@ -62,6 +62,7 @@ void svo_i_compute_destroy(svo_i_compute **compute)
     if (svo_i_gl_context_make_current(dying->context, NULL) == SVO_OK) {
         svo_i_compute_programs_destroy(dying);
         dying->gl->DeleteQueries(2, dying->queries);
+        svo_i_compute_free(dying, &dying->exhausted);
         svo_i_gl_context_release_current(dying->context);
     }
     free(dying);
@@ -73,7 +74,7 @@ void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const bool payload = (need & SVO_I_NEED_PAYLOAD) != 0;
-    const int blocks = payload ? SVO_I_COMPUTE_BLOCKS : 5; /* SVO_I_ENTRY_SORT_LONG has the most of the others */
+    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6; /* SVO_I_ENTRY_SORT_LONG has the most of the others */
     const int has = gl->limits.compute_storage_blocks < gl->limits.storage_bindings ? gl->limits.compute_storage_blocks
                                                                                     : gl->limits.storage_bindings;
     reason[0] = '\0';
@@ -209,6 +210,7 @@ svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *laun
             gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, launch->buffers[binding]);
         }
     }
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_COMPUTE_EXHAUSTED, compute->exhausted);
     gl->UseProgram(program->name);
     svo_i_compute_program_set(compute, program, launch->params);
     gl->Uniform1ui(program->vertex_count, launch->vertex_count);
@@ -216,6 +218,17 @@ svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *laun
                       (launch->indirect != 0 ? GL_COMMAND_BARRIER_BIT : 0u));
     dispatch(gl, launch);
     return check(compute, "launching a compute shader");
+}
+
+svo_status svo_i_compute_exhausted(svo_i_compute *compute, bool *exhausted)
+{
+    uint32_t word = 0;
+    const svo_status status = svo_i_compute_read(compute, compute->exhausted, &word, sizeof word);
+    *exhausted = word != 0;
+    if (*exhausted) {
+        svo_i_compute_fill_zero(compute, compute->exhausted);
+    }
+    return status;
 }
 
 void svo_i_compute_stage_begin(svo_i_compute *compute)
@@ -252,7 +265,7 @@ void svo_i_compute_bindings_save(const svo_i_gl_functions *gl, svo_i_compute_bin
     gl->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &out->storage);
     gl->GetIntegerv(GL_DISPATCH_INDIRECT_BUFFER_BINDING, &out->dispatch);
     gl->GetIntegerv(GL_COPY_READ_BUFFER_BINDING, &out->copy_read);
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BLOCKS && (GLint)i < gl->limits.storage_bindings; ++i) {
+    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
         gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &out->blocks[i].name);
         gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &out->blocks[i].offset);
         gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &out->blocks[i].bytes);
@@ -261,7 +274,7 @@ void svo_i_compute_bindings_save(const svo_i_gl_functions *gl, svo_i_compute_bin
 
 void svo_i_compute_bindings_restore(const svo_i_gl_functions *gl, const svo_i_compute_bindings *saved)
 {
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BLOCKS && (GLint)i < gl->limits.storage_bindings; ++i) {
+    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
         if (saved->blocks[i].bytes > 0) {
             gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, (GLuint)saved->blocks[i].name,
                                 (GLintptr)saved->blocks[i].offset, (GLsizeiptr)saved->blocks[i].bytes);

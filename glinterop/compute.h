@@ -38,6 +38,9 @@ typedef enum svo_i_entry {
 
 /* Storage blocks an entry point has at most. */
 #define SVO_I_COMPUTE_BLOCKS 15
+/* The binding after them, which every launch has: whether loops were cut short (shaders/compute.glsl). */
+#define SVO_I_COMPUTE_EXHAUSTED 15
+#define SVO_I_COMPUTE_BINDINGS  16
 /* Fields of the larger of the two kinds of parameters that shaders read. */
 #define SVO_I_COMPUTE_FIELDS 13
 
@@ -62,6 +65,7 @@ typedef struct svo_i_compute {
     char keys[SVO_I_KEYS_BYTES]; /* of the plan being built */
     GLuint queries[2]; /* begin and end of a stage */
     double stage_start_ms;
+    GLuint exhausted; /* one word */
 } svo_i_compute;
 
 /* no_int64: as if the context had no 64-bit integers. Compiles nothing yet. SVO_GL_ERROR, SVO_OUT_OF_HOST_MEMORY. */
@@ -108,6 +112,9 @@ typedef struct svo_i_launch {
 } svo_i_launch;
 svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *launch);
 
+/* Waits; whether a launch since the last call ended some loop before its time, so that its results are void. */
+svo_status svo_i_compute_exhausted(svo_i_compute *compute, bool *exhausted);
+
 /* Work between begin and end is waited for and counted to the stage. */
 void svo_i_compute_stage_begin(svo_i_compute *compute);
 svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, svo_stage stage);
@@ -118,7 +125,7 @@ typedef struct svo_i_compute_bindings {
     struct {
         GLint name;
         GLint64 offset, bytes; /* bytes 0: all of the buffer */
-    } blocks[SVO_I_COMPUTE_BLOCKS];
+    } blocks[SVO_I_COMPUTE_BINDINGS];
 } svo_i_compute_bindings;
 void svo_i_compute_bindings_save(const svo_i_gl_functions *gl, svo_i_compute_bindings *out);
 void svo_i_compute_bindings_restore(const svo_i_gl_functions *gl, const svo_i_compute_bindings *saved);

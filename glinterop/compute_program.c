@@ -196,7 +196,7 @@ static svo_status warm(svo_i_compute *compute, const svo_i_compute_program *prog
     const svo_i_gl_functions *gl = compute->gl;
     GLuint zeros = 0;
     svo_status status = svo_i_compute_alloc_zero(compute, "zeros", 4096, &zeros);
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BLOCKS && (GLint)i < gl->limits.storage_bindings; ++i) {
+    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, zeros);
     }
     if (status == SVO_OK) {

@@ -30,6 +30,9 @@ svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan);
 /* A chunk of the list. */
 GLuint svo_i_gl_chunk(const svo_i_gl_build *gl_build, uint32_t chunk);
 
+/* gl_build.c: SVO_UNSUPPORTED when a launch since the last look was cut short by the driver. */
+svo_status svo_i_gl_check_loops(svo_i_gl_build *gl_build, const char *what);
+
 /* gl_subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
    did not fit the build's inner_capacity. */
 svo_status svo_i_gl_subdivide(svo_i_gl_build *gl_build, bool *fits);
@@ -40,7 +43,7 @@ svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *o
 void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface);
 /* gl_material.c: the nodes' materials. Needs list_begin, and materials that vary. */
 svo_status svo_i_gl_material(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface);
-/* gl_filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
+/* gl_filter.c: links the leaves, and makes colours, normals and fills. */
 svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs shaders/material.comp: the material of every node, of a scene that has several. Comes before the filter, which turns
- * the fragments' cursors into links.
+ * Runs shaders/material.comp: the material of every node, of a scene that has several.
  */
 #include "gl_build.h"
 
@@ -129,6 +128,9 @@ svo_status svo_i_gl_material(svo_i_gl_build *gl_build, const svo_i_gl_surface *s
     svo_status status = run(&s);
     if (status == SVO_OK) {
         status = svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_FILTER);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_gl_check_loops(gl_build, "sorting its materials");
     }
     release(&s);
     return status;

@@ -99,13 +99,16 @@ static svo_status sort_lists(packer *p)
                         .buffers = {list_begin, list, p->long_leaves, gl_build->state, p->launches},
                         .params = &p->params,
                         .items = p->params.leaf_count});
-    return status == SVO_OK ? svo_i_compute_launch(gl_build->compute,
-                                                   &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_LONG,
-                                                                   .buffers = {list_begin, list, p->spare,
-                                                                               p->long_leaves, gl_build->state},
-                                                                   .params = &p->params,
-                                                                   .indirect = p->launches})
-                            : status;
+    svo_filter_params pass = p->params; /* level: which digit */
+    for (pass.level = 0; pass.level < pass.digit_passes && status == SVO_OK; ++pass.level) {
+        status = svo_i_compute_launch(
+            gl_build->compute,
+            &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_LONG,
+                            .buffers = {list_begin, list, p->spare, p->long_leaves, gl_build->state},
+                            .params = &pass,
+                            .indirect = p->launches});
+    }
+    return status;
 }
 
 static svo_status make_ranges(packer *p)
@@ -139,6 +142,9 @@ svo_status svo_i_gl_pack(svo_i_gl_build *gl_build, bool with_lists)
     }
     if (status == SVO_OK) {
         status = svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_PACK);
+    }
+    if (status == SVO_OK && with_lists) {
+        status = svo_i_gl_check_loops(gl_build, "sorting them");
     }
     GLuint *scratch[] = {&p.counts, &p.spare, &p.long_leaves, &p.launches};
     for (unsigned i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {

@@ -9,6 +9,25 @@
  */
 layout(local_size_x = SVO_GROUP_ITEMS) in;
 
+layout(std430, binding = 15) buffer Exhausted
+{
+    uint exhausted; /* not 0: an invocation's loops were cut short */
+};
+
+/* llvmpipe allows the loops of one invocation 65535 turns in all, and then ends each at its first, without a word. Called
+   after loops whose turns grow with a voxel's triangles, this notices by a loop of two turns, a number that no compiler
+   knows. */
+void svo_check_loops()
+{
+    uint turns = 0u;
+    while (turns < gl_NumWorkGroups.z + 1u) {
+        ++turns;
+    }
+    if (turns < 2u) {
+        exhausted = 1u;
+    }
+}
+
 uint svo_item()
 {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;

@@ -3,12 +3,13 @@
  * The payload, bottom up: mean colour, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
  *
  *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves' payload and
- *                       the node's sums. For lists of one chunk
- *   SVO_K_GATHER        per leaf of a chunk: the same, but into sums of the leaf, on top of those of earlier chunks
+ *                       the node's sums. For lists of one chunk, and leaves of not too many triangles
+ *   SVO_K_GATHER        per fragment of a chunk: adds what it contributes to the sums of its leaf, which are zero at first.
+ *                       For all others; 64-bit sums by 32-bit atomics, carrying from the low word to the high one
  *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and its
  *                       own sums
  *
- * Launch: one invocation per node or leaf. Sums of a node lie together: weight, colour (four words), normal (three), 64
+ * Launch: one invocation per node or fragment. Sums of a node lie together: weight, colour (four words), normal (three), 64
  * bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbours share a word: their arrays
  * hold zeros at first, and each number is added by an atomicOr.
  */
@@ -64,11 +65,13 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
 #define SVO_SUM_WORDS SVO_NORMAL_SUM
 #endif
 
-/* The nodes' own sums; GATHER reads what earlier chunks left. */
+#ifndef SVO_K_GATHER
+
+/* The nodes' own sums. */
 #ifdef SVO_K_FILTER
 layout(std430, binding = 3) writeonly buffer Sums
 #else
-layout(std430, binding = 9) buffer Sums
+layout(std430, binding = 9) writeonly buffer Sums
 #endif
 {
     uint64_t node_sums[];
@@ -90,27 +93,6 @@ void svo_store_sums(svo_sums sums, uint node)
     node_sums[at + SVO_NORMAL_SUM + 2u] = uint64_t(sums.normal.z);
 #endif
 }
-
-/* Sums out of a block; there are two blocks to load from, and GLSL has no pointers. */
-#ifdef SVO_COLOR
-#define SVO_LOAD_COLOR(sums, block, at) \
-    sums.color = u64vec4(block[at + 1u], block[at + 2u], block[at + 3u], block[at + 4u])
-#else
-#define SVO_LOAD_COLOR(sums, block, at)
-#endif
-#ifdef SVO_NORMAL
-#define SVO_LOAD_NORMAL(sums, block, at)                                                       \
-    sums.normal = i64vec3(int64_t(block[at + SVO_NORMAL_SUM]), int64_t(block[at + SVO_NORMAL_SUM + 1u]), \
-                          int64_t(block[at + SVO_NORMAL_SUM + 2u]))
-#else
-#define SVO_LOAD_NORMAL(sums, block, at)
-#endif
-#define SVO_LOAD_SUMS(sums, block, at) \
-    sums.weight = block[at];           \
-    SVO_LOAD_COLOR(sums, block, at);   \
-    SVO_LOAD_NORMAL(sums, block, at)
-
-#ifndef SVO_K_GATHER
 
 /* The tree so far and its payload. */
 #ifdef SVO_K_FILTER
@@ -231,15 +213,6 @@ void svo_store_root(svo_sums sums, uint node)
 
 #if defined(SVO_K_GATHER) || defined(SVO_K_GATHER_LEVEL)
 
-layout(std430, binding = 1) readonly buffer Links
-{
-    uint links[];
-};
-layout(std430, binding = 8) readonly buffer Heads
-{
-    uint heads[];
-};
-
 void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
 {
     svo_share share = svo_pair_share(triangle, code);
@@ -252,36 +225,76 @@ void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
 #endif
 }
 
-/* The sums of a leaf's list, on top of sums. link: its first fragment plus one. */
-svo_sums svo_sum_list(svo_sums sums, uint link)
+#endif
+
+#ifdef SVO_K_GATHER
+
+layout(std430, binding = 1) readonly buffer Cursors
 {
+    uint cursors[];
+};
+/* The leaves' sums, low word first. */
+layout(std430, binding = 9) buffer Sums
+{
+    uint sum_words[];
+};
+
+void svo_add_sum(uint at, uint64_t number)
+{
+    uint low = uint(number & uint64_t(0xffffffffu));
+    uint before = atomicAdd(sum_words[2u * at], low);
+    uint high = uint(number >> 32) + (before + low < before ? 1u : 0u);
+    if (high != 0u) {
+        atomicAdd(sum_words[2u * at + 1u], high);
+    }
+}
+
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.fragment_count) {
+        return;
+    }
+    svo_sums sums = svo_no_sums();
+    svo_add_pair(sums, svo_fragment_triangle(index), svo_fragment_code(index));
+    uint at = (cursors[index] - params.leaf_begin) * SVO_SUM_WORDS;
+    svo_add_sum(at, sums.weight);
+#ifdef SVO_COLOR
+    svo_add_sum(at + 1u, sums.color.x);
+    svo_add_sum(at + 2u, sums.color.y);
+    svo_add_sum(at + 3u, sums.color.z);
+    svo_add_sum(at + 4u, sums.color.w);
+#endif
+#ifdef SVO_NORMAL
+    svo_add_sum(at + SVO_NORMAL_SUM, uint64_t(sums.normal.x));
+    svo_add_sum(at + SVO_NORMAL_SUM + 1u, uint64_t(sums.normal.y));
+    svo_add_sum(at + SVO_NORMAL_SUM + 2u, uint64_t(sums.normal.z));
+#endif
+}
+
+#endif
+
+#ifdef SVO_K_GATHER_LEVEL
+
+layout(std430, binding = 1) readonly buffer Links
+{
+    uint links[];
+};
+layout(std430, binding = 8) readonly buffer Heads
+{
+    uint heads[];
+};
+
+/* The sums of a leaf's list. link: its first fragment plus one. */
+svo_sums svo_sum_list(uint link)
+{
+    svo_sums sums = svo_no_sums();
     while (link != 0u) {
         svo_add_pair(sums, svo_fragment_triangle(link - 1u), svo_fragment_code(link - 1u));
         link = links[link - 1u];
     }
     return sums;
 }
-
-#endif
-
-#ifdef SVO_K_GATHER
-
-void main()
-{
-    uint leaf = svo_item();
-    if (leaf >= params.leaf_count) {
-        return;
-    }
-    svo_sums sums = svo_no_sums();
-    if (params.first_chunk == 0u) {
-        SVO_LOAD_SUMS(sums, node_sums, leaf * SVO_SUM_WORDS);
-    }
-    svo_store_sums(svo_sum_list(sums, heads[leaf]), leaf);
-}
-
-#endif
-
-#ifdef SVO_K_GATHER_LEVEL
 
 void main()
 {
@@ -294,12 +307,13 @@ void main()
     uint end = begin + svo_child_count(node);
     svo_sums sums = svo_no_sums();
     for (uint leaf = begin; leaf < end; ++leaf) {
-        svo_sums part = svo_sum_list(svo_no_sums(), heads[leaf - params.leaf_begin]);
+        svo_sums part = svo_sum_list(heads[leaf - params.leaf_begin]);
         svo_store_payload(part, leaf, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }
     svo_store_sums(sums, index);
     svo_store_root(sums, node);
+    svo_check_loops();
 }
 
 #endif
@@ -310,6 +324,21 @@ layout(std430, binding = 2) readonly buffer ChildSums
 {
     uint64_t child_sums[];
 };
+
+svo_sums svo_load_sums(uint node)
+{
+    uint at = node * SVO_SUM_WORDS;
+    svo_sums sums;
+    sums.weight = child_sums[at];
+#ifdef SVO_COLOR
+    sums.color = u64vec4(child_sums[at + 1u], child_sums[at + 2u], child_sums[at + 3u], child_sums[at + 4u]);
+#endif
+#ifdef SVO_NORMAL
+    sums.normal = i64vec3(int64_t(child_sums[at + SVO_NORMAL_SUM]), int64_t(child_sums[at + SVO_NORMAL_SUM + 1u]),
+                          int64_t(child_sums[at + SVO_NORMAL_SUM + 2u]));
+#endif
+    return sums;
+}
 
 /* Sums are indexed from the first node of their level; payload by the whole tree. */
 void main()
@@ -323,9 +352,7 @@ void main()
     uint end = begin + svo_child_count(node);
     svo_sums sums = svo_no_sums();
     for (uint child = begin; child < end; ++child) {
-        svo_sums part;
-        uint at = (child - params.child_begin) * SVO_SUM_WORDS;
-        SVO_LOAD_SUMS(part, child_sums, at);
+        svo_sums part = svo_load_sums(child - params.child_begin);
         svo_store_payload(part, child, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }

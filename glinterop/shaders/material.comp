@@ -132,7 +132,7 @@ void svo_put(bool forth, uint index, uint64_t entry)
     }
 }
 
-/* Merges two neighbouring runs of up to width slots each, of which unused ones hold SVO_NO_ENTRY, into one; entries of one
+/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries of one
    material are added up before they are written. */
 void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 {
@@ -156,7 +156,7 @@ void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
         a += first == least ? 1u : 0u;
         b += first == least ? 0u : 1u;
     }
-    for (; written < end; ++written) {
+    if (written < end) {
         svo_put(forth, written, SVO_NO_ENTRY);
     }
 }
@@ -188,6 +188,7 @@ void main()
     }
     counts[leaf] = count;
     svo_put_material(params.leaf_begin + leaf, svo_heaviest(begin, begin + count));
+    svo_check_loops();
 }
 
 #endif
@@ -260,6 +261,7 @@ void main()
     begins[index] = begin;
     counts[index] = end - begin;
     svo_put_material(node, svo_heaviest(begin, end));
+    svo_check_loops();
 }
 
 #endif

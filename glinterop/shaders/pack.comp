@@ -7,8 +7,11 @@
  *   SVO_K_SCATTER     per fragment: its triangle into the range, in any order (lengths count down to 0)
  *   SVO_K_SORT_SHORT  per leaf: insertion sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list, and the
  *                     launch of SVO_K_SORT_LONG is made as large as the list
- *   SVO_K_SORT_LONG   per long leaf, one group: stable radix sort by four bits a pass, between list and spare
+ *   SVO_K_SORT_LONG   per long leaf, one group, once for each digit: a pass of a stable radix sort by four bits, between
+ *                     list and spare. One pass a launch, and one leaf a group, since loops have a limit (compute.glsl)
  */
+#define SVO_LONG_ROW 16384u /* groups in a row of a launch */
+
 uniform svo_filter_params params;
 
 #ifdef SVO_K_COUNT
@@ -81,7 +84,7 @@ layout(std430, binding = 3) buffer State
 {
     svo_build_state state;
 };
-/* Groups of SVO_K_SORT_LONG: its first word. */
+/* Groups of SVO_K_SORT_LONG, in a row and rows. */
 layout(std430, binding = 4) buffer Launches
 {
     uint launches[];
@@ -111,7 +114,8 @@ void main()
     if (end - begin > uint(SVO_SHORT_LIST_MAX)) {
         uint slot = atomicAdd(state.long_lists, 1u);
         long_leaves[slot] = leaf;
-        atomicMax(launches[0], min(slot + 1u, uint(SVO_SCAN_GROUPS)));
+        atomicMax(launches[0], min(slot + 1u, SVO_LONG_ROW));
+        atomicMax(launches[1], slot / SVO_LONG_ROW + 1u);
     } else {
         svo_sort_short(begin, end);
     }
@@ -125,11 +129,11 @@ layout(std430, binding = 0) readonly buffer ListBegin
 {
     uint list_begin[];
 };
-layout(std430, binding = 1) coherent buffer List
+layout(std430, binding = 1) buffer List
 {
     uint list[];
 };
-layout(std430, binding = 2) coherent buffer Spare
+layout(std430, binding = 2) buffer Spare
 {
     uint spare[];
 };
@@ -208,21 +212,18 @@ void svo_radix_pass(bool forth, uint first, uint length, uint shift)
             list[slot] = triangle;
         }
     }
-    memoryBarrierBuffer();
-    barrier();
 }
 
-/* Launch: any number of groups; they share out the long leaves. digit_passes is even, so the result ends up in list. */
+/* params.level: which pass. */
 void main()
 {
-    uint long_count = state.long_lists;
-    for (uint k = gl_WorkGroupID.x; k < long_count; k += gl_NumWorkGroups.x) {
+    uint k = gl_WorkGroupID.y * SVO_LONG_ROW + gl_WorkGroupID.x;
+    if (k < state.long_lists) { /* for all of the group or for none */
         uint leaf = long_leaves[k];
         uint begin = list_begin[leaf];
-        uint length = list_begin[leaf + 1u] - begin;
-        for (uint pass = 0u; pass < params.digit_passes; ++pass) {
-            svo_radix_pass((pass & 1u) == 0u, begin, length, pass * uint(SVO_DIGIT_BITS));
-        }
+        svo_radix_pass((params.level & 1u) == 0u, begin, list_begin[leaf + 1u] - begin,
+                       params.level * uint(SVO_DIGIT_BITS));
+        svo_check_loops();
     }
 }
 
