@@ -162,6 +162,50 @@ static void crowds_in_a_voxel_give_the_same_lists(void **state)
     }
 }
 
+/* More loop turns than llvmpipe allows an invocation: of pairs that are clipped, and of long lists. */
+static void crowds_beyond_the_limit_of_loops_give_the_same_tree(void **state)
+{
+    static const double corner[3] = {0.51, 0.51, 0.51};
+    const fixture *opened = fixture_of_group(state);
+    owned_mesh dust;
+    random_dust(3, 5000, corner, 0.4, &dust);
+    assert_same_tree(opened, &dust.mesh, 1, &(svo_plan_options){.need = SVO_NEED_NORMAL | SVO_NEED_FILL, .edge = 1.0},
+                     NULL);
+    owned_mesh_free(&dust);
+    random_dust(4, 1000000, corner, 0.4, &dust);
+    assert_same_tree(opened, &dust.mesh, 1, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0}, NULL);
+    owned_mesh_free(&dust);
+}
+
+/* Materials of a voxel are sorted by one invocation: where that takes too long, it is refused, never wrong. */
+static void materials_of_a_crowd_are_right_or_refused(void **state)
+{
+    static const size_t counts[] = {500, 5000, 50000, 200000};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        attributed_mesh made;
+        attributed_mesh_create(i, counts[i], 0.0, &made);
+        const svo_plan_options options = {.struct_size = sizeof options,
+                                          .need = SVO_NEED_MATERIAL,
+                                          .weights = SVO_WEIGHTS_UNIFORM,
+                                          .edge = 3.0};
+        svo_plan *plan = NULL;
+        svo_tree *tree = NULL;
+        assert_int_equal(svo_plan_create(opened->device, &made.mesh, 1, &options, &plan), SVO_OK);
+        const svo_status status = svo_gl_build(opened->gl, plan, opened->queue, &tree, NULL);
+        if (status == SVO_OK) {
+            assert_same_tree(opened, &made.mesh, 1, &options, NULL);
+        } else {
+            assert_int_equal(status, SVO_UNSUPPORTED);
+            assert_non_null(strstr(svo_device_message(opened->device), "too many triangles"));
+        }
+        print_message("%zu triangles: %s\n", counts[i], svo_status_name(status));
+        svo_tree_destroy(&tree);
+        svo_plan_destroy(&plan);
+        attributed_mesh_destroy(&made);
+    }
+}
+
 static void meshes_of_nothing_give_a_root(void **state)
 {
     static const double corners[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.3, 0.9, 0.4};
@@ -342,6 +386,8 @@ int main(void)
         cmocka_unit_test(cut_lists_give_the_same_tree),
         cmocka_unit_test(nodes_that_do_not_fit_are_made_again),
         cmocka_unit_test(crowds_in_a_voxel_give_the_same_lists),
+        cmocka_unit_test(crowds_beyond_the_limit_of_loops_give_the_same_tree),
+        cmocka_unit_test(materials_of_a_crowd_are_right_or_refused),
         cmocka_unit_test(meshes_of_nothing_give_a_root),
         cmocka_unit_test(any_queue_will_do),
         cmocka_unit_test(without_64_bit_integers_payload_is_refused),

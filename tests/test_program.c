@@ -205,7 +205,6 @@ static void names_of_later_versions_are_refused(void **state)
     (void)state;
     run_badly("$SVOCL build scene:cube --frontend cl", 1, "--frontend cl: not in this version");
     run_badly("$SVOCL build scene:cube --builder sorted", 1, "--builder sorted");
-    run_badly("$SVOCL build scene:cube --builder gl-compute", 1, "--builder gl-compute");
     run_badly("$SVOCL build scene:cube --coverage thick", 2, "--coverage");
 }
 

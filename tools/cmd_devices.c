@@ -186,6 +186,7 @@ static cJSON *gather_pair(svo_device *device, svo_gl_context *renderer)
     json_add_count(pair, "device_index", info.device_index);
     cJSON *frontends = cJSON_AddArrayToObject(pair, "frontends");
     cJSON *shares = cJSON_AddArrayToObject(pair, "shares");
+    cJSON *builders = cJSON_AddArrayToObject(pair, "builders");
     svo_gl *gl = NULL;
     /* Why nothing at all works; NULL where something may. */
     const char *failure = NULL;
@@ -198,6 +199,8 @@ static cJSON *gather_pair(svo_device *device, svo_gl_context *renderer)
     for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
         add_way(shares, svo_gl_share_name(share), failure != NULL ? failure : svo_gl_share_reason(gl, share));
     }
+    add_way(builders, "cl", ""); /* whatever OpenGL does */
+    add_way(builders, "gl-compute", failure != NULL ? failure : svo_gl_build_reason(gl, SVO_NEED_ALL));
     svo_gl_destroy(&gl);
     return pair;
 }
@@ -308,10 +311,21 @@ static void print_ways(table *rows, const cJSON *ways)
     }
 }
 
+/* Front ends and builders share names. */
+static void print_builders(table *rows, const cJSON *builders)
+{
+    const cJSON *builder = NULL;
+    cJSON_ArrayForEach(builder, builders)
+    {
+        table_cell(rows, "builder %s", text_of(builder, "name"));
+        table_cell(rows, "%s%s", works(builder) ? "works" : "no: ", text_of(builder, "reason"));
+    }
+}
+
 /* Whether the two pairs are of one device and the same ways work, for the same reasons. */
 static bool is_alike(const cJSON *a, const cJSON *b)
 {
-    static const char *const compared[] = {"device", "frontends", "shares"};
+    static const char *const compared[] = {"device", "frontends", "shares", "builders"};
     for (size_t i = 0; i < sizeof compared / sizeof compared[0]; ++i) {
         if (!cJSON_Compare(cJSON_GetObjectItem(a, compared[i]), cJSON_GetObjectItem(b, compared[i]), 1)) {
             return false;
@@ -336,6 +350,7 @@ static void print_pairs(const cJSON *document)
         }
         print_ways(rows, cJSON_GetObjectItem(first, "frontends"));
         print_ways(rows, cJSON_GetObjectItem(first, "shares"));
+        print_builders(rows, cJSON_GetObjectItem(first, "builders"));
         table_print(rows);
         first = pair;
     }
