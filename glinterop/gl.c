@@ -8,6 +8,8 @@
 
 #include "choose.h"
 #include "frontend.h"
+#include "gl_build.h"
+#include "gl_list.h"
 #include "raster.h"
 #include "selftest.h"
 #include "share.h"
@@ -25,6 +27,10 @@ struct svo_gl {
     char share_reasons[SHARES][REASON_BYTES];
     svo_i_raster *raster;
     svo_frontend frontend;
+    bool no_int64;
+    char build_reason[REASON_BYTES]; /* what svo_gl_build_reason last said */
+    svo_i_compute *compute; /* NULL until svo_gl_build is first called */
+    svo_frontend list_frontend; /* of svo_gl_build */
 };
 
 const char *svo_gl_raster_name(svo_gl_raster raster)
@@ -156,9 +162,9 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
     return status;
 }
 
-/* A shared buffer for each chunk, given to GL. */
-static svo_status make_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                              svo_i_fragment_list *list)
+/* A buffer for each chunk, given to GL. share: AUTO for a list that stays there. */
+static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+                              cl_command_queue queue, svo_i_fragment_list *list)
 {
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
         svo_i_fragments *chunk = &list->chunks[i];
@@ -170,8 +176,7 @@ static svo_status make_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layo
         chunk->owner = shared;
         chunk->capacity = layout->chunks[i].capacity;
         const size_t bytes = (size_t)chunk->capacity * svo_i_plan_fragment_bytes(plan);
-        svo_status status =
-            svo_i_share_buffer_create(gl->device, gl->context, gl->share_choice, bytes > 0 ? bytes : 4, shared);
+        svo_status status = svo_i_share_buffer_create(gl->device, gl->context, share, bytes > 0 ? bytes : 4, shared);
         if (status == SVO_OK) {
             chunk->buffer = shared->memory;
             status = svo_i_share_buffer_to_gl(shared, queue);
@@ -258,16 +263,16 @@ static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_
     return status;
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, svo_build_report *report)
+/* Draws the list by buffers of a share path, and hands it over; share AUTO: it stays in OpenGL. */
+static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+                              cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report)
 {
-    svo_gl *gl = self;
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
     if (status != SVO_OK) {
         return status;
     }
     double start_ms = svo_i_now_ms();
-    status = make_chunks(gl, plan, layout, queue, list);
+    status = make_chunks(gl, share, plan, layout, queue, list);
     if (status == SVO_OK) {
         status = svo_i_raster_upload(gl->raster, plan, layout->chunk_count);
     }
@@ -278,13 +283,20 @@ static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layou
     }
     svo_i_report_add(report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
     start_ms = svo_i_now_ms();
-    if (status == SVO_OK) {
+    if (status == SVO_OK && share != SVO_GL_SHARE_AUTO) {
         status = hand_over(plan, queue, list);
     }
     svo_i_report_add(report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     svo_i_raster_drop(gl->raster);
     svo_i_gl_context_release_current(gl->context);
     return status;
+}
+
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                           svo_i_fragment_list *list, svo_build_report *report)
+{
+    svo_gl *gl = self;
+    return voxelize_by(gl, gl->share_choice, plan, layout, queue, list, report);
 }
 
 static void release(void *self, svo_i_fragment_list *list)
@@ -297,6 +309,64 @@ static void release(void *self, svo_i_fragment_list *list)
         }
     }
     list->chunk_count = 0;
+}
+
+/* The front end of svo_gl_build: the list stays in OpenGL, and so does what is made of it until the tree is whole. */
+
+static svo_status prepare_tree(void *self, svo_plan *plan, cl_command_queue queue)
+{
+    svo_gl *gl = self;
+    char reason[REASON_BYTES];
+    svo_i_compute_reason(gl->context, gl->no_int64, plan->info.need, reason, sizeof reason);
+    if (reason[0] != '\0') {
+        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
+    }
+    svo_status status = svo_i_gl_check_size(gl->compute, plan);
+    if (status == SVO_OK) {
+        status = prepare(self, plan, queue);
+    }
+    return status == SVO_OK ? svo_i_compute_prepare(gl->compute, plan) : status;
+}
+
+static svo_status voxelize_in_gl(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+                                 svo_i_fragment_list *list, svo_build_report *report)
+{
+    return voxelize_by(self, SVO_GL_SHARE_AUTO, plan, layout, queue, list, report);
+}
+
+static svo_status make_tree(void *self, svo_i_build *build)
+{
+    svo_gl *gl = self;
+    return svo_i_gl_make_tree(gl->compute, build);
+}
+
+svo_gl_context *svo_i_gl_context_of(svo_gl *gl)
+{
+    return gl->context;
+}
+
+svo_status svo_i_gl_list_frontend(svo_gl *gl, svo_frontend **out)
+{
+    if (gl->compute == NULL) {
+        const svo_status status = svo_i_compute_create(gl->device, gl->context, gl->no_int64, &gl->compute);
+        if (status != SVO_OK) {
+            return status;
+        }
+        gl->list_frontend = gl->frontend;
+        gl->list_frontend.share = "none";
+        gl->list_frontend.builder = "gl-compute";
+        gl->list_frontend.prepare = prepare_tree;
+        gl->list_frontend.voxelize = voxelize_in_gl;
+        gl->list_frontend.make_tree = make_tree;
+    }
+    *out = &gl->list_frontend;
+    return SVO_OK;
+}
+
+const char *svo_gl_build_reason(svo_gl *gl, uint32_t need)
+{
+    svo_i_compute_reason(gl->context, gl->no_int64, need, gl->build_reason, REASON_BYTES);
+    return gl->build_reason;
 }
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
@@ -333,6 +403,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     }
     gl->device = device;
     gl->context = context;
+    gl->no_int64 = asked.no_int64 != 0;
     status = choose_share(gl, asked.share);
     if (status == SVO_OK) {
         status = choose_raster(gl, &asked);
@@ -360,6 +431,7 @@ void svo_gl_destroy(svo_gl **gl)
         return;
     }
     svo_i_raster_destroy(&(*gl)->raster);
+    svo_i_compute_destroy(&(*gl)->compute);
     free(*gl);
     *gl = NULL;
 }

@@ -116,13 +116,13 @@ static svo_status create_host(svo_i_share_buffer *buffer)
     return SVO_OK;
 }
 
-/* For `copy` a buffer on either side, for `sharing` one of both. */
+/* For `copy` a buffer on either side, for `sharing` one of both; for a buffer that stays in OpenGL one there. */
 static svo_status create_allocated(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
-    svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
-    if (status != SVO_OK) {
+    const svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
+    if (status != SVO_OK || buffer->share == SVO_GL_SHARE_AUTO) {
         return status;
     }
     if (buffer->share == SVO_GL_SHARE_SHARING) {
@@ -147,7 +147,7 @@ static svo_status create_current(svo_i_share_buffer *buffer)
 svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context, svo_gl_share share, size_t bytes,
                                      svo_i_share_buffer *out)
 {
-    if (share < SVO_GL_SHARE_SHARING || share > SVO_GL_SHARE_COPY) {
+    if (share < SVO_GL_SHARE_AUTO || share > SVO_GL_SHARE_COPY) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d makes no buffers",
                                  (int)share);
     }

@@ -46,7 +46,8 @@ typedef struct svo_i_share_buffer {
 /*
  * Makes a buffer of bytes (not 0) that both sides can use; it belongs to OpenCL at first and its content is undefined.
  *
- * share: as chosen by svo_i_share_probe, not AUTO. *out is written on success only.
+ * share: SHARING, HOST or COPY, as chosen by svo_i_share_probe; AUTO: a buffer of OpenGL alone, which never goes to OpenCL and has
+ * no memory there. *out is written on success only.
  * Returns SVO_OUT_OF_DEVICE_MEMORY naming bytes and limit, SVO_UNSUPPORTED, SVO_CL_ERROR or SVO_GL_ERROR, with the words
  * in the device's message. This and the functions below make the context current by themselves.
  */

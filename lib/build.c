@@ -198,8 +198,7 @@ svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
     return SVO_OK;
 }
 
-/* The -D keys of the kernels this plan needs. */
-static void program_keys(const svo_plan *plan, char *keys, size_t bytes)
+void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes)
 {
     const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
     const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
@@ -259,7 +258,7 @@ void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend)
             svo_i_build_free(build, &build->list.chunks[i].buffer);
         }
     } else {
-        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        for (uint32_t i = 0; frontend->make_tree == NULL && i < build->list.chunk_count; ++i) {
             svo_i_plan_buffer_remove(build->plan,
                                      build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
         }
@@ -282,13 +281,17 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
                                    layout->chunk_count);
         build->list.chunk_count = 0;
     } else {
-        list_chunks(build, layout, true);
+        if (frontend->make_tree == NULL) { /* a list that stays with the front end has no OpenCL buffers */
+            list_chunks(build, layout, true);
+        }
         status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
-        list_chunks(build, layout, false);
+        if (frontend->make_tree == NULL) {
+            list_chunks(build, layout, false);
+        }
         free(build->list.chunks);
         build->list = (svo_i_fragment_list){0};
     }
@@ -398,11 +401,11 @@ static svo_status make_nodes(svo_i_build *build)
     return status == SVO_OK ? trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4) : status;
 }
 
-/* What rays need of the mesh. */
-static svo_status keep_geometry(svo_i_build *build)
+svo_status svo_i_keep_geometry(svo_i_build *build)
 {
     const svo_plan *plan = build->plan;
     svo_status status = SVO_OK;
+    svo_i_build_stage_begin(build);
     if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
         status = svo_i_build_upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12,
                                     &build->tree->buffers[SVO_TREE_VERTICES]);
@@ -417,7 +420,7 @@ static svo_status keep_geometry(svo_i_build *build)
     }
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
-    return status;
+    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
 }
 
 /* What the ray kernels read beside the tree's arrays. */
@@ -518,34 +521,35 @@ static svo_status make_payload(svo_i_build *build)
     return status;
 }
 
-static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
+/* All of the tree, by OpenCL. */
+static svo_status make_arrays(svo_i_build *build, svo_frontend *frontend)
 {
     const uint32_t need = build->plan->info.need;
-    svo_status status = check_size(build);
-    if (status == SVO_OK) {
-        status = make_list(build, frontend);
-    }
-    if (status == SVO_OK) {
-        fill_info(build);
-        status = make_tree(build, frontend);
-    }
+    svo_status status = make_tree(build, frontend);
     if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
-        svo_i_build_stage_begin(build);
-        status = keep_geometry(build);
-        if (status == SVO_OK) {
-            status = svo_i_build_stage_end(build, SVO_STAGE_TRANSFER);
-        }
+        status = svo_i_keep_geometry(build);
         if (status == SVO_OK) {
             status = make_lists(build, true);
-        }
-        if (status == SVO_OK) {
-            status = prepare_rays(build);
         }
     }
     if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
         status = make_payload(build);
     }
     return status;
+}
+
+static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
+{
+    svo_status status = check_size(build);
+    if (status == SVO_OK) {
+        status = make_list(build, frontend);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    fill_info(build);
+    status = frontend->make_tree != NULL ? frontend->make_tree(frontend->self, build) : make_arrays(build, frontend);
+    return status == SVO_OK && (build->plan->info.need & SVO_NEED_RAYS) != 0 ? prepare_rays(build) : status;
 }
 
 /* Waits for what was launched, also after a failure, and releases everything but the tree. */
@@ -595,21 +599,25 @@ bool svo_i_queue_profiles(cl_command_queue queue)
     return (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
 }
 
-/* Kernels and shaders, as far as this device and context have not compiled them before. */
-static svo_status compile(svo_i_build *build, svo_frontend *frontend)
+static svo_status compile_kernels(svo_i_build *build)
 {
-    const double start_ms = svo_i_now_ms();
-    char keys[256];
+    char keys[SVO_I_KEYS_BYTES];
     bool fresh = false;
-    program_keys(build->plan, keys, sizeof keys);
+    svo_i_build_keys(build->plan, keys, sizeof keys);
     svo_status status =
         svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);
     }
-    if (status == SVO_OK && build->plan->options.builder == SVO_BUILDER_SORTED) {
-        status = svo_i_sorted_prepare(build);
-    }
+    return status == SVO_OK && build->plan->options.builder == SVO_BUILDER_SORTED ? svo_i_sorted_prepare(build)
+                                                                                  : status;
+}
+
+/* Kernels and shaders, as far as this device and context have not compiled them before. */
+static svo_status compile(svo_i_build *build, svo_frontend *frontend)
+{
+    const double start_ms = svo_i_now_ms();
+    svo_status status = frontend->make_tree == NULL ? compile_kernels(build) : SVO_OK;
     if (status == SVO_OK) {
         status = frontend->prepare(frontend->self, build->plan, build->queue);
     }
@@ -640,7 +648,8 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     *build.report = (svo_build_report){.struct_size = sizeof *report,
                                        .frontend = frontend->name,
                                        .share = frontend->share,
-                                       .builder = svo_builder_name(plan->options.builder),
+                                       .builder = frontend->make_tree != NULL ? frontend->builder
+                                                                              : svo_builder_name(plan->options.builder),
                                        .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);

@@ -39,6 +39,8 @@ typedef struct svo_i_build {
 /* svo_build's name, for messages. */
 #define SVO_I_BUILD "svo_build"
 
+SVO_I_SHARED_BEGIN
+
 /* Allocation that keeps the plan's list of buffers; release knows the bytes from the buffer itself. */
 svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, filled from the host. */
@@ -71,6 +73,11 @@ svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_arg
 
 /* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
 bool svo_i_queue_profiles(cl_command_queue queue);
+/* The -D keys of the kernels this plan needs, a space before each. */
+#define SVO_I_KEYS_BYTES 256
+void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes);
+/* What rays need of the mesh, into the tree. */
+svo_status svo_i_keep_geometry(svo_i_build *build);
 
 /* Launches between begin and end are counted to the stage. Stages may be entered several times. */
 void svo_i_build_stage_begin(svo_i_build *build);
@@ -87,8 +94,12 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
 svo_status svo_i_sorted_prepare(svo_i_build *build);
 svo_status svo_i_sorted(svo_i_build *build, svo_frontend *frontend);
 svo_status svo_i_sorted_lists(svo_i_build *build, bool with_lists);
+/* What the device's counts say at the end of the subdivision: *fits, and then the tree's counts. */
+svo_status svo_i_take_state(svo_i_build *build, const svo_build_state *state, bool *fits);
 /* pack.c: list_begin; and list, if asked for. */
 svo_status svo_i_pack(svo_i_build *build, bool with_lists);
+/* Radix passes of four bits that tell the triangles apart, an even number so that the result ends where it began. */
+uint32_t svo_i_digit_passes(uint32_t triangle_count);
 
 /* The mesh's attributes on the device; NULL where the plan does not have them. */
 typedef struct svo_i_surface {
@@ -107,5 +118,7 @@ void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info,
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
 /* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);
+
+SVO_I_SHARED_END
 
 #endif

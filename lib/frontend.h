@@ -22,6 +22,8 @@ typedef struct svo_i_fragment_list {
     uint32_t chunk_count;
 } svo_i_fragment_list;
 
+struct svo_i_build; /* build.h */
+
 struct svo_frontend {
     const char *name; /* "cl", "gl-expand", ... */
     const char *share; /* "none", "host", ... */
@@ -41,6 +43,11 @@ struct svo_frontend {
     void (*release)(void *self, svo_i_fragment_list *list);
     /* Frees self, for svo_frontend_destroy; NULL where something else owns the front end. */
     void (*destroy)(void *self);
+
+    /* NULL: OpenCL makes the tree of the list. Otherwise the front end does, of chunks that it kept to itself (their
+       buffers may be NULL), into the tree's OpenCL buffers and its info; prepare has compiled what it needs. */
+    svo_status (*make_tree)(void *self, struct svo_i_build *build);
+    const char *builder; /* the name of that way, for the report */
 };
 
 /* Adds to a stage's time. clock: a static string. */

@@ -112,8 +112,7 @@ static svo_status sort_lists(packer *p)
     return status;
 }
 
-/* Radix passes of four bits that tell the triangles apart, an even number so that the result ends where it began. */
-static uint32_t digit_passes(uint32_t triangle_count)
+uint32_t svo_i_digit_passes(uint32_t triangle_count)
 {
     uint32_t passes = 0;
     while (passes < 32 / SVO_DIGIT_BITS && triangle_count > 1u &&
@@ -147,7 +146,7 @@ svo_status svo_i_pack(svo_i_build *build, bool with_lists)
     packer p = {.build = build,
                 .params = {.leaf_begin = (cl_uint)info->inner_count,
                            .leaf_count = (cl_uint)info->leaf_count,
-                           .digit_passes = digit_passes(build->plan->triangle_count)}};
+                           .digit_passes = svo_i_digit_passes(build->plan->triangle_count)}};
     svo_i_build_stage_begin(build);
     svo_status status = make_ranges(&p);
     if (status == SVO_OK && with_lists) {

@@ -135,6 +135,22 @@ static void take_counts(svo_i_build *build, const svo_build_state *state)
     info->leaf_count = info->node_count - info->inner_count;
 }
 
+svo_status svo_i_take_state(svo_i_build *build, const svo_build_state *state, bool *fits)
+{
+    if (state->overflow == SVO_DAMAGED_LIST) {
+        return svo_i_build_fail_damaged(build);
+    }
+    *fits = state->overflow == 0;
+    if (*fits) {
+        take_counts(build, state);
+    } else if (state->level_begin[state->overflow + 1] <= state->level_begin[state->overflow]) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: the tree has more than 2^32 - 1 nodes at level %u; lower the depth",
+                                 state->overflow);
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
 {
     subdivider s = {.build = build,
@@ -161,19 +177,5 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
         status = svo_i_build_read(build, build->state, &state, sizeof state);
     }
     release_kernels(&s);
-    if (status != SVO_OK) {
-        return status;
-    }
-    if (state.overflow == SVO_DAMAGED_LIST) {
-        return svo_i_build_fail_damaged(build);
-    }
-    *fits = state.overflow == 0;
-    if (*fits) {
-        take_counts(build, &state);
-    } else if (state.level_begin[state.overflow + 1] <= state.level_begin[state.overflow]) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the tree has more than 2^32 - 1 nodes at level %u; lower the depth",
-                                 state.overflow);
-    }
-    return SVO_OK;
+    return status == SVO_OK ? svo_i_take_state(build, &state, fits) : status;
 }

@@ -112,8 +112,8 @@ static void list_buffers(const svo_plan *plan, built *out)
     }
 }
 
-void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                   built *out)
+void fixture_build_by(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                      fixture_builder *by, built *out)
 {
     svo_plan_options sized = options != NULL ? *options : (svo_plan_options){0};
     sized.struct_size = sizeof sized;
@@ -121,7 +121,7 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
     svo_plan *plan = NULL;
     svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
     if (status == SVO_OK) {
-        status = svo_build(plan, opened->frontend, opened->queue, &out->tree, &out->report);
+        status = by(opened, plan, &out->tree, &out->report);
     }
     if (status == SVO_OK) {
         status = svo_tree_download(out->tree, opened->queue);
@@ -141,6 +141,17 @@ void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, 
     svo_plan_destroy(&plan);
     svo_tree_get_info(out->tree, &out->info);
     svo_tree_get_arrays(out->tree, &out->arrays);
+}
+
+static svo_status by_frontend(const fixture *opened, svo_plan *plan, svo_tree **out, svo_build_report *report)
+{
+    return svo_build(plan, opened->frontend, opened->queue, out, report);
+}
+
+void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                   built *out)
+{
+    fixture_build_by(opened, mesh, depth, options, by_frontend, out);
 }
 
 void built_destroy(built *finished)

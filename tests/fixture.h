@@ -65,6 +65,13 @@ typedef struct built {
 /* options: NULL means all defaults; struct_size need not be set. */
 void fixture_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
                    built *out);
+/* The same by another function than svo_build. */
+typedef svo_status fixture_builder(const fixture *opened, svo_plan *plan, svo_tree **out, svo_build_report *report);
+void fixture_build_by(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                      fixture_builder *by, built *out);
+/* The same by svo_gl_build. */
+void fixture_build_in_gl(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                         built *out);
 void built_destroy(built *finished);
 
 #endif

@@ -37,6 +37,17 @@ void fixture_open(const fixture_options *options, fixture *out)
     out->frontend = svo_gl_frontend(out->gl);
 }
 
+static svo_status by_gl(const fixture *opened, svo_plan *plan, svo_tree **out, svo_build_report *report)
+{
+    return svo_gl_build(opened->gl, plan, opened->queue, out, report);
+}
+
+void fixture_build_in_gl(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                         built *out)
+{
+    fixture_build_by(opened, mesh, depth, options, by_gl, out);
+}
+
 void fixture_close_gl(fixture *opened)
 {
     svo_gl_destroy(&opened->gl);

@@ -231,7 +231,6 @@ static void wrong_usage_is_exit_code_2(void **state)
 static void names_of_later_versions_are_refused(void **state)
 {
     (void)state;
-    run_badly("$SVOCL build scene:cube --builder gl-compute", 1, "--builder gl-compute");
     run_badly("$SVOCL build scene:cube --coverage thick", 2, "--coverage");
 }
 

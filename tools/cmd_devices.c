@@ -182,6 +182,17 @@ static void print_ways(table *rows, const cJSON *ways)
     }
 }
 
+/* Front ends and builders share names. */
+static void print_builders(table *rows, const cJSON *builders)
+{
+    const cJSON *builder = NULL;
+    cJSON_ArrayForEach(builder, builders)
+    {
+        table_cell(rows, "builder %s", text_of(builder, "name"));
+        table_cell(rows, "%s%s", works(builder) ? "works" : "no: ", text_of(builder, "reason"));
+    }
+}
+
 static void print_devices(const cJSON *platform, int platform_index)
 {
     const cJSON *device = NULL;
@@ -245,7 +256,7 @@ static void print_renderers(const cJSON *document)
 /* Whether the two pairs are of one device and the same ways work, for the same reasons. */
 static bool is_alike(const cJSON *a, const cJSON *b)
 {
-    static const char *const compared[] = {"device", "frontends", "shares"};
+    static const char *const compared[] = {"device", "frontends", "shares", "builders"};
     for (size_t i = 0; i < sizeof compared / sizeof compared[0]; ++i) {
         if (!cJSON_Compare(cJSON_GetObjectItem(a, compared[i]), cJSON_GetObjectItem(b, compared[i]), 1)) {
             return false;
@@ -270,6 +281,7 @@ static void print_pairs(const cJSON *document)
         }
         print_ways(rows, cJSON_GetObjectItem(first, "frontends"));
         print_ways(rows, cJSON_GetObjectItem(first, "shares"));
+        print_builders(rows, cJSON_GetObjectItem(first, "builders"));
         table_print(rows);
         first = pair;
     }

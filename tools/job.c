@@ -37,11 +37,12 @@ static svo_status make_plan(const options *given, svo_device *device, const svo_
 static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
 {
     const options *given = &state->options;
+    const bool in_gl = given->builder == OPTION_BUILDER_GL_COMPUTE;
     svo_plan_options plan_options = {.struct_size = sizeof plan_options,
                                      .need = need,
                                      .coverage = (svo_coverage)given->coverage,
                                      .weights = (svo_weights)given->weights,
-                                     .builder = (svo_builder)given->builder,
+                                     .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)given->builder,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     svo_plan *plan = NULL;
@@ -52,7 +53,8 @@ static int build_once(program *state, session *opened, const svo_mesh *mesh, uin
         progress_step(state->progress, "building the tree");
         svo_tree_destroy(&result->tree);
         result->report = (svo_build_report){.struct_size = sizeof result->report};
-        status = svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
+        status = in_gl ? opengl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
+                       : svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
     }
     if (status == SVO_OK) {
         svo_plan_get_info(plan, &result->plan);

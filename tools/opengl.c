@@ -114,6 +114,12 @@ const char *opengl_renderer(const opengl *opened)
     return opened->info.renderer;
 }
 
+svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                        svo_build_report *report)
+{
+    return svo_gl_build(opened->gl, plan, queue, out, report);
+}
+
 svo_frontend *opengl_frontend(opengl *opened)
 {
     return svo_gl_frontend(opened->gl);

@@ -27,6 +27,9 @@ const char *opengl_renderer(const opengl *opened);
 svo_frontend *opengl_frontend(opengl *opened);
 /* The faster of that and cl, and why. */
 svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reason);
+/* A build by OpenGL's compute shaders. */
+svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                        svo_build_report *report);
 /* One more front end on the same context, whose list goes to OpenCL as a copy. NULL with the reason. */
 svo_frontend *opengl_copying_frontend(opengl *opened, svo_message *reason);
 

@@ -55,6 +55,17 @@ svo_frontend *opengl_frontend(opengl *opened)
     return NULL;
 }
 
+svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                        svo_build_report *report)
+{
+    (void)opened;
+    (void)plan;
+    (void)queue;
+    (void)out;
+    (void)report;
+    return SVO_NO_GL;
+}
+
 svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reason)
 {
     (void)opened;

@@ -44,8 +44,10 @@ static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
                                 {"host", SVO_GL_SHARE_HOST, false},
                                 {"copy", SVO_GL_SHARE_COPY, false},
                                 {NULL, 0, false}};
-static const choice builders[] = {
-    {"cl", SVO_BUILDER_CL, false}, {"sorted", SVO_BUILDER_SORTED, false}, {"gl-compute", 0, true}, {NULL, 0, false}};
+static const choice builders[] = {{"cl", SVO_BUILDER_CL, false},
+                                  {"sorted", SVO_BUILDER_SORTED, false},
+                                  {"gl-compute", OPTION_BUILDER_GL_COMPUTE, false},
+                                  {NULL, 0, false}};
 static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
                                    {"closed", SVO_COVERAGE_CLOSED, false},
                                    {"thin", SVO_COVERAGE_THIN, false},
@@ -257,7 +259,7 @@ static const rule rules[] = {
     {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, sharing, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders,
-     "cl: from the root down; sorted: from the leaves up (cl)"},
+     "cl: from the root down; sorted: from the leaves up; gl-compute: by OpenGL (cl)"},
     {"context", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
     {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
@@ -371,7 +373,8 @@ static int parse_all(program *state, const command *which, int argument_count, c
 bool options_ask_for_gl(const options *given)
 {
     return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
-           given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW;
+           given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW ||
+           given->builder == OPTION_BUILDER_GL_COMPUTE;
 }
 
 /* What no single option can see. */
@@ -394,7 +397,9 @@ static int check_together(program *state, const command *which)
     }
     if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s is for OpenGL, which --frontend cl does without",
-                            given->share != SVO_GL_SHARE_AUTO ? "share" : "context");
+                            given->builder == OPTION_BUILDER_GL_COMPUTE ? "builder gl-compute"
+                            : given->share != SVO_GL_SHARE_AUTO         ? "share"
+                                                                        : "context");
     }
     return PROGRAM_DONE;
 }

@@ -38,6 +38,9 @@ enum option_frontend {
     OPTION_FRONTEND_GL_HW
 };
 
+/* Beside svo_builder's. */
+#define OPTION_BUILDER_GL_COMPUTE (-1)
+
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
 
@@ -55,7 +58,7 @@ typedef struct options {
     bool has_depth;
     bool depth_for_rays; /* set by commands: the depth that svo_plan_ray_depth finds, in place of depth */
     int share; /* svo_gl_share */
-    int builder; /* svo_builder */
+    int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */

@@ -57,7 +57,7 @@ SVO_API const char *svo_stage_name(svo_stage stage); /* "grid", "compile", ...; 
 
 typedef struct svo_stage_time {
     double ms;
-    const char *clock; /* "wall" or "cl-event"; NULL: the stage did not run */
+    const char *clock; /* "wall", "cl-event" or "gl-timer"; NULL: the stage did not run */
 } svo_stage_time;
 
 typedef struct svo_build_report {
@@ -67,7 +67,7 @@ typedef struct svo_build_report {
     uint32_t list_chunks;
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "cl", "gl-expand", "gl-hw"; static strings */
-    const char *builder; /* "cl", "sorted" */
+    const char *builder; /* "cl", "sorted"; "gl-compute" (svo_gl_build); static strings */
     const char *share; /* how the list got to OpenCL: "none" (it was made there), "sharing", "host", "copy" */
     const char *renderer; /* OpenGL's name of what rasterized; lives as long as the context; "" without OpenGL */
 } svo_build_report;

@@ -152,6 +152,23 @@ SVO_API svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *r
 /* Why a way works or not on this pair: "" if it does. Static or owned by gl. raster, share: not AUTO. */
 SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster);
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
+/*
+ * svo_build (build.h) by compute shaders: the list is drawn by gl's front end and stays in OpenGL, where nodes, lists and
+ * payload are made of it; only the finished arrays go to OpenCL. The tree is the same, bit for bit: for devices whose two
+ * APIs are to be compared, stage by stage, and no faster than svo_build where there is no reason for it to be.
+ *
+ * The same parameters, guarantees and status codes as svo_build's; the report's builder is "gl-compute" and its share
+ * "none", and stages between voxelize and the last transfer are timed by the context's timer queries ("gl-timer"), on
+ * llvmpipe by the wall clock up to glFinish. Every array must fit a shader storage block of the context, else
+ * SVO_UNSUPPORTED says which and by how much. The context's bindings of storage blocks 0 to 14, of the indirect dispatch
+ * buffer and of the program in use are afterwards as they were.
+ */
+SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                                svo_build_report *report);
+/* Why svo_gl_build cannot make trees with these needs (svo_need bits; 0: nodes alone) on this pair: "" if it can. Payload
+   needs GL_ARB_gpu_shader_int64. Owned by gl, until the next call. */
+SVO_API const char *svo_gl_build_reason(svo_gl *gl, uint32_t need);
+
 /* What was chosen; never AUTO. */
 SVO_API svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl);
 SVO_API svo_gl_share svo_gl_chosen_share(const svo_gl *gl);

@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a triangle contributes to a voxel: its weight, and its colour and normal at one of its points. kernels/attribute.clh
+ * in GLSL, number by number; the part of a triangle inside a voxel (kernels/clip.clh) is one text for both. The keys are
+ * the same. Needs 64-bit integers.
+ *
+ * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colours (RGBA8,
+ * one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v (two words,
+ * 65536 = 1); what the mesh lacks is left out.
+ */
+uniform svo_filter_params params;
+uniform uint vertex_count;
+
+layout(std430, binding = 2) readonly buffer Vertices
+{
+    int vertices[]; /* x, y, z each, snapped */
+};
+layout(std430, binding = 3) readonly buffer Indices
+{
+    uint indices[]; /* three per triangle */
+};
+layout(std430, binding = 4) readonly buffer Records
+{
+    svo_triangle_record records[]; /* one per triangle */
+};
+
+#define SVO_WEIGHT_ONE 65536
+
+/* What a pair contributes: how much, and where on the triangle: weights of its corners, SVO_WEIGHT_ONE in all. */
+struct svo_share {
+    uint weight;
+    ivec3 corners;
+};
+
+uint svo_triangle_axis(svo_triangle_record record)
+{
+    return record.normal_z_flags >> SVO_TRIANGLE_AXIS_SHIFT & SVO_TRIANGLE_AXIS_MASK;
+}
+
+bool svo_triangle_is_flat(svo_triangle_record record)
+{
+    return (record.normal_z_flags & SVO_TRIANGLE_FLAT) != 0u;
+}
+
+/* A third each. */
+ivec3 svo_equal_weights()
+{
+    return ivec3(SVO_WEIGHT_ONE - 2 * (SVO_WEIGHT_ONE / 3), SVO_WEIGHT_ONE / 3, SVO_WEIGHT_ONE / 3);
+}
+
+#if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTRE)
+
+/* A triangle's corners u, v, t from the voxel's minimum corner, in grid units; t is its axis. */
+void svo_load_corners(uint triangle, uint axis, ivec3 origin, out int corners[9])
+{
+    for (uint i = 0u; i < 3u; ++i) {
+        uint at = indices[triangle * 3u + i] * 3u;
+        int x = vertices[at] - origin.x;
+        int y = vertices[at + 1u] - origin.y;
+        int z = vertices[at + 2u] - origin.z;
+        corners[3u * i] = axis == 0u ? y : axis == 1u ? z : x;
+        corners[3u * i + 1u] = axis == 0u ? z : axis == 1u ? x : y;
+        corners[3u * i + 2u] = axis == 0u ? x : axis == 1u ? y : z;
+    }
+}
+
+/* Twice the signed area of the triangle of p, q and a point at the origin plus a fraction of a unit in 2^-bits, times
+   2^bits. */
+int64_t svo_area_from(ivec2 p, ivec2 q, ivec2 fraction, int bits)
+{
+    int64_t whole = int64_t(p.x) * int64_t(q.y) - int64_t(p.y) * int64_t(q.x);
+    return (whole << bits) - (int64_t(fraction.x) * int64_t(q.y - p.y) - int64_t(fraction.y) * int64_t(q.x - p.x));
+}
+
+uint svo_significant_bits(uint64_t number)
+{
+    uint high = uint(number >> 32);
+    uint low = uint(number & uint64_t(0xffffffffu));
+    return high != 0u ? uint(findMSB(high)) + 33u : uint(findMSB(low) + 1);
+}
+
+/* The corners' weights at a point of the triangle, in sub-units; a third each for a triangle of no area. Of a triangle that
+   reaches further than 2^24 units the point counts in whole units, else to 2^-12 of one: areas stay below 2^62. */
+ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
+{
+    int bits = SVO_SUB_LOG2 - int(voxel_log2);
+    ivec2 unit = ivec2(int(u >> bits), int(v >> bits));
+    ivec2 p = ivec2(corners[0], corners[1]) - unit;
+    ivec2 q = ivec2(corners[3], corners[4]) - unit;
+    ivec2 r = ivec2(corners[6], corners[7]) - unit;
+    ivec2 reach = max(max(abs(p), abs(q)), abs(r));
+    bool is_near = max(reach.x, reach.y) < 1 << 24;
+    int fraction_bits = is_near ? min(bits, 12) : 0;
+    ivec2 fraction = (ivec2(int(u), int(v)) - (unit << bits)) >> (bits - fraction_bits);
+    int64_t part_x = svo_area_from(q, r, fraction, fraction_bits);
+    int64_t part_y = svo_area_from(r, p, fraction, fraction_bits);
+    int64_t part_z = svo_area_from(p, q, fraction, fraction_bits);
+    int64_t area = part_x + part_y + part_z;
+    if (area == int64_t(0)) {
+        return svo_equal_weights();
+    }
+    int64_t side = area < int64_t(0) ? int64_t(-1) : int64_t(1);
+    part_x = max(part_x * side, int64_t(0));
+    part_y = max(part_y * side, int64_t(0));
+    part_z = max(part_z * side, int64_t(0));
+    uint64_t total = uint64_t(part_x + part_y + part_z);
+    /* Sixteen significant bits are enough, and leave a 32-bit division. */
+    uint significant = svo_significant_bits(total);
+    uint shift = significant > 16u ? significant - 16u : 0u;
+    uint whole = uint(total >> shift);
+    int second = int((uint(part_y >> shift) << 16) / whole);
+    int third = int((uint(part_z >> shift) << 16) / whole);
+    return ivec3(SVO_WEIGHT_ONE - second - third, second, third);
+}
+
+ivec3 svo_voxel_corner(svo_code code, uint voxel_log2)
+{
+    return ivec3(svo_code_axis(code, 0u), svo_code_axis(code, 1u), svo_code_axis(code, 2u)) << int(voxel_log2);
+}
+
+#endif
+
+svo_share svo_pair_share(uint triangle, svo_code code)
+{
+    svo_share share = svo_share(1u, svo_equal_weights());
+#if defined(SVO_WEIGHTS_AREA)
+    svo_triangle_record record = records[triangle];
+    int corners[9];
+    svo_i64 polygons[2 * SVO_PART_WORDS];
+    svo_load_corners(triangle, svo_triangle_axis(record), svo_voxel_corner(code, params.voxel_log2), corners);
+    for (int i = 0; i < 9; ++i) {
+        polygons[i] = int64_t(corners[i]) * int64_t(1 << (SVO_SUB_LOG2 - int(params.voxel_log2)));
+    }
+    svo_part part = svo_clip(polygons);
+    share.weight = svo_part_weight(part.doubled_area, record.stretch, params.weight_log2);
+    if (!svo_triangle_is_flat(record)) {
+        share.corners = svo_corner_weights(corners, part.u, part.v, params.voxel_log2);
+    }
+#elif defined(SVO_WEIGHTS_CENTRE)
+    svo_triangle_record record = records[triangle];
+    if (!svo_triangle_is_flat(record)) {
+        int corners[9];
+        svo_load_corners(triangle, svo_triangle_axis(record), svo_voxel_corner(code, params.voxel_log2), corners);
+        share.corners = svo_corner_weights(corners, SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2),
+                                           params.voxel_log2);
+    }
+#endif
+    return share;
+}
+
+/* Where a vertex's attributes lie. */
+#if defined(SVO_VERTEX_COLOR) || defined(SVO_VERTEX_NORMAL) || defined(SVO_TEXTURE)
+
+layout(std430, binding = 5) readonly buffer VertexAttributes
+{
+    uint vertex_attributes[];
+};
+
+uint svo_normal_words(uint vertex)
+{
+#ifdef SVO_VERTEX_COLOR
+    return vertex_count + 2u * vertex;
+#else
+    return 2u * vertex;
+#endif
+}
+
+uint svo_uv_words(uint vertex)
+{
+#ifdef SVO_VERTEX_NORMAL
+    return svo_normal_words(vertex_count) + 2u * vertex;
+#else
+    return svo_normal_words(vertex);
+#endif
+}
+
+#endif
+
+int svo_blend(int a, int b, int c, ivec3 weights)
+{
+    return int((int64_t(a) * int64_t(weights.x) + int64_t(b) * int64_t(weights.y) + int64_t(c) * int64_t(weights.z) +
+                int64_t(SVO_WEIGHT_ONE / 2)) >> 16);
+}
+
+#ifdef SVO_COLOR
+
+layout(std430, binding = 6) readonly buffer Materials
+{
+    svo_material_record materials[];
+};
+
+uvec4 svo_unpack(uint rgba)
+{
+    return uvec4(rgba, rgba >> 8, rgba >> 16, rgba >> 24) & 255u;
+}
+
+/* a * b / 255 per channel, rounded half up. */
+uvec4 svo_modulate(uvec4 a, uvec4 b)
+{
+    return (2u * a * b + 255u) / 510u;
+}
+
+#ifdef SVO_TEXTURE
+
+layout(std430, binding = 7) readonly buffer Texels
+{
+    uint texels[];
+};
+
+/* The texel's index on one axis of a texture of that many texels. GLSL leaves the remainder of negative numbers open. */
+uint svo_wrap_texel(int texel, int texel_count, uint wrap)
+{
+    if (wrap == 1u) {
+        return uint(clamp(texel, 0, texel_count - 1));
+    }
+    int period = wrap == 2u ? 2 * texel_count : texel_count;
+    int inside = texel >= 0 ? texel % period : period - 1 - (-1 - texel) % period;
+    return uint(inside < texel_count ? inside : period - 1 - inside);
+}
+
+/* Bilinear, with eight bits of position between texels, rounded half up. u, v: 65536 = 1. */
+uvec4 svo_sample(svo_material_record material, int u, int v)
+{
+    int64_t x = ((int64_t(u) * int64_t(material.width) * int64_t(256) + int64_t(32768)) >> 16) - int64_t(128);
+    int64_t y = ((int64_t(v) * int64_t(material.height) * int64_t(256) + int64_t(32768)) >> 16) - int64_t(128);
+    uint x0 = svo_wrap_texel(int(x >> 8), int(material.width), material.wrap_u);
+    uint x1 = svo_wrap_texel(int(x >> 8) + 1, int(material.width), material.wrap_u);
+    uint y0 = svo_wrap_texel(int(y >> 8), int(material.height), material.wrap_v);
+    uint y1 = svo_wrap_texel(int(y >> 8) + 1, int(material.height), material.wrap_v);
+    uint row0 = material.texel_offset + y0 * material.width;
+    uint row1 = material.texel_offset + y1 * material.width;
+    uint fx = uint(x & int64_t(255));
+    uint fy = uint(y & int64_t(255));
+    uvec4 upper = svo_unpack(texels[row0 + x0]) * (256u - fx) + svo_unpack(texels[row0 + x1]) * fx;
+    uvec4 lower = svo_unpack(texels[row1 + x0]) * (256u - fx) + svo_unpack(texels[row1 + x1]) * fx;
+    return (upper * (256u - fy) + lower * fy + 32768u) >> 16;
+}
+
+uvec4 svo_texture_color(svo_material_record material, uint triangle, ivec3 weights)
+{
+    uint a = svo_uv_words(indices[triangle * 3u]);
+    uint b = svo_uv_words(indices[triangle * 3u + 1u]);
+    uint c = svo_uv_words(indices[triangle * 3u + 2u]);
+    int u = svo_blend(int(vertex_attributes[a]), int(vertex_attributes[b]), int(vertex_attributes[c]), weights);
+    int v = svo_blend(int(vertex_attributes[a + 1u]), int(vertex_attributes[b + 1u]), int(vertex_attributes[c + 1u]),
+                      weights);
+    return svo_sample(material, u, v);
+}
+
+#endif
+
+uvec4 svo_surface_color(uint triangle, ivec3 weights)
+{
+    svo_material_record material = materials[records[triangle].material];
+    uvec4 color = svo_unpack(material.rgba);
+#ifdef SVO_VERTEX_COLOR
+    uvec4 a = svo_unpack(vertex_attributes[indices[triangle * 3u]]);
+    uvec4 b = svo_unpack(vertex_attributes[indices[triangle * 3u + 1u]]);
+    uvec4 c = svo_unpack(vertex_attributes[indices[triangle * 3u + 2u]]);
+    uvec4 blend = (a * uint(weights.x) + b * uint(weights.y) + c * uint(weights.z) + uint(SVO_WEIGHT_ONE / 2)) >> 16;
+    color = svo_modulate(color, blend);
+#endif
+#ifdef SVO_TEXTURE
+    if (material.width != 0u) {
+        color = svo_modulate(color, svo_texture_color(material, triangle, weights));
+    }
+#endif
+    return color;
+}
+
+#endif
+
+#ifdef SVO_NORMAL
+
+int svo_low_half(uint word)
+{
+    return bitfieldExtract(int(word), 0, 16);
+}
+
+int svo_high_half(uint word)
+{
+    return int(word) >> 16;
+}
+
+ivec3 svo_own_normal(svo_triangle_record record)
+{
+    return ivec3(svo_low_half(record.normal_xy), svo_high_half(record.normal_xy), svo_low_half(record.normal_z_flags));
+}
+
+#ifdef SVO_VERTEX_NORMAL
+
+ivec3 svo_vertex_normal(uint vertex, ivec3 own)
+{
+    uint words = svo_normal_words(vertex);
+    uint xy = vertex_attributes[words];
+    ivec3 normal = ivec3(svo_low_half(xy), svo_high_half(xy), svo_low_half(vertex_attributes[words + 1u]));
+    return normal == ivec3(0) ? own : normal;
+}
+
+#endif
+
+ivec3 svo_surface_normal(uint triangle, ivec3 weights)
+{
+    ivec3 own = svo_own_normal(records[triangle]);
+#ifdef SVO_VERTEX_NORMAL
+    ivec3 a = svo_vertex_normal(indices[triangle * 3u], own);
+    ivec3 b = svo_vertex_normal(indices[triangle * 3u + 1u], own);
+    ivec3 c = svo_vertex_normal(indices[triangle * 3u + 2u], own);
+    return ivec3(svo_blend(a.x, b.x, c.x, weights), svo_blend(a.y, b.y, c.y, weights),
+                 svo_blend(a.z, b.z, c.z, weights));
+#else
+    return own;
+#endif
+}
+
+#endif

@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The payload, bottom up: mean colour, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
+ *
+ *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves' payload and
+ *                       the node's sums. For lists of one chunk, and leaves of not too many triangles
+ *   SVO_K_GATHER        per fragment of a chunk: adds what it contributes to the sums of its leaf, which are zero at first.
+ *                       For all others; 64-bit sums by 32-bit atomics, carrying from the low word to the high one
+ *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and its
+ *                       own sums
+ *
+ * Launch: one invocation per node or fragment. Sums of a node lie together: weight, colour (four words), normal (three), 64
+ * bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbours share a word: their arrays
+ * hold zeros at first, and each number is added by an atomicOr.
+ */
+#ifdef SVO_K_FILTER
+uniform svo_filter_params params; /* the others have it from attribute.glsl */
+#endif
+
+/* What a node's sums are added up in. */
+struct svo_sums {
+    uint64_t weight;
+#ifdef SVO_COLOR
+    u64vec4 color;
+#endif
+#ifdef SVO_NORMAL
+    i64vec3 normal;
+#endif
+};
+
+svo_sums svo_no_sums()
+{
+    svo_sums sums;
+    sums.weight = uint64_t(0);
+#ifdef SVO_COLOR
+    sums.color = u64vec4(0);
+#endif
+#ifdef SVO_NORMAL
+    sums.normal = i64vec3(0);
+#endif
+    return sums;
+}
+
+svo_sums svo_join_sums(svo_sums a, svo_sums b)
+{
+    a.weight += b.weight;
+#ifdef SVO_COLOR
+    a.color += b.color;
+#endif
+#ifdef SVO_NORMAL
+    a.normal += b.normal;
+#endif
+    return a;
+}
+
+/* 64-bit words of a node's sums, and of the parts before colour and normal. */
+#ifdef SVO_COLOR
+#define SVO_NORMAL_SUM 5u
+#else
+#define SVO_NORMAL_SUM 1u
+#endif
+#ifdef SVO_NORMAL
+#define SVO_SUM_WORDS (SVO_NORMAL_SUM + 3u)
+#else
+#define SVO_SUM_WORDS SVO_NORMAL_SUM
+#endif
+
+#ifndef SVO_K_GATHER
+
+/* The nodes' own sums. */
+#ifdef SVO_K_FILTER
+layout(std430, binding = 3) writeonly buffer Sums
+#else
+layout(std430, binding = 9) writeonly buffer Sums
+#endif
+{
+    uint64_t node_sums[];
+};
+
+void svo_store_sums(svo_sums sums, uint node)
+{
+    uint at = node * SVO_SUM_WORDS;
+    node_sums[at] = sums.weight;
+#ifdef SVO_COLOR
+    node_sums[at + 1u] = sums.color.x;
+    node_sums[at + 2u] = sums.color.y;
+    node_sums[at + 3u] = sums.color.z;
+    node_sums[at + 4u] = sums.color.w;
+#endif
+#ifdef SVO_NORMAL
+    node_sums[at + SVO_NORMAL_SUM] = uint64_t(sums.normal.x);
+    node_sums[at + SVO_NORMAL_SUM + 1u] = uint64_t(sums.normal.y);
+    node_sums[at + SVO_NORMAL_SUM + 2u] = uint64_t(sums.normal.z);
+#endif
+}
+
+/* The tree so far and its payload. */
+#ifdef SVO_K_FILTER
+#define SVO_BINDING_MASKS       0
+#define SVO_BINDING_FIRST_CHILD 1
+#define SVO_BINDING_COLORS      4
+#define SVO_BINDING_NORMALS     5
+#define SVO_BINDING_FILLS       6
+#else
+#define SVO_BINDING_MASKS       10
+#define SVO_BINDING_FIRST_CHILD 11
+#define SVO_BINDING_COLORS      12
+#define SVO_BINDING_NORMALS     13
+#define SVO_BINDING_FILLS       14
+#endif
+
+layout(std430, binding = SVO_BINDING_MASKS) readonly buffer Masks
+{
+    uint masks[];
+};
+layout(std430, binding = SVO_BINDING_FIRST_CHILD) readonly buffer FirstChild
+{
+    uint first_child[];
+};
+
+uint svo_child_count(uint node)
+{
+    return uint(bitCount(masks[node >> 2] >> (8u * (node & 3u)) & 255u));
+}
+
+#ifdef SVO_COLOR
+
+layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
+{
+    uint colors[];
+};
+
+/* (2 s + w) / (2 w), that is s / w rounded half up. Small weights divide in 32 bits. */
+uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
+{
+    if (weight < uint64_t(1 << 22)) {
+        return (2u * uvec4(sum) + uint(weight)) / (2u * uint(weight));
+    }
+    return uvec4((sum * uint64_t(2) + weight) / (uint64_t(2) * weight));
+}
+
+#endif
+
+#ifdef SVO_NORMAL
+
+layout(std430, binding = SVO_BINDING_NORMALS) buffer Normals
+{
+    uint normals[]; /* two numbers a word */
+};
+
+/* s / w rounded half up: floor((2 s + w) / (2 w)); the offset makes the dividend positive, since |s| <= 32768 w. */
+int svo_mean_normal(int64_t sum, uint64_t weight)
+{
+    if (weight < uint64_t(1 << 14)) {
+        uint dividend = uint(int(sum) * 2 + int(uint(weight)) + int(uint(weight) << 16));
+        return int(dividend / (2u * uint(weight))) - 32768;
+    }
+    uint64_t dividend = uint64_t(sum * int64_t(2)) + weight + (weight << 16);
+    return int(uint(dividend / (uint64_t(2) * weight))) - 32768;
+}
+
+void svo_put_normal(uint index, int number)
+{
+    atomicOr(normals[index >> 1], (uint(number) & 0xffffu) << (16u * (index & 1u)));
+}
+
+#endif
+
+#ifdef SVO_FILL
+
+layout(std430, binding = SVO_BINDING_FILLS) buffer Fills
+{
+    uint fills[]; /* two numbers a word */
+};
+
+/* Surface in 4096ths of a node's face, rounded half up, 65535 at most. shift: 0 < shift, the face's weight in bits less
+   twelve. */
+uint svo_fill_of(uint64_t weight, uint shift)
+{
+    if (shift > 62u) {
+        return 0u;
+    }
+    return uint(min(((weight >> (shift - 1u)) + uint64_t(1)) >> 1, uint64_t(65535)));
+}
+
+#endif
+
+void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
+{
+#ifdef SVO_COLOR
+    uvec4 mean = svo_mean_color(sums.color, sums.weight);
+    colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
+#endif
+#ifdef SVO_NORMAL
+    svo_put_normal(3u * node, svo_mean_normal(sums.normal.x, sums.weight));
+    svo_put_normal(3u * node + 1u, svo_mean_normal(sums.normal.y, sums.weight));
+    svo_put_normal(3u * node + 2u, svo_mean_normal(sums.normal.z, sums.weight));
+#endif
+#ifdef SVO_FILL
+    atomicOr(fills[node >> 1], svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
+#endif
+}
+
+/* No level above writes the root's payload: whoever sums up the root does. */
+void svo_store_root(svo_sums sums, uint node)
+{
+    if (node == 0u && sums.weight != uint64_t(0)) {
+        svo_store_payload(sums, 0u, params.fill_shift + 2u);
+    }
+}
+
+#endif
+
+#if defined(SVO_K_GATHER) || defined(SVO_K_GATHER_LEVEL)
+
+void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
+{
+    svo_share share = svo_pair_share(triangle, code);
+    sums.weight += uint64_t(share.weight);
+#ifdef SVO_COLOR
+    sums.color += uint64_t(share.weight) * u64vec4(svo_surface_color(triangle, share.corners));
+#endif
+#ifdef SVO_NORMAL
+    sums.normal += int64_t(share.weight) * i64vec3(svo_surface_normal(triangle, share.corners));
+#endif
+}
+
+#endif
+
+#ifdef SVO_K_GATHER
+
+layout(std430, binding = 1) readonly buffer Cursors
+{
+    uint cursors[];
+};
+/* The leaves' sums, low word first. */
+layout(std430, binding = 9) buffer Sums
+{
+    uint sum_words[];
+};
+
+void svo_add_sum(uint at, uint64_t number)
+{
+    uint low = uint(number & uint64_t(0xffffffffu));
+    uint before = atomicAdd(sum_words[2u * at], low);
+    uint high = uint(number >> 32) + (before + low < before ? 1u : 0u);
+    if (high != 0u) {
+        atomicAdd(sum_words[2u * at + 1u], high);
+    }
+}
+
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.fragment_count) {
+        return;
+    }
+    svo_sums sums = svo_no_sums();
+    svo_add_pair(sums, svo_fragment_triangle(index), svo_fragment_code(index));
+    uint at = (cursors[index] - params.leaf_begin) * SVO_SUM_WORDS;
+    svo_add_sum(at, sums.weight);
+#ifdef SVO_COLOR
+    svo_add_sum(at + 1u, sums.color.x);
+    svo_add_sum(at + 2u, sums.color.y);
+    svo_add_sum(at + 3u, sums.color.z);
+    svo_add_sum(at + 4u, sums.color.w);
+#endif
+#ifdef SVO_NORMAL
+    svo_add_sum(at + SVO_NORMAL_SUM, uint64_t(sums.normal.x));
+    svo_add_sum(at + SVO_NORMAL_SUM + 1u, uint64_t(sums.normal.y));
+    svo_add_sum(at + SVO_NORMAL_SUM + 2u, uint64_t(sums.normal.z));
+#endif
+}
+
+#endif
+
+#ifdef SVO_K_GATHER_LEVEL
+
+layout(std430, binding = 1) readonly buffer Links
+{
+    uint links[];
+};
+layout(std430, binding = 8) readonly buffer Heads
+{
+    uint heads[];
+};
+
+/* The sums of a leaf's list. link: its first fragment plus one. */
+svo_sums svo_sum_list(uint link)
+{
+    svo_sums sums = svo_no_sums();
+    while (link != 0u) {
+        svo_add_pair(sums, svo_fragment_triangle(link - 1u), svo_fragment_code(link - 1u));
+        link = links[link - 1u];
+    }
+    return sums;
+}
+
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.level_count) {
+        return;
+    }
+    uint node = params.level_begin + index;
+    uint begin = first_child[node];
+    uint end = begin + svo_child_count(node);
+    svo_sums sums = svo_no_sums();
+    for (uint leaf = begin; leaf < end; ++leaf) {
+        svo_sums part = svo_sum_list(heads[leaf - params.leaf_begin]);
+        svo_store_payload(part, leaf, params.fill_shift);
+        sums = svo_join_sums(sums, part);
+    }
+    svo_store_sums(sums, index);
+    svo_store_root(sums, node);
+    svo_check_loops();
+}
+
+#endif
+
+#ifdef SVO_K_FILTER
+
+layout(std430, binding = 2) readonly buffer ChildSums
+{
+    uint64_t child_sums[];
+};
+
+svo_sums svo_load_sums(uint node)
+{
+    uint at = node * SVO_SUM_WORDS;
+    svo_sums sums;
+    sums.weight = child_sums[at];
+#ifdef SVO_COLOR
+    sums.color = u64vec4(child_sums[at + 1u], child_sums[at + 2u], child_sums[at + 3u], child_sums[at + 4u]);
+#endif
+#ifdef SVO_NORMAL
+    sums.normal = i64vec3(int64_t(child_sums[at + SVO_NORMAL_SUM]), int64_t(child_sums[at + SVO_NORMAL_SUM + 1u]),
+                          int64_t(child_sums[at + SVO_NORMAL_SUM + 2u]));
+#endif
+    return sums;
+}
+
+/* Sums are indexed from the first node of their level; payload by the whole tree. */
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.level_count) {
+        return;
+    }
+    uint node = params.level_begin + index;
+    uint begin = first_child[node];
+    uint end = begin + svo_child_count(node);
+    svo_sums sums = svo_no_sums();
+    for (uint child = begin; child < end; ++child) {
+        svo_sums part = svo_load_sums(child - params.child_begin);
+        svo_store_payload(part, child, params.fill_shift);
+        sums = svo_join_sums(sums, part);
+    }
+    svo_store_sums(sums, index);
+    svo_store_root(sums, node);
+}
+
+#endif

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The material of every node: of all the triangles in it, the one that weighs most; of equals the smaller.
+ * kernels/material.cl in GLSL; entries, and why their order does not matter, are explained there.
+ *
+ *   SVO_K_MATERIAL_SCATTER  per fragment: (material, weight) into its leaf's range of entries, in any order
+ *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and adds up those of one material
+ *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries to the place of the first
+ *
+ * Materials are 16-bit numbers, of which neighbours share a word: their array holds zeros at first, and each number is
+ * added by an atomicOr.
+ */
+#define SVO_ENTRY_SHIFT 48
+/* Sorts behind all materials, which are below 65535. */
+#define SVO_NO_ENTRY (~uint64_t(0))
+
+#ifdef SVO_K_MATERIAL_SCATTER
+
+layout(std430, binding = 1) readonly buffer Cursors
+{
+    uint cursors[];
+};
+layout(std430, binding = 5) readonly buffer ListBegin
+{
+    uint list_begin[];
+};
+layout(std430, binding = 6) buffer Counts
+{
+    uint counts[];
+};
+layout(std430, binding = 7) writeonly buffer Entries
+{
+    uint64_t entries[];
+};
+
+void main()
+{
+    uint index = svo_item();
+    if (index < params.fragment_count) {
+        uint triangle = svo_fragment_triangle(index);
+        svo_share share = svo_pair_share(triangle, svo_fragment_code(index));
+        uint leaf = cursors[index] - params.leaf_begin;
+        uint slot = list_begin[leaf] + atomicAdd(counts[leaf], 1u);
+        entries[slot] = uint64_t(records[triangle].material) << SVO_ENTRY_SHIFT | uint64_t(share.weight);
+    }
+}
+
+#else
+
+uniform svo_filter_params params;
+
+#ifdef SVO_K_MATERIAL_LEAVES
+layout(std430, binding = 2) buffer Entries
+{
+    uint64_t entries[];
+};
+layout(std430, binding = 3) buffer Spare
+{
+    uint64_t spare[];
+};
+layout(std430, binding = 4) buffer Materials
+{
+    uint materials[]; /* two numbers a word */
+};
+#else
+layout(std430, binding = 4) readonly buffer ChildEntries
+{
+    uint64_t spare[]; /* the children's */
+};
+layout(std430, binding = 7) buffer Entries
+{
+    uint64_t entries[];
+};
+layout(std430, binding = 8) buffer Materials
+{
+    uint materials[]; /* two numbers a word */
+};
+#endif
+
+uint svo_entry_material(uint64_t entry)
+{
+    return uint(entry >> SVO_ENTRY_SHIFT);
+}
+
+uint64_t svo_entry_weight(uint64_t entry)
+{
+    return entry & ((uint64_t(1) << SVO_ENTRY_SHIFT) - uint64_t(1));
+}
+
+void svo_put_material(uint node, uint material)
+{
+    atomicOr(materials[node >> 1], material << (16u * (node & 1u)));
+}
+
+uint svo_heaviest(uint begin, uint end)
+{
+    uint64_t most = uint64_t(0);
+    uint material = 0u;
+    for (uint i = begin; i < end; ++i) {
+        uint64_t weight = svo_entry_weight(entries[i]);
+        material = weight > most ? svo_entry_material(entries[i]) : material;
+        most = max(most, weight);
+    }
+    return material;
+}
+
+#endif
+
+#ifdef SVO_K_MATERIAL_LEAVES
+
+layout(std430, binding = 0) readonly buffer ListBegin
+{
+    uint list_begin[];
+};
+layout(std430, binding = 1) writeonly buffer Counts
+{
+    uint counts[];
+};
+
+/* The array to read from, and the other one to write to. */
+uint64_t svo_from(bool forth, uint index)
+{
+    return forth ? entries[index] : spare[index];
+}
+
+void svo_put(bool forth, uint index, uint64_t entry)
+{
+    if (forth) {
+        spare[index] = entry;
+    } else {
+        entries[index] = entry;
+    }
+}
+
+/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries of one
+   material are added up before they are written. */
+void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
+{
+    uint a = begin;
+    uint b = middle;
+    uint written = begin;
+    uint64_t open = SVO_NO_ENTRY;
+    for (;;) {
+        uint64_t first = a < middle ? svo_from(forth, a) : SVO_NO_ENTRY;
+        uint64_t second = b < end ? svo_from(forth, b) : SVO_NO_ENTRY;
+        uint64_t least = min(first, second);
+        if (open != SVO_NO_ENTRY && svo_entry_material(open) != svo_entry_material(least)) {
+            svo_put(forth, written, open);
+            ++written;
+            open = SVO_NO_ENTRY;
+        }
+        if (least == SVO_NO_ENTRY) {
+            break;
+        }
+        open = open == SVO_NO_ENTRY ? least : open + svo_entry_weight(least);
+        a += first == least ? 1u : 0u;
+        b += first == least ? 0u : 1u;
+    }
+    if (written < end) {
+        svo_put(forth, written, SVO_NO_ENTRY);
+    }
+}
+
+/* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy. */
+void main()
+{
+    uint leaf = svo_item();
+    if (leaf >= params.leaf_count) {
+        return;
+    }
+    uint begin = list_begin[leaf];
+    uint end = list_begin[leaf + 1u];
+    bool forth = true;
+    for (uint width = 1u; width < end - begin; width *= 2u) {
+        for (uint run = begin; run < end; run += 2u * width) {
+            svo_merge_pair(forth, run, min(run + width, end), min(run + 2u * width, end));
+        }
+        forth = !forth;
+    }
+    uint count = 0u;
+    for (uint i = begin; i < end; ++i) {
+        uint64_t entry = svo_from(forth, i);
+        if (entry == SVO_NO_ENTRY) {
+            break;
+        }
+        entries[i] = entry;
+        ++count;
+    }
+    counts[leaf] = count;
+    svo_put_material(params.leaf_begin + leaf, svo_heaviest(begin, begin + count));
+    svo_check_loops();
+}
+
+#endif
+
+#ifdef SVO_K_MATERIAL_MERGE
+
+layout(std430, binding = 0) readonly buffer Masks
+{
+    uint masks[];
+};
+layout(std430, binding = 1) readonly buffer FirstChild
+{
+    uint first_child[];
+};
+layout(std430, binding = 2) readonly buffer ChildBegins
+{
+    uint child_begins[];
+};
+layout(std430, binding = 3) readonly buffer ChildCounts
+{
+    uint child_counts[];
+};
+layout(std430, binding = 5) writeonly buffer Begins
+{
+    uint begins[];
+};
+layout(std430, binding = 6) writeonly buffer Counts
+{
+    uint counts[];
+};
+
+/* child_begins and child_counts are indexed from the first node of their level. */
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.level_count) {
+        return;
+    }
+    uint node = params.level_begin + index;
+    uint child = first_child[node] - params.child_begin;
+    uint children = uint(bitCount(masks[node >> 2] >> (8u * (node & 3u)) & 255u));
+    uint next[8];
+    uint last[8];
+    for (uint i = 0u; i < children; ++i) {
+        next[i] = child_begins[child + i];
+        last[i] = next[i] + child_counts[child + i];
+    }
+    uint begin = next[0];
+    uint end = begin;
+    uint64_t open = SVO_NO_ENTRY;
+    for (;;) {
+        uint chosen = 0u;
+        uint64_t least = SVO_NO_ENTRY;
+        for (uint i = 0u; i < children; ++i) {
+            uint64_t entry = next[i] < last[i] ? spare[next[i]] : SVO_NO_ENTRY;
+            chosen = entry < least ? i : chosen;
+            least = min(least, entry);
+        }
+        if (open != SVO_NO_ENTRY && svo_entry_material(open) != svo_entry_material(least)) {
+            entries[end] = open;
+            ++end;
+            open = SVO_NO_ENTRY;
+        }
+        if (least == SVO_NO_ENTRY) {
+            break;
+        }
+        open = open == SVO_NO_ENTRY ? least : open + svo_entry_weight(least);
+        ++next[chosen];
+    }
+    begins[index] = begin;
+    counts[index] = end - begin;
+    svo_put_material(node, svo_heaviest(begin, end));
+    svo_check_loops();
+}
+
+#endif

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The GL compute builder: the tree that svo_build makes, bit for bit, for every scene, need, kind of weights, coverage and
+ * depth, however the list is cut; limits of the context refused with figures; the context's bindings as they were.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#include "attributed_mesh.h"
+#include "context.h"
+#include "fixture.h"
+#include "scenes.h"
+
+#define NEED_PAYLOAD \
+    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
+/* All but fill, which asks for weights by area. */
+#define NEED_UNIFORM \
+    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_RAYS)
+
+/* Both builders of one mesh; what of the report of the one in OpenGL is of interest goes to *report, NULL allowed. */
+static void assert_same_tree(const fixture *opened, const svo_mesh *mesh, unsigned depth,
+                             const svo_plan_options *options, svo_build_report *report)
+{
+    built by_cl;
+    built by_gl;
+    fixture_build(opened, mesh, depth, options, &by_cl);
+    fixture_build_in_gl(opened, mesh, depth, options, &by_gl);
+    assert_string_equal(by_cl.report.builder, "cl");
+    assert_string_equal(by_gl.report.builder, "gl-compute");
+    assert_int_equal(by_gl.report.fragments, by_cl.report.fragments);
+    assert_int_equal(by_gl.info.leaf_count, by_cl.info.leaf_count);
+    assert_string_equal(by_gl.nodes_hash, by_cl.nodes_hash);
+    assert_string_equal(by_gl.hash, by_cl.hash);
+    if (report != NULL) {
+        *report = by_gl.report;
+    }
+    built_destroy(&by_cl);
+    built_destroy(&by_gl);
+}
+
+static void every_scene_gives_the_same_tree(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    const svo_plan_options options = {.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_UNIFORM};
+    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+        char spec[64];
+        (void)snprintf(spec, sizeof spec, "%s:3000", scene_describe(i)->name);
+        scene *made = fixture_scene(spec);
+        assert_same_tree(opened, scene_mesh(made), 6, &options, NULL);
+        scene_destroy(&made);
+    }
+}
+
+/* Every attribute there is, odd ones among them, by every kind of weights. */
+static void every_need_and_weight_gives_the_same_payload(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(5, 400, 0.0, &made);
+    assert_same_tree(opened, &made.mesh, 6, &(svo_plan_options){.need = SVO_NEED_ALL}, NULL);
+    assert_same_tree(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTRE},
+                     NULL);
+    for (uint32_t need = 1; need <= SVO_NEED_ALL; need *= 2) {
+        if (need != SVO_NEED_FILL) {
+            assert_same_tree(opened, &made.mesh, 5, &(svo_plan_options){.need = need, .weights = SVO_WEIGHTS_UNIFORM},
+                             NULL);
+        }
+    }
+    assert_same_tree(opened, &made.mesh, 5, &(svo_plan_options){.need = SVO_NEED_NONE}, NULL);
+    /* Materials alone, all of one kind: no shader. */
+    made.mesh.triangle_materials = NULL;
+    assert_same_tree(opened, &made.mesh, 5, &(svo_plan_options){.need = SVO_NEED_MATERIAL}, NULL);
+    attributed_mesh_destroy(&made);
+}
+
+static void every_coverage_and_depth_gives_the_same_tree(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    owned_mesh made;
+    random_mesh(3, 60, 0.0, &made);
+    for (int coverage = SVO_COVERAGE_HALF_OPEN; coverage <= SVO_COVERAGE_THIN; ++coverage) {
+        for (unsigned depth = 1; depth <= 8; ++depth) {
+            const svo_plan_options options = {.need = SVO_NEED_RAYS, .coverage = (svo_coverage)coverage};
+            assert_same_tree(opened, &made.mesh, depth, &options, NULL);
+        }
+    }
+    owned_mesh_free(&made);
+}
+
+/* Short codes and long ones; triangles that reach outside. */
+static void deep_trees_are_the_same(void **state)
+{
+    static const double corner[3] = {0.3, 0.4, 0.5};
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(9, 40, 20.0, &made);
+    owned_mesh dust;
+    random_dust(2, 300, corner, 0.002, &dust);
+    for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
+        const svo_plan_options options = {
+            .need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTRE, .edge = depth > 12 ? 1000.0 : 64.0};
+        assert_same_tree(opened, &made.mesh, depth, &options, NULL);
+        assert_same_tree(opened, &dust.mesh, depth, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0}, NULL);
+    }
+    owned_mesh_free(&dust);
+    attributed_mesh_destroy(&made);
+}
+
+static void cut_lists_give_the_same_tree(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(7, 150, 0.0, &made);
+    svo_build_report report;
+    const svo_plan_options uniform = {.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_UNIFORM, .chunk_bytes = 16384};
+    assert_same_tree(opened, &made.mesh, 6, &uniform, &report);
+    assert_in_range(report.list_chunks, 2, UINT32_MAX);
+    const svo_plan_options too_small = {.need = SVO_NEED_RAYS, .fragment_capacity = 1};
+    assert_same_tree(opened, &made.mesh, 6, &too_small, &report);
+    assert_int_equal(report.reruns, 1);
+    const svo_plan_options by_area = {.need = NEED_PAYLOAD, .chunk_bytes = 100000};
+    assert_same_tree(opened, &made.mesh, 6, &by_area, &report);
+    assert_in_range(report.list_chunks, 2, UINT32_MAX);
+    attributed_mesh_destroy(&made);
+}
+
+/* Triangles that meet many more voxels than the count law promises: list and nodes need a second try. */
+static void nodes_that_do_not_fit_are_made_again(void **state)
+{
+    owned_mesh made;
+    corner_mesh(16, &made);
+    svo_build_report report;
+    assert_same_tree(fixture_of_group(state), &made.mesh, 8, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0},
+                     &report);
+    assert_int_equal(report.reruns, 2);
+    owned_mesh_free(&made);
+}
+
+/* Lists from one triangle to a hundred thousand in a voxel, with ties between materials. */
+static void crowds_in_a_voxel_give_the_same_lists(void **state)
+{
+    static const double corner[3] = {0.51, 0.51, 0.51};
+    static const size_t counts[] = {1, 31, 32, 33, 34, 1000, 100000};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        owned_mesh dust;
+        random_dust(i + 1, counts[i], corner, 0.4, &dust);
+        assert_same_tree(
+            opened, &dust.mesh, 1 + (unsigned)i % 2,
+            &(svo_plan_options){.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0},
+            NULL);
+        owned_mesh_free(&dust);
+    }
+}
+
+/* More loop turns than llvmpipe allows an invocation: of pairs that are clipped, and of long lists. */
+static void crowds_beyond_the_limit_of_loops_give_the_same_tree(void **state)
+{
+    static const double corner[3] = {0.51, 0.51, 0.51};
+    const fixture *opened = fixture_of_group(state);
+    owned_mesh dust;
+    random_dust(3, 5000, corner, 0.4, &dust);
+    assert_same_tree(opened, &dust.mesh, 1, &(svo_plan_options){.need = SVO_NEED_NORMAL | SVO_NEED_FILL, .edge = 1.0},
+                     NULL);
+    owned_mesh_free(&dust);
+    random_dust(4, 1000000, corner, 0.4, &dust);
+    assert_same_tree(opened, &dust.mesh, 1, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0}, NULL);
+    owned_mesh_free(&dust);
+}
+
+/* Materials of a voxel are sorted by one invocation: where that takes too long, it is refused, never wrong. */
+static void materials_of_a_crowd_are_right_or_refused(void **state)
+{
+    static const size_t counts[] = {500, 5000, 50000, 200000};
+    const fixture *opened = fixture_of_group(state);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        attributed_mesh made;
+        attributed_mesh_create(i, counts[i], 0.0, &made);
+        const svo_plan_options options = {
+            .struct_size = sizeof options, .need = SVO_NEED_MATERIAL, .weights = SVO_WEIGHTS_UNIFORM, .edge = 3.0};
+        svo_plan *plan = NULL;
+        svo_tree *tree = NULL;
+        assert_int_equal(svo_plan_create(opened->device, &made.mesh, 1, &options, &plan), SVO_OK);
+        const svo_status status = svo_gl_build(opened->gl, plan, opened->queue, &tree, NULL);
+        if (status == SVO_OK) {
+            assert_same_tree(opened, &made.mesh, 1, &options, NULL);
+        } else {
+            assert_int_equal(status, SVO_UNSUPPORTED);
+            assert_non_null(strstr(svo_device_message(opened->device), "too many triangles"));
+        }
+        print_message("%zu triangles: %s\n", counts[i], svo_status_name(status));
+        svo_tree_destroy(&tree);
+        svo_plan_destroy(&plan);
+        attributed_mesh_destroy(&made);
+    }
+}
+
+static void meshes_of_nothing_give_a_root(void **state)
+{
+    static const double corners[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.3, 0.9, 0.4};
+    const fixture *opened = fixture_of_group(state);
+    const svo_plan_options everything = {.need = SVO_NEED_ALL};
+    svo_mesh mesh = {.struct_size = sizeof mesh, .positions_double = corners, .vertex_count = 3};
+    assert_same_tree(opened, &mesh, 4, &everything, NULL);
+    mesh.triangle_count = 1;
+    assert_same_tree(opened, &mesh, 4, &everything, NULL);
+    assert_same_tree(opened, &mesh, 1, &everything, NULL);
+    mesh.positions_double = (const double[]){0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
+    assert_same_tree(opened, &mesh, 6, &everything, NULL);
+}
+
+/* Out of order, without profiling; stages name their clock. */
+static void any_queue_will_do(void **state)
+{
+    (void)state;
+    fixture opened;
+    fixture_open(&(fixture_options){.queue_properties = CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}, &opened);
+    scene *made = fixture_scene("knot:2000");
+    svo_build_report report;
+    assert_same_tree(&opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_RAYS}, &report);
+    assert_string_equal(report.share, "none");
+    svo_gl_context_info info;
+    svo_gl_context_get_info(opened.context, &info);
+    const char *clock = strstr(info.renderer, "llvmpipe") != NULL ? "wall" : "gl-timer";
+    assert_string_equal(report.stages[SVO_STAGE_SUBDIVIDE].clock, clock);
+    assert_string_equal(report.stages[SVO_STAGE_PACK].clock, clock);
+    assert_null(report.stages[SVO_STAGE_FILTER].clock);
+    scene_destroy(&made);
+    fixture_close(&opened);
+}
+
+/* Builds, which must be refused; the status, and what the message says. */
+static void assert_refused(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint32_t need,
+                           const char *words)
+{
+    const svo_plan_options options = {.struct_size = sizeof options, .need = need};
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    assert_int_equal(svo_plan_create(opened->device, mesh, depth, &options, &plan), SVO_OK);
+    assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, NULL), SVO_UNSUPPORTED);
+    assert_null(tree);
+    if (strstr(svo_device_message(opened->device), words) == NULL) {
+        fail_msg("'%s' does not say '%s'", svo_device_message(opened->device), words);
+    }
+    svo_plan_destroy(&plan);
+}
+
+static void without_64_bit_integers_payload_is_refused(void **state)
+{
+    (void)state;
+    fixture opened;
+    fixture_open(&(fixture_options){.no_int64 = 1}, &opened);
+    scene *made = fixture_scene("cornell:500");
+    assert_string_equal(svo_gl_build_reason(opened.gl, SVO_NEED_RAYS), "");
+    assert_non_null(strstr(svo_gl_build_reason(opened.gl, SVO_NEED_COLOR), "GL_ARB_gpu_shader_int64"));
+    assert_same_tree(&opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_RAYS}, NULL);
+    assert_same_tree(&opened, scene_mesh(made), 9, &(svo_plan_options){.need = SVO_NEED_NONE}, NULL);
+    assert_refused(&opened, scene_mesh(made), 6, SVO_NEED_COLOR, "payload needs GL_ARB_gpu_shader_int64");
+    scene_destroy(&made);
+    fixture_close(&opened);
+}
+
+/* A wall of depth 15 has a billion pairs: no storage block holds the lists, and no drawing is tried. */
+static void what_does_not_fit_a_storage_block_is_refused(void **state)
+{
+    static const double wall[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.01, 0.0, 1.0, 0.02};
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions_double = wall, .vertex_count = 3, .triangle_count = 1};
+    assert_refused(fixture_of_group(state), &mesh, 15, SVO_NEED_RAYS, "leaf lists need about");
+}
+
+static void wrong_arguments_are_refused(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = fixture_scene("cube");
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    svo_build_report report = {.struct_size = 1};
+    assert_int_equal(svo_plan_create(opened->device, scene_mesh(made), 4, NULL, &plan), SVO_OK);
+    assert_int_equal(svo_gl_build(NULL, plan, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gl_build(opened->gl, NULL, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gl_build(opened->gl, plan, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, &report), SVO_INVALID_ARGUMENT);
+    assert_null(tree);
+    svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
+/* Everything a launch binds, by its query. */
+typedef struct bindings {
+    GLint program, storage, dispatch, copy_read;
+    GLint names[16];
+    GLint64 starts[16], sizes[16];
+} bindings;
+
+static void read_bindings(const svo_i_gl_functions *gl, bindings *out)
+{
+    memset(out, 0, sizeof *out);
+    gl->GetIntegerv(GL_CURRENT_PROGRAM, &out->program);
+    gl->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &out->storage);
+    gl->GetIntegerv(GL_DISPATCH_INDIRECT_BUFFER_BINDING, &out->dispatch);
+    gl->GetIntegerv(GL_COPY_READ_BUFFER_BINDING, &out->copy_read);
+    for (GLuint i = 0; i < 16; ++i) {
+        gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &out->names[i]);
+        gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &out->starts[i]);
+        gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &out->sizes[i]);
+    }
+}
+
+static void bind_odd_things(const svo_i_gl_functions *gl, GLuint buffer, GLuint program)
+{
+    for (GLuint i = 0; i < 16; ++i) {
+        if (i % 2 == 0) {
+            gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, buffer, 256 * i, 512);
+        } else {
+            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, i % 3 == 0 ? 0 : buffer);
+        }
+    }
+    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, buffer);
+    gl->UseProgram(program);
+}
+
+static GLuint odd_program(const svo_i_gl_functions *gl)
+{
+    const char *source = "#version 430 core\nlayout(local_size_x = 1) in;\nvoid main()\n{\n}\n";
+    const GLuint shader = gl->CreateShader(GL_COMPUTE_SHADER);
+    const GLuint program = gl->CreateProgram();
+    gl->ShaderSource(shader, 1, &source, NULL);
+    gl->CompileShader(shader);
+    gl->AttachShader(program, shader);
+    gl->LinkProgram(program);
+    gl->DeleteShader(shader);
+    return program;
+}
+
+static void bindings_are_as_they_were(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(opened->context);
+    svo_message message = {""};
+    assert_int_equal(svo_i_gl_context_make_current(opened->context, &message), SVO_OK);
+    GLuint buffer = 0;
+    gl->GenBuffers(1, &buffer);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, 65536, NULL, GL_STATIC_DRAW);
+    const GLuint program = odd_program(gl);
+    bind_odd_things(gl, buffer, program);
+    bindings before;
+    read_bindings(gl, &before);
+    assert_int_equal(before.program, program);
+    scene *made = fixture_scene("knot:2000");
+    built actual;
+    fixture_build_in_gl(opened, scene_mesh(made), 5,
+                        &(svo_plan_options){.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_UNIFORM}, &actual);
+    built_destroy(&actual);
+    bindings after;
+    read_bindings(gl, &after);
+    assert_memory_equal(&after, &before, sizeof before);
+    assert_int_equal(gl->GetError(), GL_NO_ERROR);
+    gl->UseProgram(0);
+    gl->DeleteProgram(program);
+    gl->DeleteBuffers(1, &buffer);
+    svo_i_gl_context_release_current(opened->context);
+    scene_destroy(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_scene_gives_the_same_tree),
+        cmocka_unit_test(every_need_and_weight_gives_the_same_payload),
+        cmocka_unit_test(every_coverage_and_depth_gives_the_same_tree),
+        cmocka_unit_test(deep_trees_are_the_same),
+        cmocka_unit_test(cut_lists_give_the_same_tree),
+        cmocka_unit_test(nodes_that_do_not_fit_are_made_again),
+        cmocka_unit_test(crowds_in_a_voxel_give_the_same_lists),
+        cmocka_unit_test(crowds_beyond_the_limit_of_loops_give_the_same_tree),
+        cmocka_unit_test(materials_of_a_crowd_are_right_or_refused),
+        cmocka_unit_test(meshes_of_nothing_give_a_root),
+        cmocka_unit_test(any_queue_will_do),
+        cmocka_unit_test(without_64_bit_integers_payload_is_refused),
+        cmocka_unit_test(what_does_not_fit_a_storage_block_is_refused),
+        cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(bindings_are_as_they_were),
+    };
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}
