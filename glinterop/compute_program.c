@@ -63,6 +63,7 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_SORT_LONG", PACK, BASE_COMMON, false, false, SVO_NEED_RAYS, false},
     {"SVO_K_MATERIAL_SCATTER", MATERIAL, BASE_ATTRIBUTE, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_LEAVES", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
+    {"SVO_K_MATERIAL_PASS", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, true},
     {"SVO_K_MATERIAL_MERGE", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_LINK", LINK, BASE_COMMON, false, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_GATHER_LEVEL", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
@@ -76,14 +77,20 @@ typedef struct field {
     size_t offset;
 } field;
 
-#define SUBDIVIDE_FIELD(name) {"params." #name, offsetof(svo_subdivide_params, name)}
+#define SUBDIVIDE_FIELD(name)                                 \
+    {                                                         \
+        "params." #name, offsetof(svo_subdivide_params, name) \
+    }
 static const field subdivide_fields[] = {SUBDIVIDE_FIELD(depth), SUBDIVIDE_FIELD(level),
                                          SUBDIVIDE_FIELD(inner_capacity), SUBDIVIDE_FIELD(fragment_count)};
 
-#define FILTER_FIELD(name) {"params." #name, offsetof(svo_filter_params, name)}
+#define FILTER_FIELD(name)                                 \
+    {                                                      \
+        "params." #name, offsetof(svo_filter_params, name) \
+    }
 static const field filter_fields[] = {
-    FILTER_FIELD(depth),       FILTER_FIELD(level),          FILTER_FIELD(level_begin), FILTER_FIELD(level_count),
-    FILTER_FIELD(child_begin), FILTER_FIELD(fragment_count), FILTER_FIELD(leaf_begin),  FILTER_FIELD(leaf_count),
+    FILTER_FIELD(depth),       FILTER_FIELD(level),          FILTER_FIELD(level_begin),  FILTER_FIELD(level_count),
+    FILTER_FIELD(child_begin), FILTER_FIELD(fragment_count), FILTER_FIELD(leaf_begin),   FILTER_FIELD(leaf_count),
     FILTER_FIELD(voxel_log2),  FILTER_FIELD(first_chunk),    FILTER_FIELD(digit_passes), FILTER_FIELD(weight_log2),
     FILTER_FIELD(fill_shift)};
 

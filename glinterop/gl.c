@@ -154,8 +154,7 @@ static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *pl
         chunk->owner = shared;
         chunk->capacity = layout->chunks[i].capacity;
         const size_t bytes = (size_t)chunk->capacity * svo_i_plan_fragment_bytes(plan);
-        svo_status status =
-            svo_i_share_buffer_create(gl->device, gl->context, share, bytes > 0 ? bytes : 4, shared);
+        svo_status status = svo_i_share_buffer_create(gl->device, gl->context, share, bytes > 0 ? bytes : 4, shared);
         if (status == SVO_OK) {
             chunk->buffer = shared->memory;
             status = svo_i_share_buffer_to_gl(shared, queue);

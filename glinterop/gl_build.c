@@ -102,13 +102,14 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
         build->report->reruns += fits ? 0 : 1;
     }
     if (!fits && wanted > most) {
-        return svo_i_device_fail(
-            build->device, SVO_UNSUPPORTED,
-            SVO_I_GL_BUILD ": the tree has more inner nodes than the %llu of a storage block of %lld bytes of %s",
-            (unsigned long long)most, (long long)gl->limits.storage_block_bytes, gl->renderer);
+        return svo_i_device_fail(build->device, SVO_UNSUPPORTED,
+                                 SVO_I_GL_BUILD
+                                 ": the tree has more inner nodes than the %llu of a storage block of %lld bytes of %s",
+                                 (unsigned long long)most, (long long)gl->limits.storage_block_bytes, gl->renderer);
     }
     if (!fits) {
-        return svo_i_device_fail(build->device, SVO_INTERNAL, SVO_I_GL_BUILD ": %llu fragments made more than %llu nodes",
+        return svo_i_device_fail(build->device, SVO_INTERNAL,
+                                 SVO_I_GL_BUILD ": %llu fragments made more than %llu nodes",
                                  (unsigned long long)build->fragment_count, (unsigned long long)wanted);
     }
     return SVO_OK;

@@ -44,12 +44,11 @@ static svo_status allocate_sums(filterer *f)
 {
     const svo_tree_info *info = &f->gl_build->build->tree->info;
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
-    const uint64_t above = info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
-    const svo_status status =
-        svo_i_compute_alloc(f->gl_build->compute, "sums", above * f->node_bytes, &f->sums[0]);
-    return status == SVO_OK
-               ? svo_i_compute_alloc(f->gl_build->compute, "sums", parents * f->node_bytes, &f->sums[1])
-               : status;
+    const uint64_t above =
+        info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
+    const svo_status status = svo_i_compute_alloc(f->gl_build->compute, "sums", above * f->node_bytes, &f->sums[0]);
+    return status == SVO_OK ? svo_i_compute_alloc(f->gl_build->compute, "sums", parents * f->node_bytes, &f->sums[1])
+                            : status;
 }
 
 /* The lists of the one chunk's leaves. */
@@ -77,15 +76,15 @@ static svo_status gather(filterer *f, svo_i_entry entry, uint32_t chunk, GLuint 
     svo_i_gl_build *gl_build = f->gl_build;
     const svo_i_gl_surface *surface = f->surface;
     const GLuint *arrays = gl_build->arrays;
-    const svo_i_launch launch = {
-        .entry = entry,
-        .buffers = {svo_i_gl_chunk(gl_build, chunk), links, surface->vertices, surface->indices, surface->records,
-                    surface->attributes, surface->materials, surface->texels, f->heads, sums,
-                    arrays[SVO_TREE_CHILD_MASK], arrays[SVO_TREE_FIRST_CHILD], arrays[SVO_TREE_COLORS],
-                    arrays[SVO_TREE_NORMALS], arrays[SVO_TREE_FILLS]},
-        .params = &f->params,
-        .vertex_count = gl_build->build->plan->vertex_count,
-        .items = items};
+    const svo_i_launch launch = {.entry = entry,
+                                 .buffers = {svo_i_gl_chunk(gl_build, chunk), links, surface->vertices,
+                                             surface->indices, surface->records, surface->attributes,
+                                             surface->materials, surface->texels, f->heads, sums,
+                                             arrays[SVO_TREE_CHILD_MASK], arrays[SVO_TREE_FIRST_CHILD],
+                                             arrays[SVO_TREE_COLORS], arrays[SVO_TREE_NORMALS], arrays[SVO_TREE_FILLS]},
+                                 .params = &f->params,
+                                 .vertex_count = gl_build->build->plan->vertex_count,
+                                 .items = items};
     return svo_i_compute_launch(gl_build->compute, &launch);
 }
 
@@ -98,8 +97,7 @@ static svo_status walk_leaves(filterer *f, bool *walked)
     bool exhausted = false;
     svo_i_params_of_level(&f->params, info, info->depth - 1);
     svo_i_compute_stage_begin(compute);
-    svo_status status =
-        gather(f, SVO_I_ENTRY_GATHER_LEVEL, 0, f->links, f->sums[1], f->params.level_count);
+    svo_status status = gather(f, SVO_I_ENTRY_GATHER_LEVEL, 0, f->links, f->sums[1], f->params.level_count);
     if (status == SVO_OK) {
         status = svo_i_compute_stage_end(compute, f->gl_build->build, SVO_STAGE_FILTER);
     }
@@ -211,9 +209,7 @@ static svo_status run(filterer *f)
 
 svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
 {
-    filterer f = {.gl_build = gl_build,
-                  .surface = surface,
-                  .params = svo_i_payload_params(gl_build->build)};
+    filterer f = {.gl_build = gl_build, .surface = surface, .params = svo_i_payload_params(gl_build->build)};
     f.node_bytes = 8u * (1u + (needs(&f, SVO_NEED_COLOR) ? 4u : 0u) + (needs(&f, SVO_NEED_NORMAL) ? 3u : 0u));
     const svo_status status = run(&f);
     svo_i_compute_free(gl_build->compute, &f.heads);

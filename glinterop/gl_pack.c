@@ -18,8 +18,7 @@ static svo_status allocate_lists(packer *p)
     svo_i_gl_build *gl_build = p->gl_build;
     const uint64_t fragments = gl_build->build->fragment_count;
     gl_build->build->tree->info.list_count = fragments;
-    svo_status status =
-        svo_i_compute_alloc(gl_build->compute, "list", fragments * 4, &gl_build->arrays[SVO_TREE_LIST]);
+    svo_status status = svo_i_compute_alloc(gl_build->compute, "list", fragments * 4, &gl_build->arrays[SVO_TREE_LIST]);
     if (status == SVO_OK) {
         status = svo_i_compute_alloc(gl_build->compute, "list_spare", fragments * 4, &p->spare);
     }
@@ -94,19 +93,17 @@ static svo_status sort_lists(packer *p)
     const GLuint list_begin = gl_build->arrays[SVO_TREE_LIST_BEGIN];
     const GLuint list = gl_build->arrays[SVO_TREE_LIST];
     svo_status status = svo_i_compute_launch(
-        gl_build->compute,
-        &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_SHORT,
-                        .buffers = {list_begin, list, p->long_leaves, gl_build->state, p->launches},
-                        .params = &p->params,
-                        .items = p->params.leaf_count});
+        gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_SHORT,
+                                           .buffers = {list_begin, list, p->long_leaves, gl_build->state, p->launches},
+                                           .params = &p->params,
+                                           .items = p->params.leaf_count});
     svo_filter_params pass = p->params; /* level: which digit */
     for (pass.level = 0; pass.level < pass.digit_passes && status == SVO_OK; ++pass.level) {
         status = svo_i_compute_launch(
-            gl_build->compute,
-            &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_LONG,
-                            .buffers = {list_begin, list, p->spare, p->long_leaves, gl_build->state},
-                            .params = &pass,
-                            .indirect = p->launches});
+            gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_SORT_LONG,
+                                               .buffers = {list_begin, list, p->spare, p->long_leaves, gl_build->state},
+                                               .params = &pass,
+                                               .indirect = p->launches});
     }
     return status;
 }
@@ -114,8 +111,8 @@ static svo_status sort_lists(packer *p)
 static svo_status make_ranges(packer *p)
 {
     const uint64_t bytes = (p->params.leaf_count + UINT64_C(1)) * 4;
-    svo_status status = svo_i_compute_alloc(p->gl_build->compute, "list_begin", bytes,
-                                            &p->gl_build->arrays[SVO_TREE_LIST_BEGIN]);
+    svo_status status =
+        svo_i_compute_alloc(p->gl_build->compute, "list_begin", bytes, &p->gl_build->arrays[SVO_TREE_LIST_BEGIN]);
     if (status == SVO_OK) {
         status = count_lists(p);
     }

@@ -33,8 +33,8 @@ static svo_status begin(subdivider *s)
         status = svo_i_compute_upload(gl_build->compute, "launches", launches, sizeof launches, &s->launches);
     }
     if (status == SVO_OK && gl_build->partials == 0) {
-        status = svo_i_compute_alloc(gl_build->compute, "partials", SVO_SCAN_GROUPS * sizeof(GLuint),
-                                     &gl_build->partials);
+        status =
+            svo_i_compute_alloc(gl_build->compute, "partials", SVO_SCAN_GROUPS * sizeof(GLuint), &gl_build->partials);
     }
     svo_i_compute_fill_zero(gl_build->compute, s->masks);
     return status;
@@ -46,10 +46,11 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
     svo_status status = SVO_OK;
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count && status == SVO_OK; ++i) {
         params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
-        status = svo_i_compute_launch(gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_MARK,
-                                                                         .buffers = {svo_i_gl_chunk(gl_build, i), s->masks},
-                                                                         .params = &params,
-                                                                         .items = params.fragment_count});
+        status =
+            svo_i_compute_launch(gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_MARK,
+                                                                    .buffers = {svo_i_gl_chunk(gl_build, i), s->masks},
+                                                                    .params = &params,
+                                                                    .items = params.fragment_count});
     }
     return status;
 }

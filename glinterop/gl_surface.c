@@ -27,8 +27,8 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
 {
     const svo_plan *plan = gl_build->build->plan;
     const uint64_t vertices = plan->vertex_count;
-    const uint64_t bytes =
-        vertices * ((plan->colors != NULL ? 4u : 0u) + (plan->normals != NULL ? 8u : 0u) + (plan->uvs != NULL ? 8u : 0u));
+    const uint64_t bytes = vertices * ((plan->colors != NULL ? 4u : 0u) + (plan->normals != NULL ? 8u : 0u) +
+                                       (plan->uvs != NULL ? 8u : 0u));
     if (bytes == 0) {
         return SVO_OK;
     }

@@ -16,10 +16,10 @@ static void make_textures(uint64_t *state, attributed_mesh *out)
 {
     static const uint32_t sizes[ATTRIBUTED_TEXTURES][2] = {{1, 1}, {3, 5}, {64, 32}, {7, 1}, {2, 129}};
     static const svo_wrap wraps[ATTRIBUTED_TEXTURES][2] = {{SVO_WRAP_REPEAT, SVO_WRAP_CLAMP},
-                                                     {SVO_WRAP_REPEAT, SVO_WRAP_MIRROR},
-                                                     {SVO_WRAP_CLAMP, SVO_WRAP_REPEAT},
-                                                     {SVO_WRAP_MIRROR, SVO_WRAP_MIRROR},
-                                                     {SVO_WRAP_MIRROR, SVO_WRAP_CLAMP}};
+                                                           {SVO_WRAP_REPEAT, SVO_WRAP_MIRROR},
+                                                           {SVO_WRAP_CLAMP, SVO_WRAP_REPEAT},
+                                                           {SVO_WRAP_MIRROR, SVO_WRAP_MIRROR},
+                                                           {SVO_WRAP_MIRROR, SVO_WRAP_CLAMP}};
     size_t total = 0;
     for (unsigned i = 0; i < ATTRIBUTED_TEXTURES; ++i) {
         total += (size_t)sizes[i][0] * sizes[i][1] * 4;
@@ -39,7 +39,8 @@ static void make_textures(uint64_t *state, attributed_mesh *out)
 /* The first is white without a texture; some have a texture that is not there. */
 static void make_materials(uint64_t *state, attributed_mesh *out)
 {
-    static const uint32_t texture_indices[ATTRIBUTED_MATERIALS] = {SVO_NO_TEXTURE, 0, 1, 2, 3, 4, ATTRIBUTED_TEXTURES, 77777};
+    static const uint32_t texture_indices[ATTRIBUTED_MATERIALS] = {SVO_NO_TEXTURE,      0,    1, 2, 3, 4,
+                                                                   ATTRIBUTED_TEXTURES, 77777};
     for (unsigned i = 0; i < ATTRIBUTED_MATERIALS; ++i) {
         out->materials[i].texture_index = texture_indices[i];
         for (unsigned channel = 0; channel < 4; ++channel) {

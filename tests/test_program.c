@@ -430,6 +430,7 @@ static void devices_has_its_json_names(void **state)
     {
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "frontends")), 2);
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "shares")), 3);
+        assert_int_equal(cJSON_GetArraySize(array_of(pair, "builders")), 2);
         const cJSON *way = NULL;
         cJSON_ArrayForEach(way, array_of(pair, "shares"))
         {
@@ -495,6 +496,10 @@ static void the_hash_is_the_same_every_way(void **state)
     }
     expect_hash("--threads 1", hash);
     expect_hash("--threads 2", hash);
+    expect_hash("--builder cl", hash);
+    if (way_works(NULL, "builders", "gl-compute")) {
+        expect_hash("--builder gl-compute", hash);
+    }
     static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
     static const char *const shares[] = {"host", "copy"};
     for (size_t c = 0; c < 3; ++c) {
@@ -521,6 +526,10 @@ static void hash_says_what_ran(void **state)
         assert_true(strlen(text_of(document, texts[i])) > 0);
     }
     assert_string_equal(text_of(document, "hash"), text_of(document, "nodes_hash"));
+    cJSON_Delete(document);
+    document = run_json("$SVOCL hash scene:cube -d 5 --builder gl-compute --nodes --json");
+    assert_string_equal(text_of(document, "builder"), "gl-compute");
+    assert_string_equal(text_of(document, "share"), "none");
     cJSON_Delete(document);
 }
 
