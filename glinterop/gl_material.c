@@ -100,7 +100,8 @@ static svo_status sort_long_leaves(sorter *s)
     return status == SVO_OK ? launch_leaves(s, SVO_I_ENTRY_MATERIAL_LEAVES, &params, params.leaf_count) : status;
 }
 
-/* One invocation sorts a leaf, unless some leaf has more triangles than it may turn loops for (shaders/compute.glsl). */
+/* One invocation sorts a leaf, unless some leaf has more triangles than it may turn loops for
+   (shaders/compute.glsl). */
 static svo_status sort_leaves(sorter *s)
 {
     bool exhausted = false;

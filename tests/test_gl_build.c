@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The GL compute builder: the tree that svo_build makes, bit for bit, for every scene, need, kind of weights, coverage and
- * depth, however the list is cut; limits of the context refused with figures; the context's bindings as they were.
+ * The GL compute builder: the tree that svo_build makes, bit for bit, for every scene, need, kind of weights, coverage
+ * and depth, however the list is cut; limits of the context refused with figures; the context's bindings as they were.
  */
 #include <setjmp.h>
 #include <stdarg.h>

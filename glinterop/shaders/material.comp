@@ -5,7 +5,8 @@
  *
  *   SVO_K_MATERIAL_SCATTER  per fragment: (material, weight) into its leaf's range of entries, in any order
  *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and adds up those of one material
- *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, for leaves too long for one invocation (compute.glsl)
+ *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, for leaves too long for one invocation
+ *   (compute.glsl)
  *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries to the place of the first
  *
  * Materials are 16-bit numbers, of which neighbours share a word: their array holds zeros at first, and each number is
@@ -129,8 +130,8 @@ void svo_put(bool forth, uint index, uint64_t entry)
     }
 }
 
-/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries of one
-   material are added up before they are written. */
+/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries
+   of one material are added up before they are written. */
 void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 {
     uint a = begin;
