@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Compute shaders of one context: programs compiled on first use, buffers, launches, and the time they take. What the GL
- * compute builder (gl_build.h) stands on, as the OpenCL stages stand on lib/build.h.
+ * Compute shaders of one context: programs compiled on first use, buffers, launches, and the time they take. What the
+ * GL compute builder (gl_build.h) stands on, as the OpenCL stages stand on lib/build.h.
  */
 #ifndef SVO_GLINTEROP_COMPUTE_H
 #define SVO_GLINTEROP_COMPUTE_H
@@ -28,6 +28,7 @@ typedef enum svo_i_entry {
     SVO_I_ENTRY_SORT_LONG,
     SVO_I_ENTRY_MATERIAL_SCATTER,
     SVO_I_ENTRY_MATERIAL_LEAVES,
+    SVO_I_ENTRY_MATERIAL_PASS,
     SVO_I_ENTRY_MATERIAL_MERGE,
     SVO_I_ENTRY_LINK,
     SVO_I_ENTRY_GATHER_LEVEL,

@@ -63,6 +63,7 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_SORT_LONG", PACK, BASE_COMMON, false, false, SVO_NEED_RAYS, false},
     {"SVO_K_MATERIAL_SCATTER", MATERIAL, BASE_ATTRIBUTE, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_LEAVES", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
+    {"SVO_K_MATERIAL_PASS", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, true},
     {"SVO_K_MATERIAL_MERGE", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_LINK", LINK, BASE_COMMON, false, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_GATHER_LEVEL", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},

@@ -201,6 +201,10 @@ svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_
     if (gl == NULL || plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
+    if (plan->options.builder != SVO_BUILDER_CL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_GL_BUILD ": the plan asks for builder %s",
+                                 svo_builder_name(plan->options.builder));
+    }
     svo_frontend *frontend = NULL;
     svo_gl_context *context = svo_i_gl_context_of(gl);
     svo_status status = svo_i_gl_list_frontend(gl, &frontend);

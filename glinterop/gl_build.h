@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build by compute shaders: what its stages (gl_subdivide.c, gl_pack.c, gl_material.c, gl_filter.c) share. gl_build.c
- * runs them in order. Each stage is the twin of the OpenCL one of the same name in lib/, shader by shader.
+ * One build by compute shaders: what its stages (gl_subdivide.c, gl_pack.c, gl_material.c, gl_filter.c) share.
+ * gl_build.c runs them in order. Each stage is the twin of the OpenCL one of the same name in lib/, shader by shader.
  */
 #ifndef SVO_GLINTEROP_GL_BUILD_H
 #define SVO_GLINTEROP_GL_BUILD_H
@@ -33,8 +33,8 @@ GLuint svo_i_gl_chunk(const svo_i_gl_build *gl_build, uint32_t chunk);
 /* gl_build.c: SVO_UNSUPPORTED when a launch since the last look was cut short by the driver. */
 svo_status svo_i_gl_check_loops(svo_i_gl_build *gl_build, const char *what);
 
-/* gl_subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
-   did not fit the build's inner_capacity. */
+/* gl_subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner
+   nodes did not fit the build's inner_capacity. */
 svo_status svo_i_gl_subdivide(svo_i_gl_build *gl_build, bool *fits);
 /* gl_pack.c: list_begin; and list, if asked for. */
 svo_status svo_i_gl_pack(svo_i_gl_build *gl_build, bool with_lists);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs shaders/link.comp and shaders/filter.comp: the leaves' fragments are linked and their contributions summed up, then
- * sums travel up level by level and every node's colour, normal and fill are written.
+ * Runs shaders/link.comp and shaders/filter.comp: the leaves' fragments are linked and their contributions summed up,
+ * then sums travel up level by level and every node's colour, normal and fill are written.
  *
- * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level. Several
- * chunks, and voxels of more triangles than an invocation may turn loops for (shaders/compute.glsl), are added up in sums of
- * the leaves, fragment by fragment.
+ * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level.
+ * Several chunks, and voxels of more triangles than an invocation may turn loops for (shaders/compute.glsl), are added
+ * up in sums of the leaves, fragment by fragment.
  */
 #include "gl_build.h"
 

@@ -24,7 +24,7 @@ static svo_status allocate(sorter *s)
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
     const uint64_t grandparents =
         info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
-    svo_status status = svo_i_compute_alloc_zero(compute, "entry_counts", info->leaf_count * 4, &s->levels[0].counts);
+    svo_status status = svo_i_compute_alloc(compute, "entry_counts", info->leaf_count * 4, &s->levels[0].counts);
     if (status == SVO_OK) {
         status = svo_i_compute_alloc(compute, "entry_begins", grandparents * 4, &s->levels[0].begins);
     }
@@ -39,8 +39,8 @@ static svo_status allocate(sorter *s)
             svo_i_compute_alloc(compute, "entries", s->gl_build->build->fragment_count * 8, &s->levels[odd].entries);
     }
     if (status == SVO_OK) {
-        status = svo_i_compute_alloc_zero(compute, "materials", info->node_count * 2,
-                                          &s->gl_build->arrays[SVO_TREE_MATERIALS]);
+        status =
+            svo_i_compute_alloc(compute, "materials", info->node_count * 2, &s->gl_build->arrays[SVO_TREE_MATERIALS]);
     }
     s->materials = s->gl_build->arrays[SVO_TREE_MATERIALS];
     return status;
@@ -60,6 +60,8 @@ static svo_status scatter(sorter *s)
     svo_i_gl_build *gl_build = s->gl_build;
     const svo_i_gl_surface *surface = s->surface;
     svo_status status = SVO_OK;
+    svo_i_compute_fill_zero(gl_build->compute, s->levels[0].counts);
+    svo_i_compute_fill_zero(gl_build->compute, s->materials);
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count && status == SVO_OK; ++i) {
         s->params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
         status = svo_i_compute_launch(
@@ -73,14 +75,41 @@ static svo_status scatter(sorter *s)
     return status;
 }
 
-static svo_status sort_leaves(sorter *s)
+static svo_status launch_leaves(sorter *s, svo_i_entry entry, const svo_filter_params *params, uint64_t items)
 {
     return svo_i_compute_launch(s->gl_build->compute,
-                                &(svo_i_launch){.entry = SVO_I_ENTRY_MATERIAL_LEAVES,
+                                &(svo_i_launch){.entry = entry,
                                                 .buffers = {s->list_begin, s->levels[0].counts, s->levels[0].entries,
                                                             s->levels[1].entries, s->materials},
-                                                .params = &s->params,
-                                                .items = s->params.leaf_count});
+                                                .params = params,
+                                                .items = items});
+}
+
+/* Sorts leaves of any length, pass by pass: an even number of them, so that the result ends where it began. */
+static svo_status sort_long_leaves(sorter *s)
+{
+    const uint64_t fragments = s->gl_build->build->fragment_count;
+    svo_filter_params params = s->params;
+    params.fragment_count = (cl_uint)fragments;
+    svo_status status = scatter(s);
+    for (params.level = 0; (fragments >> params.level != 0 || params.level % 2 != 0) && status == SVO_OK;
+         ++params.level) {
+        status = launch_leaves(s, SVO_I_ENTRY_MATERIAL_PASS, &params, fragments);
+    }
+    params.digit_passes = 1;
+    return status == SVO_OK ? launch_leaves(s, SVO_I_ENTRY_MATERIAL_LEAVES, &params, params.leaf_count) : status;
+}
+
+/* One invocation sorts a leaf, unless some leaf has more triangles than it may turn loops for
+   (shaders/compute.glsl). */
+static svo_status sort_leaves(sorter *s)
+{
+    bool exhausted = false;
+    svo_status status = launch_leaves(s, SVO_I_ENTRY_MATERIAL_LEAVES, &s->params, s->params.leaf_count);
+    if (status == SVO_OK) {
+        status = svo_i_compute_exhausted(s->gl_build->compute, &exhausted);
+    }
+    return status == SVO_OK && exhausted ? sort_long_leaves(s) : status;
 }
 
 static svo_status merge_level(sorter *s, uint32_t level)

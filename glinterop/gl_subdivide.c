@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs shaders/subdivide.comp and the mask scans of shaders/scan.comp: all levels in one go, without reading anything back
- * between them. How large a level is, the device knows: its scans are launched indirectly. The counts come to the host
- * once, at the end.
+ * Runs shaders/subdivide.comp and the mask scans of shaders/scan.comp: all levels in one go, without reading anything
+ * back between them. How large a level is, the device knows: its scans are launched indirectly. The counts come to the
+ * host once, at the end.
  */
 #include <string.h>
 

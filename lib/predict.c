@@ -90,8 +90,6 @@ static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
         svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
         svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
     }
-    svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
-    svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
 }
 
 /* The attributes this mesh has and this request reads. */
@@ -241,5 +239,9 @@ void svo_i_plan_predict(svo_plan *plan)
     }
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
         predict_payload(plan, inner + leaves, fragments, leaves);
+    }
+    if ((plan->info.need & SVO_NEED_RAYS) != 0) {
+        svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
+        svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
     }
 }

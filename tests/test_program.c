@@ -228,7 +228,7 @@ static void wrong_usage_is_exit_code_2(void **state)
     run_badly("$SVOCL render tree.svo -o a.png -d 8", 2, "tree.svo");
 }
 
-static void names_of_later_versions_are_refused(void **state)
+static void names_without_meaning_are_refused(void **state)
 {
     (void)state;
     run_badly("$SVOCL build scene:cube --coverage thick", 2, "--coverage");
@@ -465,6 +465,7 @@ static void devices_has_its_json_names(void **state)
     {
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "frontends")), 2);
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "shares")), 3);
+        assert_int_equal(cJSON_GetArraySize(array_of(pair, "builders")), 3);
         const cJSON *way = NULL;
         cJSON_ArrayForEach(way, array_of(pair, "shares"))
         {
@@ -535,6 +536,11 @@ static void the_hash_is_the_same_every_way(void **state)
     if (gl_works()) {
         expect_hash("--frontend gl-expand", hash);
     }
+    expect_hash("--builder cl", hash);
+    expect_hash("--builder sorted", hash);
+    if (way_works(NULL, "builders", "gl-compute")) {
+        expect_hash("--builder gl-compute", hash);
+    }
     static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
     static const char *const shares[] = {"host", "copy"};
     for (size_t c = 0; c < 3; ++c) {
@@ -563,6 +569,10 @@ static void hash_says_what_ran(void **state)
         assert_true(strlen(text_of(document, texts[i])) > 0);
     }
     assert_string_equal(text_of(document, "hash"), text_of(document, "nodes_hash"));
+    cJSON_Delete(document);
+    document = run_json("$SVOCL hash scene:cube -d 5 --builder gl-compute --nodes --json");
+    assert_string_equal(text_of(document, "builder"), "gl-compute");
+    assert_string_equal(text_of(document, "share"), "none");
     cJSON_Delete(document);
 }
 
@@ -704,7 +714,7 @@ int main(void)
         return 1;
     }
     const struct CMUnitTest tests[] = {IN_FOLDER(wrong_usage_is_exit_code_2),
-                                       IN_FOLDER(names_of_later_versions_are_refused),
+                                       IN_FOLDER(names_without_meaning_are_refused),
                                        IN_FOLDER(help_goes_to_standard_output),
                                        IN_FOLDER(scenes_are_written_and_read_again),
                                        IN_FOLDER(bad_meshes_are_one_line),

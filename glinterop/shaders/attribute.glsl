@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a triangle contributes to a voxel: its weight, and its colour and normal at one of its points. kernels/attribute.clh
- * in GLSL, number by number; the part of a triangle inside a voxel (kernels/clip.clh) is one text for both. The keys are
- * the same. Needs 64-bit integers.
+ * What a triangle contributes to a voxel: its weight, and its colour and normal at one of its points.
+ * kernels/attribute.clh in GLSL, number by number; the part of a triangle inside a voxel (kernels/clip.clh) is one
+ * text for both. The keys are the same. Needs 64-bit integers.
  *
- * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colours (RGBA8,
- * one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v (two words,
- * 65536 = 1); what the mesh lacks is left out.
+ * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colours
+ * (RGBA8, one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v
+ * (two words, 65536 = 1); what the mesh lacks is left out.
  */
 uniform svo_filter_params params;
 uniform uint vertex_count;
@@ -79,8 +79,8 @@ uint svo_significant_bits(uint64_t number)
     return high != 0u ? uint(findMSB(high)) + 33u : uint(findMSB(low) + 1);
 }
 
-/* The corners' weights at a point of the triangle, in sub-units; a third each for a triangle of no area. Of a triangle that
-   reaches further than 2^24 units the point counts in whole units, else to 2^-12 of one: areas stay below 2^62. */
+/* The corners' weights at a point of the triangle, in sub-units; a third each for a triangle of no area. Of a triangle
+   that reaches further than 2^24 units the point counts in whole units, else to 2^-12 of one: areas stay below 2^62. */
 ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
 {
     int bits = SVO_SUB_LOG2 - int(voxel_log2);
@@ -207,7 +207,8 @@ layout(std430, binding = 7) readonly buffer Texels
     uint texels[];
 };
 
-/* The texel's index on one axis of a texture of that many texels. GLSL leaves the remainder of negative numbers open. */
+/* The texel's index on one axis of a texture of that many texels. GLSL leaves the remainder of negative
+   numbers open. */
 uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 {
     if (wrap == 1u) {

@@ -2,16 +2,17 @@
 /*
  * The payload, bottom up: mean colour, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
  *
- *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves' payload and
- *                       the node's sums. For lists of one chunk, and leaves of not too many triangles
- *   SVO_K_GATHER        per fragment of a chunk: adds what it contributes to the sums of its leaf, which are zero at first.
- *                       For all others; 64-bit sums by 32-bit atomics, carrying from the low word to the high one
- *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and its
- *                       own sums
+ *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
+ *                       payload and the node's sums. For lists of one chunk, and leaves of not too many triangles
+ *   SVO_K_GATHER        per fragment of a chunk: adds what it contributes to the sums of its leaf, which are zero at
+ *                       first. For all others; 64-bit sums by 32-bit atomics, carrying from the low word to the high
+ *                       one
+ *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and
+ *                       its own sums
  *
- * Launch: one invocation per node or fragment. Sums of a node lie together: weight, colour (four words), normal (three), 64
- * bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbours share a word: their arrays
- * hold zeros at first, and each number is added by an atomicOr.
+ * Launch: one invocation per node or fragment. Sums of a node lie together: weight, colour (four words), normal
+ * (three), 64 bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbours share a word:
+ * their arrays hold zeros at first, and each number is added by an atomicOr.
  */
 #ifdef SVO_K_FILTER
 uniform svo_filter_params params; /* the others have it from attribute.glsl */

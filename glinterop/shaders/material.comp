@@ -5,6 +5,8 @@
  *
  *   SVO_K_MATERIAL_SCATTER  per fragment: (material, weight) into its leaf's range of entries, in any order
  *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and adds up those of one material
+ *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, for leaves too long for one invocation
+ *   (compute.glsl)
  *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries to the place of the first
  *
  * Materials are 16-bit numbers, of which neighbours share a word: their array holds zeros at first, and each number is
@@ -49,7 +51,7 @@ void main()
 
 uniform svo_filter_params params;
 
-#ifdef SVO_K_MATERIAL_LEAVES
+#if defined(SVO_K_MATERIAL_LEAVES) || defined(SVO_K_MATERIAL_PASS)
 layout(std430, binding = 2) buffer Entries
 {
     uint64_t entries[];
@@ -106,15 +108,11 @@ uint svo_heaviest(uint begin, uint end)
 
 #endif
 
-#ifdef SVO_K_MATERIAL_LEAVES
+#if defined(SVO_K_MATERIAL_LEAVES) || defined(SVO_K_MATERIAL_PASS)
 
 layout(std430, binding = 0) readonly buffer ListBegin
 {
     uint list_begin[];
-};
-layout(std430, binding = 1) writeonly buffer Counts
-{
-    uint counts[];
 };
 
 /* The array to read from, and the other one to write to. */
@@ -132,8 +130,8 @@ void svo_put(bool forth, uint index, uint64_t entry)
     }
 }
 
-/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries of one
-   material are added up before they are written. */
+/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries
+   of one material are added up before they are written. */
 void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 {
     uint a = begin;
@@ -161,7 +159,49 @@ void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
     }
 }
 
-/* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy. */
+#endif
+
+#ifdef SVO_K_MATERIAL_PASS
+
+/* The leaf whose range an entry lies in: the last that begins no later. */
+uint svo_leaf_of(uint index)
+{
+    uint leaf = 0u;
+    for (uint reach = 0x80000000u; reach != 0u; reach >>= 1) {
+        if (reach < params.leaf_count - leaf && list_begin[leaf + reach] <= index) {
+            leaf += reach;
+        }
+    }
+    return leaf;
+}
+
+/* params.level: log2 of the runs' width; of even ones entries are read and spare is written. */
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.fragment_count) {
+        return;
+    }
+    uint leaf = svo_leaf_of(index);
+    uint width = 1u << params.level;
+    uint end = list_begin[leaf + 1u];
+    if ((index - list_begin[leaf]) % (2u * width) == 0u) {
+        svo_merge_pair((params.level & 1u) == 0u, index, min(index + width, end), min(index + 2u * width, end));
+    }
+    svo_check_loops();
+}
+
+#endif
+
+#ifdef SVO_K_MATERIAL_LEAVES
+
+layout(std430, binding = 1) writeonly buffer Counts
+{
+    uint counts[];
+};
+
+/* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy.
+   params.digit_passes: not 0, other launches have sorted already. */
 void main()
 {
     uint leaf = svo_item();
@@ -171,7 +211,8 @@ void main()
     uint begin = list_begin[leaf];
     uint end = list_begin[leaf + 1u];
     bool forth = true;
-    for (uint width = 1u; width < end - begin; width *= 2u) {
+    uint unsorted = params.digit_passes != 0u ? 0u : end - begin;
+    for (uint width = 1u; width < unsorted; width *= 2u) {
         for (uint run = begin; run < end; run += 2u * width) {
             svo_merge_pair(forth, run, min(run + width, end), min(run + 2u * width, end));
         }

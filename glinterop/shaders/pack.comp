@@ -7,8 +7,9 @@
  *   SVO_K_SCATTER     per fragment: its triangle into the range, in any order (lengths count down to 0)
  *   SVO_K_SORT_SHORT  per leaf: insertion sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list, and the
  *                     launch of SVO_K_SORT_LONG is made as large as the list
- *   SVO_K_SORT_LONG   per long leaf, one group, once for each digit: a pass of a stable radix sort by four bits, between
- *                     list and spare. One pass a launch, and one leaf a group, since loops have a limit (compute.glsl)
+ *   SVO_K_SORT_LONG   per long leaf, one group, once for each digit: a pass of a stable radix sort by four bits,
+ *                     between list and spare. One pass a launch, and one leaf a group, since loops have a limit
+ *                     (compute.glsl)
  */
 #define SVO_LONG_ROW 16384u /* groups in a row of a launch */
 

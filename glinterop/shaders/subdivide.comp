@@ -5,8 +5,8 @@
  *   SVO_K_MARK     once: every fragment marks its octant in the root
  *   SVO_K_DESCEND  per level: every fragment moves its cursor to the child and marks its octant there
  *
- * Launch: one invocation per fragment of a chunk, rounded up to whole groups. Masks, four to a word, and why plain reads
- * beside atomicOr are enough: see there.
+ * Launch: one invocation per fragment of a chunk, rounded up to whole groups. Masks, four to a word, and why plain
+ * reads beside atomicOr are enough: see there.
  */
 uniform svo_subdivide_params params;
 

@@ -157,11 +157,12 @@ SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
  * payload are made of it; only the finished arrays go to OpenCL. The tree is the same, bit for bit: for devices whose two
  * APIs are to be compared, stage by stage, and no faster than svo_build where there is no reason for it to be.
  *
- * The same parameters, guarantees and status codes as svo_build's; the report's builder is "gl-compute" and its share
+ * The same parameters, guarantees and status codes as svo_build's, of a plan whose builder is SVO_BUILDER_CL; the report's builder is "gl-compute" and its share
  * "none", and stages between voxelize and the last transfer are timed by the context's timer queries ("gl-timer"), on
  * llvmpipe by the wall clock up to glFinish. Every array must fit a shader storage block of the context, else
- * SVO_UNSUPPORTED says which and by how much. The context's bindings of storage blocks 0 to 14, of the indirect dispatch
- * buffer and of the program in use are afterwards as they were.
+ * SVO_UNSUPPORTED says which and by how much; so it does where a voxel has more triangles than the driver lets an
+ * invocation go through (on llvmpipe some two million for SVO_NEED_RAYS). The context's bindings of storage blocks 0 to 15,
+ * of the indirect dispatch buffer and of the program in use are afterwards as they were.
  */
 SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
                                 svo_build_report *report);
