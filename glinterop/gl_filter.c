@@ -210,7 +210,7 @@ static svo_status run(filterer *f)
 svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
 {
     filterer f = {.gl_build = gl_build, .surface = surface, .params = svo_i_payload_params(gl_build->build)};
-    f.node_bytes = 8u * (1u + (needs(&f, SVO_NEED_COLOR) ? 4u : 0u) + (needs(&f, SVO_NEED_NORMAL) ? 3u : 0u));
+    f.node_bytes = UINT64_C(8) * (1u + (needs(&f, SVO_NEED_COLOR) ? 4u : 0u) + (needs(&f, SVO_NEED_NORMAL) ? 3u : 0u));
     const svo_status status = run(&f);
     svo_i_compute_free(gl_build->compute, &f.heads);
     svo_i_compute_free(gl_build->compute, &f.links);

@@ -23,9 +23,9 @@ static svo_status begin(subdivider *s)
     memset(&state, 0, sizeof state);
     for (unsigned level = 0; level < SVO_LEVELS_MAX; ++level) {
         state.level_begin[level] = level > 0 ? 1 : 0;
-        launches[3 * level] = level > 0 ? 0 : 1;
-        launches[3 * level + 1] = 1;
-        launches[3 * level + 2] = 1;
+        launches[(size_t)3 * level] = level > 0 ? 0 : 1;
+        launches[(size_t)3 * level + 1] = 1;
+        launches[(size_t)3 * level + 2] = 1;
     }
     svo_i_compute_free(gl_build->compute, &gl_build->state);
     svo_status status = svo_i_compute_upload(gl_build->compute, "state", &state, sizeof state, &gl_build->state);
