@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder: asks the front end for the fragment list, runs the OpenCL stages, hands out the tree. Grows and reruns when
- * a capacity was too small.
+ * The builder: has the fragment list made (list.c), runs the OpenCL stages, hands out the tree. Makes the nodes again when
+ * there was too little room for them.
  */
 #include "build.h"
 
@@ -11,191 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cutting chunks in halves until they fit ends long before this. */
-#define RERUNS_MAX 32u
-
 const char *svo_stage_name(svo_stage stage)
 {
     static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
                                                        "subdivide", "pack",    "link",     "filter"};
     return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
-}
-
-svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out)
-{
-    const svo_status status =
-        svo_i_device_buffer(build->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out);
-    if (status == SVO_OK) {
-        svo_i_plan_buffer_add(build->plan, name, bytes > 0 ? bytes : 1);
-    }
-    return status;
-}
-
-/* Makes event the newest; on failure turns the error into a status. */
-static svo_status follow(svo_i_build *build, const char *call, cl_int error, cl_event event)
-{
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(build->device, SVO_I_BUILD, call, error);
-    }
-    if (build->stage_first == NULL) {
-        clRetainEvent(event);
-        build->stage_first = event;
-    }
-    if (build->last != NULL) {
-        clReleaseEvent(build->last);
-    }
-    build->last = event;
-    return SVO_OK;
-}
-
-static cl_uint wait_count(const svo_i_build *build)
-{
-    return build->last != NULL ? 1 : 0;
-}
-
-static const cl_event *wait_list(const svo_i_build *build)
-{
-    return build->last != NULL ? &build->last : NULL;
-}
-
-svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
-{
-    const svo_status status = svo_i_build_alloc(build, name, bytes, out);
-    if (status != SVO_OK || bytes == 0) {
-        return status;
-    }
-    cl_event event = NULL;
-    const cl_int error = clEnqueueWriteBuffer(build->queue, *out, CL_TRUE, 0, (size_t)bytes, data, wait_count(build),
-                                              wait_list(build), &event);
-    return follow(build, "clEnqueueWriteBuffer", error, event);
-}
-
-void svo_i_build_free(svo_i_build *build, cl_mem *buffer)
-{
-    if (*buffer == NULL) {
-        return;
-    }
-    size_t bytes = 0;
-    clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    svo_i_plan_buffer_remove(build->plan, bytes);
-    clReleaseMemObject(*buffer);
-    *buffer = NULL;
-}
-
-svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
-                            uint64_t bytes)
-{
-    cl_event event = NULL;
-    const cl_int error = clEnqueueFillBuffer(build->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
-                                             wait_count(build), wait_list(build), &event);
-    return follow(build, "clEnqueueFillBuffer", error, event);
-}
-
-svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t bytes)
-{
-    const cl_uint zero = 0;
-    return svo_i_build_fill(build, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
-}
-
-svo_status svo_i_build_copy(svo_i_build *build, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes)
-{
-    if (bytes == 0) {
-        return SVO_OK;
-    }
-    cl_event event = NULL;
-    const cl_int error = clEnqueueCopyBuffer(build->queue, from, to, 0, (size_t)to_offset, (size_t)bytes,
-                                             wait_count(build), wait_list(build), &event);
-    return follow(build, "clEnqueueCopyBuffer", error, event);
-}
-
-svo_status svo_i_build_wait(svo_i_build *build)
-{
-    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(build->device, SVO_I_BUILD, "clWaitForEvents", error);
-}
-
-svo_status svo_i_build_read(svo_i_build *build, cl_mem buffer, void *to, size_t bytes)
-{
-    cl_event event = NULL;
-    const cl_int error =
-        clEnqueueReadBuffer(build->queue, buffer, CL_TRUE, 0, bytes, to, wait_count(build), wait_list(build), &event);
-    return follow(build, "clEnqueueReadBuffer", error, event);
-}
-
-svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *out)
-{
-    return svo_i_kernel_create(build->device, SVO_I_BUILD, build->program, name, out);
-}
-
-svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
-                           cl_uint argument_count, uint64_t items)
-{
-    cl_kernel kernel = NULL;
-    svo_status status = svo_i_build_kernel(build, name, &kernel);
-    if (status == SVO_OK) {
-        status = svo_i_build_launch(build, kernel, arguments, argument_count, items);
-        clReleaseKernel(kernel);
-    }
-    return status;
-}
-
-svo_status svo_i_build_launch(svo_i_build *build, cl_kernel kernel, const svo_i_argument *arguments,
-                              cl_uint argument_count, uint64_t items)
-{
-    if (items == 0) {
-        return SVO_OK;
-    }
-    const svo_status status = svo_i_kernel_set(build->device, SVO_I_BUILD, kernel, arguments, argument_count);
-    if (status != SVO_OK) {
-        return status;
-    }
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)((items + local - 1) / local) * local;
-    cl_event event = NULL;
-    const cl_int error = clEnqueueNDRangeKernel(build->queue, kernel, 1, NULL, &global, &local, wait_count(build),
-                                                wait_list(build), &event);
-    return follow(build, "clEnqueueNDRangeKernel", error, event);
-}
-
-void svo_i_build_stage_begin(svo_i_build *build)
-{
-    if (build->stage_first != NULL) {
-        clReleaseEvent(build->stage_first);
-        build->stage_first = NULL;
-    }
-    build->stage_start_ms = svo_i_now_ms();
-}
-
-/* From the start of the first to the end of the last launch; negative where the queue does not say. */
-static double event_span_ms(cl_event first, cl_event last)
-{
-    cl_ulong start = 0;
-    cl_ulong end = 0;
-    if (clGetEventProfilingInfo(first, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
-        clGetEventProfilingInfo(last, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS || end < start) {
-        return -1.0;
-    }
-    return (double)(end - start) * 1e-6;
-}
-
-svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage)
-{
-    if (build->stage_first == NULL) {
-        return SVO_OK;
-    }
-    const cl_int error = clWaitForEvents(1, &build->last);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(build->device, SVO_I_BUILD, svo_stage_name(stage), error);
-    }
-    const double span = build->profiling ? event_span_ms(build->stage_first, build->last) : -1.0;
-    if (span >= 0.0) {
-        svo_i_report_add(build->report, stage, span, "cl-event");
-    } else {
-        svo_i_report_add(build->report, stage, svo_i_now_ms() - build->stage_start_ms, "wall");
-    }
-    clReleaseEvent(build->stage_first);
-    build->stage_first = NULL;
-    return SVO_OK;
 }
 
 void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes)
@@ -212,139 +32,6 @@ void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes)
                    svo_i_plan_sorts_materials(plan) ? " -DSVO_MATERIAL" : "",
                    (plan->info.need & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "",
                    weighs ? weights[plan->options.weights] : "");
-}
-
-static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
-{
-    uint64_t bytes = frontend->chunk_bytes_max;
-    bytes = build->device->max_allocation_bytes < bytes ? build->device->max_allocation_bytes : bytes;
-    const uint64_t asked = build->plan->options.chunk_bytes;
-    return asked != 0 && asked < bytes ? asked : bytes;
-}
-
-/* The list's counts; whether every chunk held its fragments. */
-static bool list_is_whole(svo_i_build *build, uint64_t *needed)
-{
-    bool whole = true;
-    build->fragment_count = 0;
-    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
-        needed[i] = build->list.chunks[i].needed;
-        build->fragment_count += needed[i];
-        whole = whole && needed[i] <= build->list.chunks[i].capacity;
-    }
-    return whole;
-}
-
-/* Lists the chunks' buffers, which live while the front end draws into them and after; or takes them off again. */
-static void list_chunks(svo_i_build *build, const svo_i_layout *layout, bool live)
-{
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
-        const uint64_t bytes = layout->chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan);
-        if (live) {
-            svo_i_plan_buffer_add(build->plan, "fragments", bytes);
-        } else {
-            svo_i_plan_buffer_remove(build->plan, bytes);
-        }
-    }
-}
-
-void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend)
-{
-    if (build->list.chunks == NULL) {
-        return;
-    }
-    if (build->owns_list) {
-        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
-            svo_i_build_free(build, &build->list.chunks[i].buffer);
-        }
-    } else {
-        for (uint32_t i = 0; frontend->make_tree == NULL && i < build->list.chunk_count; ++i) {
-            svo_i_plan_buffer_remove(build->plan,
-                                     build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
-        }
-        frontend->release(frontend->self, &build->list);
-    }
-    free(build->list.chunks);
-    build->list = (svo_i_fragment_list){0};
-}
-
-/* One attempt at the list, with the layout as it is. */
-static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
-                            bool *whole)
-{
-    build->list.chunk_count = layout->chunk_count;
-    build->list.chunks = calloc(layout->chunk_count + 1u, sizeof *build->list.chunks);
-    uint64_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
-    svo_status status = SVO_OK;
-    if (build->list.chunks == NULL || needed == NULL) {
-        status = svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
-                                   layout->chunk_count);
-        build->list.chunk_count = 0;
-    } else {
-        if (frontend->make_tree == NULL) { /* a list that stays with the front end has no OpenCL buffers */
-            list_chunks(build, layout, true);
-        }
-        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
-        *whole = status == SVO_OK && list_is_whole(build, needed);
-    }
-    if (status != SVO_OK || !*whole) {
-        frontend->release(frontend->self, &build->list);
-        if (frontend->make_tree == NULL) {
-            list_chunks(build, layout, false);
-        }
-        free(build->list.chunks);
-        build->list = (svo_i_fragment_list){0};
-    }
-    if (status == SVO_OK && !*whole) {
-        ++build->report->reruns;
-        status = svo_i_layout_grow(build->plan, limit, needed, layout);
-    }
-    free(needed);
-    return status;
-}
-
-static svo_status make_list(svo_i_build *build, svo_frontend *frontend)
-{
-    const uint64_t limit = chunk_bytes(build, frontend);
-    svo_i_layout layout;
-    svo_status status = svo_i_layout_create(build->plan, limit, &layout);
-    bool whole = false;
-    while (status == SVO_OK && !whole) {
-        if (build->report->reruns > RERUNS_MAX) {
-            status = svo_i_device_fail(build->device, SVO_INTERNAL, "svo_build: the list does not fit after %u reruns",
-                                       build->report->reruns);
-            break;
-        }
-        status = draw_list(build, frontend, &layout, limit, &whole);
-    }
-    svo_i_layout_destroy(&layout);
-    if (status == SVO_OK && build->fragment_count > SVO_I_FRAGMENTS_MAX) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene has %llu fragments, above %u; lower the depth",
-                                 (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
-    }
-    return status;
-}
-
-svo_status svo_i_build_fail_damaged(svo_i_build *build)
-{
-    return svo_i_device_fail(build->device, SVO_INTERNAL,
-                             "svo_build: %s made a fragment outside the grid or of no triangle",
-                             build->report->frontend);
-}
-
-svo_status svo_i_build_alloc_cursors(svo_i_build *build)
-{
-    build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
-    if (build->cursors == NULL) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
-                                 build->list.chunk_count);
-    }
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
-        status = svo_i_build_alloc(build, "cursors", build->list.chunks[i].needed * 4, &build->cursors[i]);
-    }
-    return status;
 }
 
 /* Copies the used front of a buffer to one of that size, and releases the large one. */
@@ -430,8 +117,9 @@ static svo_status prepare_rays(svo_i_build *build)
     const svo_tree_info *info = &build->tree->info;
     const double start_ms = svo_i_now_ms();
     double device_ms = 0.0;
-    const svo_status status = svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program,
-                                                 plan->vertices, build->queue, wait_list(build), &device_ms);
+    const svo_status status =
+        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program, plan->vertices, build->queue,
+                           build->last != NULL ? &build->last : NULL, &device_ms);
     if (status == SVO_OK) {
         svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
         svo_i_plan_buffer_add(build->plan, "ray_nodes",
@@ -542,7 +230,7 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
 {
     svo_status status = check_size(build);
     if (status == SVO_OK) {
-        status = make_list(build, frontend);
+        status = svo_i_build_make_list(build, frontend);
     }
     if (status != SVO_OK) {
         return status;

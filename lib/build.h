@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build in progress: what the OpenCL stages (subdivide.c, sorted.c, pack.c, material.c, filter.c) share. build.c runs them in order.
+ * One build in progress: what the OpenCL stages (subdivide.c, sorted.c, pack.c, material.c, filter.c) share. build.c runs
+ * them in order; commands.c has what they ask of OpenCL, list.c makes the list they start from.
  *
  * Every launch waits for the one before it by an event, so the caller's queue may be out-of-order.
  */
@@ -54,6 +55,8 @@ svo_status svo_i_build_fill_zero(svo_i_build *build, cl_mem buffer, uint64_t byt
 svo_status svo_i_build_copy(svo_i_build *build, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes);
 /* Waits for what was launched. */
 svo_status svo_i_build_wait(svo_i_build *build);
+/* list.c: has the front end make the list, until it is whole. */
+svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend);
 /* Releases the list, whosever it is. */
 void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend);
 /* The status and the message for a list with fragments that none can be. */
