@@ -269,10 +269,9 @@ void svo_i_compute_programs_destroy(svo_i_compute *compute)
 
 svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
-    /* One material everywhere needs no shader. */
-    const uint32_t need = plan->info.need & (svo_i_plan_sorts_materials(plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
+    const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_build_keys(plan, compute->keys, sizeof compute->keys);
+    svo_i_plan_keys(plan, compute->keys, sizeof compute->keys);
     svo_status status = SVO_OK;
     for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES && status == SVO_OK; ++entry) {
         svo_i_compute_program *program = NULL;

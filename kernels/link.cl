@@ -9,6 +9,8 @@
  */
 #include "svocl/layout.h"
 
+#if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_link(__global uint *cursors, volatile __global uint *heads, svo_filter_params params)
 {
@@ -17,3 +19,5 @@ svo_k_link(__global uint *cursors, volatile __global uint *heads, svo_filter_par
         cursors[index] = atomic_xchg(heads + (cursors[index] - params.leaf_begin), index + 1u);
     }
 }
+
+#endif

@@ -14,6 +14,8 @@
  */
 #include "fragment.clh"
 
+#ifdef SVO_RANGES
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_count(__global const uint *cursors, volatile __global uint *counts, svo_filter_params params)
 {
@@ -22,6 +24,10 @@ svo_k_count(__global const uint *cursors, volatile __global uint *counts, svo_fi
         atomic_inc(counts + (cursors[index] - params.leaf_begin));
     }
 }
+
+#endif
+
+#ifdef SVO_LISTS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
@@ -126,3 +132,5 @@ svo_k_sort_long(__global const uint *list_begin, __global uint *list, __global u
         }
     }
 }
+
+#endif

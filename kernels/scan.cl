@@ -99,6 +99,8 @@ static uint svo_scan_partials(__global uint *partials, uint base, __local uint *
     return total;
 }
 
+#ifdef SVO_LEVELS
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
                         svo_subdivide_params params, __local uint *scratch)
@@ -153,6 +155,10 @@ svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials,
     }
 }
 
+#endif
+
+#if defined(SVO_RANGES) || defined(SVO_SORT)
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, svo_filter_params params,
                         __local uint *scratch)
@@ -193,3 +199,5 @@ svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials,
         sum += total;
     }
 }
+
+#endif

@@ -22,6 +22,8 @@
  */
 #include "fragment.clh"
 
+#ifdef SVO_LEVELS
+
 /* A word to which others may be adding bits. OpenCL C 1.2 has no atomic load, but a device that has atomics on aligned
    words reads them whole; the detour by an atomic operation, which costs ten times as much, is for race detectors. */
 static uint svo_read_masks(volatile __global uint *word)
@@ -76,3 +78,5 @@ svo_k_descend(__global const uint *fragments, __global uint *cursors, volatile _
         svo_mark(masks, child, svo_octant(code, params.depth, params.level + 1u));
     }
 }
+
+#endif

@@ -18,22 +18,6 @@ const char *svo_stage_name(svo_stage stage)
     return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
 }
 
-void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes)
-{
-    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
-    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
-    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTRE"};
-    const bool weighs = svo_i_plan_reads_surface(plan);
-    /* Every key begins with a space: some compilers choke on options that end in one. */
-    (void)snprintf(keys, bytes, "%s%s%s%s%s%s%s%s%s", plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
-                   color ? " -DSVO_COLOR" : "", color && plan->colors != NULL ? " -DSVO_VERTEX_COLOR" : "",
-                   color && plan->uvs != NULL ? " -DSVO_TEXTURE" : "", normal ? " -DSVO_NORMAL" : "",
-                   normal && plan->normals != NULL ? " -DSVO_VERTEX_NORMAL" : "",
-                   svo_i_plan_sorts_materials(plan) ? " -DSVO_MATERIAL" : "",
-                   (plan->info.need & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "",
-                   weighs ? weights[plan->options.weights] : "");
-}
-
 /* Copies the used front of a buffer to one of that size, and releases the large one. */
 static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes)
 {
@@ -141,6 +125,7 @@ static void fill_info(svo_i_build *build)
     to->snap_bits = from->snap_bits;
     to->coverage = from->coverage;
     to->need = from->need;
+    to->constant = from->constant;
     to->weights = build->plan->options.weights;
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
@@ -172,7 +157,7 @@ static svo_status check_size(svo_i_build *build)
 /* Nodes and cursors, by the builder asked for. */
 static svo_status make_tree(svo_i_build *build, svo_frontend *frontend)
 {
-    if (build->plan->options.builder == SVO_BUILDER_SORTED) {
+    if (build->plan->work.sorted) {
         return svo_i_sorted(build, frontend);
     }
     const svo_status status = svo_i_build_alloc_cursors(build);
@@ -182,27 +167,51 @@ static svo_status make_tree(svo_i_build *build, svo_frontend *frontend)
 /* Where leaf lists begin, and the lists themselves. */
 static svo_status make_lists(svo_i_build *build, bool with_lists)
 {
-    return build->plan->options.builder == SVO_BUILDER_SORTED ? svo_i_sorted_lists(build, with_lists)
-                                                              : svo_i_pack(build, with_lists);
+    return build->plan->work.sorted ? svo_i_sorted_lists(build, with_lists) : svo_i_pack(build, with_lists);
 }
 
-/* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
+/* Payload that is the same in every node, once. Without any leaf all payload is zero. */
+static svo_status store_constants(svo_i_build *build)
+{
+    static const unsigned char none[8] = {0};
+    const svo_i_work *work = &build->plan->work;
+    const struct {
+        svo_need bit;
+        svo_tree_buffer array;
+        const void *value;
+    } constants[] = {{SVO_NEED_COLOR, SVO_TREE_COLORS, &work->constant_color},
+                     {SVO_NEED_NORMAL, SVO_TREE_NORMALS, work->constant_normal},
+                     {SVO_NEED_MATERIAL, SVO_TREE_MATERIALS, &work->constant_material}};
+    svo_status status = SVO_OK;
+    svo_i_build_stage_begin(build);
+    for (unsigned i = 0; i < sizeof constants / sizeof constants[0] && status == SVO_OK; ++i) {
+        const svo_tree_buffer array = constants[i].array;
+        if ((work->constant & (uint32_t)constants[i].bit) != 0) {
+            status = svo_i_build_upload(build, svo_tree_buffer_name(array),
+                                        build->tree->info.leaf_count > 0 ? constants[i].value : none,
+                                        svo_i_tree_element_bytes(array), &build->tree->buffers[array]);
+        }
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
+}
+
+/* What kernels make of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
 static svo_status make_payload(svo_i_build *build)
 {
-    const uint32_t need = build->plan->info.need;
+    const svo_i_work *work = &build->plan->work;
+    const bool own_ranges = work->ranges && !work->lists;
     svo_i_surface surface = {0};
-    const bool own_ranges = svo_i_plan_sorts_materials(build->plan) && (need & SVO_NEED_RAYS) == 0;
-    svo_status status = svo_i_plan_reads_surface(build->plan) ? svo_i_surface_upload(build, &surface) : SVO_OK;
+    svo_status status = svo_i_surface_upload(build, &surface);
     if (status == SVO_OK && own_ranges) {
         status = make_lists(build, false);
     }
-    if (status == SVO_OK && (need & SVO_NEED_MATERIAL) != 0) {
+    if (status == SVO_OK && (work->made & SVO_NEED_MATERIAL) != 0) {
         status = svo_i_material(build, &surface);
     }
-    if (own_ranges) {
+    if (status == SVO_OK && own_ranges) {
         svo_i_build_free(build, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
     }
-    if (status == SVO_OK && (need & SVO_I_NEED_FILTER) != 0) {
+    if (status == SVO_OK && work->filter) {
         status = svo_i_filter(build, &surface);
     }
     svo_i_surface_free(build, &surface);
@@ -212,18 +221,15 @@ static svo_status make_payload(svo_i_build *build)
 /* All of the tree, by OpenCL. */
 static svo_status make_arrays(svo_i_build *build, svo_frontend *frontend)
 {
-    const uint32_t need = build->plan->info.need;
+    const svo_i_work *work = &build->plan->work;
     svo_status status = make_tree(build, frontend);
-    if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
+    if (status == SVO_OK && work->lists) {
         status = svo_i_keep_geometry(build);
         if (status == SVO_OK) {
             status = make_lists(build, true);
         }
     }
-    if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
-        status = make_payload(build);
-    }
-    return status;
+    return status == SVO_OK && work->surface ? make_payload(build) : status;
 }
 
 static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
@@ -237,6 +243,9 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
     }
     fill_info(build);
     status = frontend->make_tree != NULL ? frontend->make_tree(frontend->self, build) : make_arrays(build, frontend);
+    if (status == SVO_OK) {
+        status = store_constants(build);
+    }
     return status == SVO_OK && (build->plan->info.need & SVO_NEED_RAYS) != 0 ? prepare_rays(build) : status;
 }
 
@@ -289,16 +298,18 @@ bool svo_i_queue_profiles(cl_command_queue queue)
 
 static svo_status compile_kernels(svo_i_build *build)
 {
+    const svo_i_work *work = &build->plan->work;
     char keys[SVO_I_KEYS_BYTES];
     bool fresh = false;
-    svo_i_build_keys(build->plan, keys, sizeof keys);
-    svo_status status =
-        svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
+    svo_i_plan_keys(build->plan, keys, sizeof keys);
+    svo_status status = SVO_OK;
+    if (!work->sorted || work->surface || work->lists) {
+        status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
+    }
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);
     }
-    return status == SVO_OK && build->plan->options.builder == SVO_BUILDER_SORTED ? svo_i_sorted_prepare(build)
-                                                                                  : status;
+    return status == SVO_OK && build->plan->work.sorted ? svo_i_sorted_prepare(build) : status;
 }
 
 /* Kernels and shaders, as far as this device and context have not compiled them before. */
@@ -341,6 +352,7 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
                                        .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     svo_i_report_add(build.report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
     svo_i_plan_buffers_reset(plan);
+    plan->built = true;
     build.tree = svo_i_tree_new();
     if (build.tree == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for the tree");

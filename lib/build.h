@@ -76,9 +76,6 @@ svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_arg
 
 /* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
 bool svo_i_queue_profiles(cl_command_queue queue);
-/* The -D keys of the kernels this plan needs, a space before each. */
-#define SVO_I_KEYS_BYTES 256
-void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes);
 /* What rays need of the mesh, into the tree. */
 svo_status svo_i_keep_geometry(svo_i_build *build);
 
@@ -117,7 +114,7 @@ void svo_i_surface_free(svo_i_build *build, svo_i_surface *surface);
 svo_filter_params svo_i_payload_params(const svo_i_build *build);
 void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level);
 
-/* material.c: the nodes' materials. Needs list_begin unless there is only one material. */
+/* material.c: the nodes' materials. Needs list_begin. */
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
 /* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);

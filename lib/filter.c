@@ -239,12 +239,12 @@ static svo_status run(filterer *f)
 
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface)
 {
-    const uint32_t need = build->tree->info.need;
+    const uint32_t made = build->plan->work.made;
     filterer f = {.build = build,
                   .surface = surface,
-                  .color = (need & SVO_NEED_COLOR) != 0,
-                  .normal = (need & SVO_NEED_NORMAL) != 0,
-                  .fill = (need & SVO_NEED_FILL) != 0,
+                  .color = (made & SVO_NEED_COLOR) != 0,
+                  .normal = (made & SVO_NEED_NORMAL) != 0,
+                  .fill = (made & SVO_NEED_FILL) != 0,
                   .one_chunk = build->list.chunk_count == 1,
                   .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);

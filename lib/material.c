@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Runs kernels/material.cl: the material of every node. Comes before the filter, which turns the fragments' cursors into
- * links. A scene of one material needs no kernel: every node has it.
+ * links.
  */
 #include "build.h"
 
@@ -130,10 +130,8 @@ svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface)
         return status;
     }
     svo_i_build_stage_begin(build);
-    if (!build->plan->materials_vary || info->leaf_count == 0) {
-        const cl_ushort material = info->leaf_count > 0 ? (cl_ushort)build->plan->records[0].material : 0;
-        status = svo_i_build_fill(build, build->tree->buffers[SVO_TREE_MATERIALS], &material, sizeof material,
-                                  info->node_count * sizeof material);
+    if (info->leaf_count == 0) { /* a root alone */
+        status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_MATERIALS], sizeof(cl_ushort));
         return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_FILTER) : status;
     }
     sorter s = {.build = build,

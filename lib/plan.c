@@ -53,6 +53,12 @@ const char *svo_builder_name(svo_builder builder)
     return (unsigned)builder <= SVO_BUILDER_SORTED ? names[builder] : "unknown builder";
 }
 
+const char *svo_certainty_name(svo_certainty certainty)
+{
+    static const char *const names[] = {"exact", "bound", "estimate"};
+    return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
+}
+
 static svo_status check_options(svo_device *device, const svo_plan_options *options)
 {
     if (options->struct_size != sizeof *options) {
@@ -202,6 +208,7 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
         return status;
     }
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    svo_i_plan_decide(plan);
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
     svo_i_plan_predict(plan);
     plan->predicted_bytes = plan->peak_bytes;
@@ -246,4 +253,13 @@ size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *
 uint64_t svo_plan_peak_bytes(const svo_plan *plan)
 {
     return plan->peak_bytes;
+}
+
+uint64_t svo_plan_tree_bytes(const svo_plan *plan)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        bytes += plan->buffers[i].stays != 0 ? plan->buffers[i].bytes : 0;
+    }
+    return bytes;
 }

@@ -31,17 +31,12 @@ static svo_status run(sorter *s, const char *name, const svo_i_argument *argumen
     return status;
 }
 
-static const char *keys_of(const svo_plan *plan)
-{
-    return plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "";
-}
-
 svo_status svo_i_sorted_prepare(svo_i_build *build)
 {
     bool fresh = false;
     cl_program kept = build->program;
-    svo_status status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, keys_of(build->plan),
-                                          &build->program, &fresh);
+    svo_status status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT,
+                                          svo_i_plan_sort_keys(build->plan), &build->program, &fresh);
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_SORT);
     }
@@ -113,7 +108,7 @@ static svo_status sort(sorter *s)
     if (status == SVO_OK) {
         status = svo_i_build_alloc(s->build, "sort_counts", (cells + 1) * 4, &s->before);
     }
-    if (status == SVO_OK && (plan->info.need & SVO_NEED_RAYS) != 0) {
+    if (status == SVO_OK && plan->work.lists) {
         status = sort_by(s, true, triangle_bits);
     }
     return status == SVO_OK ? sort_by(s, false, 3 * plan->info.depth) : status;
@@ -313,7 +308,8 @@ static svo_status make_nodes(sorter *s)
 static svo_status open_sorter(svo_i_build *build, sorter *s)
 {
     *s = (sorter){.build = build};
-    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, keys_of(build->plan), &s->program, NULL);
+    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, svo_i_plan_sort_keys(build->plan),
+                             &s->program, NULL);
 }
 
 static void release(sorter *s)

@@ -23,10 +23,16 @@ SVO_I_SHARED_BEGIN
 /* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
 svo_tree *svo_i_tree_new(void);
 
-/* Whether info says the tree holds the array, and its element count and element bytes. */
+/* Whether info says the tree holds the array, whether as one element for all nodes, and its element count and bytes (on
+   the device and in files; on the host there is an element for every node). */
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer);
+bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
+
+/* Repeats the one element of an array by malloc for every node, where that is how the tree holds it. False: no memory; the
+   array is as it was. */
+bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array);
 
 SVO_I_SHARED_END
 

@@ -5,7 +5,6 @@
  *
  * Every launch waits for the one before it by an event, as in the builder, whose helpers it uses.
  */
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "build.h"
@@ -15,40 +14,25 @@
 #define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
 
-/* Variants of the kernel by what the overlap test needs. */
-typedef enum variant { VARIANT_NARROW = 0, VARIANT_REGULAR, VARIANT_WIDE, VARIANT_COUNT } variant;
-
 /* One list in the making. */
 typedef struct run {
     svo_i_build build; /* queue, events, times, list of buffers */
     const svo_i_layout *layout;
     cl_mem vertices, indices, items, counters;
-    cl_kernel kernels[VARIANT_COUNT];
+    cl_kernel kernels[SVO_I_TEST_COUNT];
 } run;
 
-/* Triangles inside one voxel are not tested, so any variant will do for them. */
-static variant variant_of(svo_i_class class_id)
+/* The test of a class's triangles. Those inside one voxel are not tested, so the first there is will do for them. */
+static svo_i_test test_of(const svo_plan *plan, svo_i_class class_id)
 {
-    return class_id == SVO_I_CLASS_WIDE      ? VARIANT_WIDE
-           : class_id == SVO_I_CLASS_REGULAR ? VARIANT_REGULAR
-                                             : VARIANT_NARROW;
-}
-
-static bool has_variant(const svo_plan *plan, variant which)
-{
-    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
-        if (variant_of(class_id) == which && plan->class_begin[class_id] < plan->class_begin[class_id + 1]) {
-            return true;
-        }
+    static const svo_i_test tests[SVO_I_CLASS_COUNT] = {[SVO_I_CLASS_NARROW] = SVO_I_TEST_NARROW,
+                                                        [SVO_I_CLASS_REGULAR] = SVO_I_TEST_REGULAR,
+                                                        [SVO_I_CLASS_WIDE] = SVO_I_TEST_WIDE};
+    svo_i_test test = tests[class_id];
+    while (class_id == SVO_I_CLASS_POINT && !plan->work.tests[test] && test + 1 < SVO_I_TEST_COUNT) {
+        ++test;
     }
-    return false;
-}
-
-static void variant_keys(const svo_plan *plan, variant which, char *keys, size_t bytes)
-{
-    static const char *const names[VARIANT_COUNT] = {" -DSVO_NARROW", "", " -DSVO_WIDE"};
-    (void)snprintf(keys, bytes, "%s%s%s", names[which], plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "",
-                   plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
+    return test;
 }
 
 /* What the builder's helpers need; the list and the tree are not theirs here. */
@@ -72,10 +56,10 @@ static void end(svo_i_build *build)
     }
 }
 
-static svo_status get_program(svo_i_build *build, variant which, bool *fresh)
+static svo_status get_program(svo_i_build *build, svo_i_test test, bool *fresh)
 {
-    char keys[128];
-    variant_keys(build->plan, which, keys, sizeof keys);
+    char keys[SVO_I_KEYS_BYTES];
+    svo_i_plan_test_keys(build->plan, test, keys, sizeof keys);
     return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, keys, &build->program, fresh);
 }
 
@@ -85,10 +69,10 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
     svo_build_report unread = {0};
     svo_i_build build = begin(plan, queue, &unread);
     svo_status status = SVO_OK;
-    for (variant which = 0; which < VARIANT_COUNT && status == SVO_OK; ++which) {
+    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT && status == SVO_OK; ++test) {
         bool fresh = false;
-        if (has_variant(plan, which)) {
-            status = get_program(&build, which, &fresh);
+        if (plan->work.tests[test]) {
+            status = get_program(&build, test, &fresh);
         }
         if (status == SVO_OK && fresh) {
             status = svo_i_build_warm(&build, SVO_I_PROGRAM_VOXELIZE);
@@ -101,10 +85,10 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 static svo_status create_kernels(run *r)
 {
     svo_status status = SVO_OK;
-    for (variant which = 0; which < VARIANT_COUNT && status == SVO_OK; ++which) {
-        if (has_variant(r->build.plan, which)) {
-            status = get_program(&r->build, which, NULL);
-            status = status == SVO_OK ? svo_i_build_kernel(&r->build, "svo_k_voxelize", &r->kernels[which]) : status;
+    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT && status == SVO_OK; ++test) {
+        if (r->build.plan->work.tests[test]) {
+            status = get_program(&r->build, test, NULL);
+            status = status == SVO_OK ? svo_i_build_kernel(&r->build, "svo_k_voxelize", &r->kernels[test]) : status;
         }
     }
     return status;
@@ -153,7 +137,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
         SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
         SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
         SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
-    return svo_i_build_launch(&r->build, r->kernels[variant_of(draw->class_id)], arguments,
+    return svo_i_build_launch(&r->build, r->kernels[test_of(plan, draw->class_id)], arguments,
                               sizeof arguments / sizeof arguments[0], groups * SVO_GROUP_ITEMS + params.tile_count);
 }
 
@@ -242,9 +226,9 @@ static void release_run(run *r)
     svo_i_build_free(&r->build, &r->indices);
     svo_i_build_free(&r->build, &r->items);
     svo_i_build_free(&r->build, &r->counters);
-    for (variant which = 0; which < VARIANT_COUNT; ++which) {
-        if (r->kernels[which] != NULL) {
-            clReleaseKernel(r->kernels[which]);
+    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
+        if (r->kernels[test] != NULL) {
+            clReleaseKernel(r->kernels[test]);
         }
     }
 }

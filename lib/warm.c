@@ -80,12 +80,9 @@ static const kernel_shape shapes[] = {
 /* What decides whether a kernel is launched. */
 static uint32_t launches_of(const svo_plan *plan)
 {
-    /* One material everywhere needs no kernel. */
-    uint32_t bits = plan->info.need & (svo_i_plan_sorts_materials(plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
-    if (plan->options.builder != SVO_BUILDER_SORTED) {
-        bits |= LEVELS | ((bits & SORTED_RANGES) != 0 ? RANGES : 0) | ((bits & SVO_NEED_RAYS) != 0 ? LISTS : 0);
-    }
-    return bits;
+    const svo_i_work *work = &plan->work;
+    const uint32_t bits = work->made | (work->lists ? (uint32_t)SVO_NEED_RAYS : 0u);
+    return work->sorted ? bits : bits | LEVELS | (work->ranges ? RANGES : 0u) | (work->lists ? LISTS : 0u);
 }
 
 static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros, uint64_t items)

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/* Prints a plan. */
+#include "plan_report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "table.h"
+
+#define BITS_TEXT_BYTES 64
+
+/* "color, normal", or "none". */
+static const char *bits_text(uint32_t bits, char text[BITS_TEXT_BYTES])
+{
+    text[0] = '\0';
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        const size_t used = strlen(text);
+        if ((bits & bit) != 0) {
+            (void)snprintf(text + used, BITS_TEXT_BYTES - used, "%s%s", used > 0 ? ", " : "",
+                           svo_need_name((svo_need)bit));
+        }
+    }
+    return text[0] != '\0' ? text : "none";
+}
+
+static void print_request(const svo_plan *plan, const char *input)
+{
+    char text[BITS_TEXT_BYTES];
+    svo_plan_info info;
+    svo_plan_get_info(plan, &info);
+    table_heading("plan for %s", input);
+    table *rows = table_create("ll");
+    table_cell(rows, "grid");
+    table_cell(rows, "depth %u, %lu voxels per axis, %s", info.depth, 1UL << info.depth,
+               svo_coverage_name((svo_coverage)info.coverage));
+    table_cell(rows, "triangles");
+    table_cell(rows, "%s, of which %s refused", figure_count(info.triangles).text,
+               figure_count(info.refused_triangles).text);
+    table_cell(rows, "fragments");
+    table_cell(rows, "about %s by the count law", figure_count((uint64_t)info.expected_fragments).text);
+    table_cell(rows, "read later");
+    table_cell(rows, "nodes; %s", bits_text(info.need, text));
+    table_print(rows);
+}
+
+static void print_kernels(const svo_plan *plan)
+{
+    table_gap();
+    table_heading("kernels");
+    table *rows = table_create("ll");
+    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
+        svo_kernels_info kernels;
+        svo_plan_get_kernels(plan, i, &kernels);
+        table_cell(rows, "%s", kernels.name);
+        table_cell(rows, "%s", kernels.keys[0] != '\0' ? kernels.keys + 1 : "");
+    }
+    table_print(rows);
+}
+
+static void print_buffers(const svo_plan *plan)
+{
+    table_gap();
+    table_heading("device memory");
+    table *rows = table_create("lrll");
+    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
+        svo_buffer_info buffer;
+        svo_plan_get_buffer(plan, i, &buffer);
+        table_cell(rows, "%s", buffer.name);
+        table_cell(rows, "%s", figure_bytes(buffer.bytes).text);
+        table_cell(rows, "%s", svo_certainty_name(buffer.certainty));
+        table_cell(rows, "%s", buffer.stays != 0 ? "tree" : "scratch");
+    }
+    table_cell(rows, "peak");
+    table_cell(rows, "%s", figure_bytes(svo_plan_peak_bytes(plan)).text);
+    table_cell(rows, "%s", "");
+    table_cell(rows, "at one time");
+    table_cell(rows, "tree");
+    table_cell(rows, "%s", figure_bytes(svo_plan_tree_bytes(plan)).text);
+    table_cell(rows, "%s", "");
+    table_cell(rows, "that stay");
+    table_print(rows);
+}
+
+static void print_left_out(const svo_plan *plan)
+{
+    table_gap();
+    table_heading("left out");
+    table *rows = table_create("ll");
+    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
+        svo_left_out entry;
+        svo_plan_get_left_out(plan, i, &entry);
+        table_cell(rows, "%s", entry.what);
+        table_cell(rows, "%s", entry.reason);
+    }
+    table_print(rows);
+}
+
+void plan_print(const svo_plan *plan, const char *input)
+{
+    print_request(plan, input);
+    print_kernels(plan);
+    print_buffers(plan);
+    print_left_out(plan);
+}
+
+static void add_bits(cJSON *document, const char *name, uint32_t bits)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, name);
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        if ((bits & bit) != 0) {
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_need_name((svo_need)bit)));
+        }
+    }
+}
+
+static void add_kernels(cJSON *document, const svo_plan *plan)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, "kernels");
+    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
+        svo_kernels_info kernels;
+        cJSON *entry = cJSON_CreateObject();
+        svo_plan_get_kernels(plan, i, &kernels);
+        json_add_text(entry, "name", kernels.name);
+        json_add_text(entry, "keys", kernels.keys[0] != '\0' ? kernels.keys + 1 : "");
+        cJSON_AddItemToArray(array, entry);
+    }
+}
+
+static void add_buffers(cJSON *document, const svo_plan *plan)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, "buffers");
+    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
+        svo_buffer_info buffer;
+        cJSON *entry = cJSON_CreateObject();
+        svo_plan_get_buffer(plan, i, &buffer);
+        json_add_text(entry, "name", buffer.name);
+        json_add_count(entry, "bytes", buffer.bytes);
+        json_add_text(entry, "certainty", svo_certainty_name(buffer.certainty));
+        cJSON_AddBoolToObject(entry, "stays", buffer.stays != 0);
+        cJSON_AddItemToArray(array, entry);
+    }
+}
+
+static void add_left_out(cJSON *document, const svo_plan *plan)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, "left_out");
+    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
+        svo_left_out left_out;
+        cJSON *entry = cJSON_CreateObject();
+        svo_plan_get_left_out(plan, i, &left_out);
+        json_add_text(entry, "what", left_out.what);
+        json_add_text(entry, "reason", left_out.reason);
+        cJSON_AddItemToArray(array, entry);
+    }
+}
+
+cJSON *plan_to_json(const svo_plan *plan)
+{
+    svo_plan_info info;
+    cJSON *document = cJSON_CreateObject();
+    svo_plan_get_info(plan, &info);
+    json_add_count(document, "depth", info.depth);
+    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info.coverage));
+    json_add_count(document, "triangles", info.triangles);
+    json_add_count(document, "refused_triangles", info.refused_triangles);
+    cJSON_AddNumberToObject(document, "expected_fragments", info.expected_fragments);
+    add_bits(document, "need", info.need);
+    add_bits(document, "constant", info.constant);
+    add_kernels(document, plan);
+    add_buffers(document, plan);
+    json_add_count(document, "peak_bytes", svo_plan_peak_bytes(plan));
+    json_add_count(document, "tree_bytes", svo_plan_tree_bytes(plan));
+    add_left_out(document, plan);
+    return document;
+}
