@@ -31,6 +31,7 @@ typedef struct svo_i_build {
     /* Scratch. */
     cl_mem *cursors; /* one per chunk */
     cl_mem state, partials;
+    svo_build_state host_state; /* what state was filled from */
     uint64_t inner_capacity;
 
     /* The tree in the making. */
@@ -46,6 +47,8 @@ SVO_I_SHARED_BEGIN
 svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, filled from the host. */
 svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out);
+/* Writes to the start of a buffer that is there. */
+svo_status svo_i_build_write(svo_i_build *build, cl_mem buffer, const void *data, uint64_t bytes);
 void svo_i_build_free(svo_i_build *build, cl_mem *buffer);
 
 svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
@@ -61,6 +64,8 @@ svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend);
 void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend);
 /* The status and the message for a list with fragments that none can be. */
 svo_status svo_i_build_fail_damaged(svo_i_build *build);
+/* Puts the levels of tree->info into the state on the device, which is made if there is none. */
+svo_status svo_i_build_put_state(svo_i_build *build);
 /* Cursors for the list's fragments, one buffer per chunk. */
 svo_status svo_i_build_alloc_cursors(svo_i_build *build);
 /* Waits, and reads bytes from the start of the buffer. */

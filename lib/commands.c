@@ -45,11 +45,16 @@ static const cl_event *wait_list(const svo_i_build *build)
 svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
 {
     const svo_status status = svo_i_build_alloc(build, name, bytes, out);
-    if (status != SVO_OK || bytes == 0) {
-        return status;
+    return status == SVO_OK ? svo_i_build_write(build, *out, data, bytes) : status;
+}
+
+svo_status svo_i_build_write(svo_i_build *build, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    if (bytes == 0) {
+        return SVO_OK;
     }
     cl_event event = NULL;
-    const cl_int error = clEnqueueWriteBuffer(build->queue, *out, CL_TRUE, 0, (size_t)bytes, data, wait_count(build),
+    const cl_int error = clEnqueueWriteBuffer(build->queue, buffer, CL_TRUE, 0, (size_t)bytes, data, wait_count(build),
                                               wait_list(build), &event);
     return follow(build, "clEnqueueWriteBuffer", error, event);
 }

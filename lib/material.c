@@ -68,8 +68,9 @@ static svo_status scatter(sorter *s)
                                             SVO_I_ARGUMENT(s->list_begin),
                                             SVO_I_ARGUMENT(s->levels[0].counts),
                                             SVO_I_ARGUMENT(s->levels[0].entries),
+                                            SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(s->params)};
-        status = svo_i_build_run(build, "svo_k_material_scatter", arguments, 9, s->params.fragment_count);
+        status = svo_i_build_run(build, "svo_k_material_scatter", arguments, 10, s->params.fragment_count);
     }
     return status;
 }
@@ -78,8 +79,9 @@ static svo_status sort_leaves(sorter *s)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),        SVO_I_ARGUMENT(s->levels[0].counts),
                                         SVO_I_ARGUMENT(s->levels[0].entries), SVO_I_ARGUMENT(s->levels[1].entries),
-                                        SVO_I_ARGUMENT(s->materials),         SVO_I_ARGUMENT(s->params)};
-    return svo_i_build_run(s->build, "svo_k_material_leaves", arguments, 6, s->params.leaf_count);
+                                        SVO_I_ARGUMENT(s->materials),         SVO_I_ARGUMENT(s->build->state),
+                                        SVO_I_ARGUMENT(s->params)};
+    return svo_i_build_run(s->build, "svo_k_material_leaves", arguments, 7, s->params.leaf_count);
 }
 
 static svo_status merge_level(sorter *s, uint32_t level)
@@ -99,8 +101,9 @@ static svo_status merge_level(sorter *s, uint32_t level)
                                         SVO_I_ARGUMENT(nodes->counts),
                                         SVO_I_ARGUMENT(nodes->entries),
                                         SVO_I_ARGUMENT(s->materials),
+                                        SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
-    return svo_i_build_launch(s->build, s->merge, arguments, 10, s->params.level_count);
+    return svo_i_build_launch(s->build, s->merge, arguments, 11, s->params.level_count);
 }
 
 static svo_status run(sorter *s)

@@ -305,6 +305,7 @@ static void predict_sorted_nodes(svo_plan *plan, uint64_t fragments, uint64_t in
     svo_i_plan_buffer_add(plan, "sort_counts", cells * 4);
     svo_i_plan_buffer_add(plan, "sort_counts", (cells + 1) * 4);
     svo_i_plan_buffer_add(plan, "level_counts", SVO_LEVELS_MAX * sizeof(uint32_t));
+    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
     svo_i_plan_buffer_add(plan, "child_mask", inner);
     svo_i_plan_buffer_add(plan, "first_child", inner * 4);
     svo_i_plan_buffer_add(plan, "begin_flags", fragments * 4);

@@ -51,16 +51,18 @@ static svo_status scan(sorter *s, cl_mem numbers, cl_mem sums, uint64_t count)
     const svo_filter_params params = {.leaf_count = (cl_uint)count};
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     cl_mem partials = s->build->partials;
-    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(params),
-                                     scratch};
-    const svo_i_argument middle[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(params), scratch};
+    const cl_mem none = NULL; /* the count is the host's */
+    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(none),
+                                     SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument middle[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(none),
+                                     SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums),
-                                  SVO_I_ARGUMENT(params), scratch};
-    svo_status status = run(s, "svo_k_scan_lists_reduce", reduce, 4, items);
+                                  SVO_I_ARGUMENT(none),    SVO_I_ARGUMENT(params),   scratch};
+    svo_status status = run(s, "svo_k_scan_lists_reduce", reduce, 5, items);
     if (status == SVO_OK) {
-        status = run(s, "svo_k_scan_lists_partials", middle, 4, SVO_GROUP_ITEMS);
+        status = run(s, "svo_k_scan_lists_partials", middle, 5, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? run(s, "svo_k_scan_lists_add", add, 5, items) : status;
+    return status == SVO_OK ? run(s, "svo_k_scan_lists_add", add, 6, items) : status;
 }
 
 /* One pass over a digit; the list and the spare change places. */
@@ -292,6 +294,9 @@ static svo_status make_empty_root(sorter *s)
 static svo_status make_nodes(sorter *s)
 {
     svo_status status = count_levels(s);
+    if (status == SVO_OK) {
+        status = svo_i_build_put_state(s->build);
+    }
     if (status == SVO_OK) {
         status = allocate_nodes(s);
     }

@@ -42,21 +42,11 @@ static void release_kernels(subdivider *s)
 static svo_status begin(subdivider *s)
 {
     svo_i_build *build = s->build;
-    svo_build_state state;
-    memset(&state, 0, sizeof state);
-    state.triangle_count = build->plan->triangle_count;
+    svo_tree_info *info = &build->tree->info;
     for (unsigned level = 1; level < SVO_LEVELS_MAX; ++level) {
-        state.level_begin[level] = 1;
+        info->level_begin[level] = 1;
     }
-    svo_status status = SVO_OK;
-    if (build->state == NULL) {
-        status = svo_i_build_upload(build, "state", &state, sizeof state, &build->state);
-    } else {
-        cl_int error =
-            clEnqueueWriteBuffer(build->queue, build->state, CL_TRUE, 0, sizeof state, &state, 0, NULL, NULL);
-        status = error == CL_SUCCESS ? SVO_OK
-                                     : svo_i_device_fail_cl(build->device, SVO_I_BUILD, "clEnqueueWriteBuffer", error);
-    }
+    svo_status status = svo_i_build_put_state(build);
     if (status == SVO_OK && build->partials == NULL) {
         status = svo_i_build_alloc(build, "partials", SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
     }
@@ -113,7 +103,8 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
 static svo_status run_levels(subdivider *s)
 {
     svo_subdivide_params params = {.depth = s->build->plan->info.depth,
-                                   .inner_capacity = (cl_uint)s->build->inner_capacity};
+                                   .inner_capacity = (cl_uint)s->build->inner_capacity,
+                                   .level_capacity = UINT32_MAX};
     svo_status status = mark_root(s, params);
     for (params.level = 0; params.level < params.depth && status == SVO_OK; ++params.level) {
         status = scan_level(s, params);
@@ -122,6 +113,15 @@ static svo_status run_levels(subdivider *s)
         }
     }
     return status;
+}
+
+svo_status svo_i_build_put_state(svo_i_build *build)
+{
+    build->host_state = (svo_build_state){.triangle_count = build->plan->triangle_count, .fragment_limit = UINT32_MAX};
+    memcpy(build->host_state.level_begin, build->tree->info.level_begin, sizeof build->host_state.level_begin);
+    return build->state == NULL ? svo_i_build_upload(build, "state", &build->host_state, sizeof build->host_state,
+                                                     &build->state)
+                                : svo_i_build_write(build, build->state, &build->host_state, sizeof build->host_state);
 }
 
 static void take_counts(svo_i_build *build, const svo_build_state *state)
