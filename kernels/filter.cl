@@ -191,7 +191,8 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
              __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-             __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state, svo_filter_params given)
+             __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
+             svo_filter_params given)
 {
     const svo_filter_params params = svo_current(given, state);
     const uint leaf = (uint)get_global_id(0);

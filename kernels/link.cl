@@ -12,7 +12,8 @@
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state, svo_filter_params given)
+svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state,
+           svo_filter_params given)
 {
     const svo_filter_params params = svo_current(given, state);
     const uint index = (uint)get_global_id(0);

@@ -98,7 +98,8 @@ static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint 
 /* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __global ulong *entries,
-                      __global ulong *spare, __global ushort *materials, __global const svo_build_state *state, svo_filter_params given)
+                      __global ulong *spare, __global ushort *materials, __global const svo_build_state *state,
+                      svo_filter_params given)
 {
     const svo_filter_params params = svo_current(given, state);
     const uint leaf = (uint)get_global_id(0);

@@ -18,7 +18,8 @@
 #ifdef SVO_RANGES
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_count(__global const uint *cursors, volatile __global uint *counts, __global const svo_build_state *state, svo_filter_params given)
+svo_k_count(__global const uint *cursors, volatile __global uint *counts, __global const svo_build_state *state,
+            svo_filter_params given)
 {
     const svo_filter_params params = svo_current(given, state);
     const size_t index = get_global_id(0);
@@ -33,7 +34,8 @@ svo_k_count(__global const uint *cursors, volatile __global uint *counts, __glob
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
-              __global const uint *list_begin, __global uint *list, __global const svo_build_state *state, svo_filter_params given)
+              __global const uint *list_begin, __global uint *list, __global const svo_build_state *state,
+              svo_filter_params given)
 {
     const svo_filter_params params = svo_current(given, state);
     const size_t index = get_global_id(0);

@@ -229,8 +229,12 @@ static svo_status clear_payload(filterer *f)
 static svo_status run(filterer *f)
 {
     svo_status status = allocate(f);
-    if (status != SVO_OK || f->build->tree->info.leaf_count == 0) {
-        return status == SVO_OK ? clear_payload(f) : status;
+    const bool empty = f->build->tree->info.leaf_count == 0;
+    if (status == SVO_OK && (empty || f->build->mode == SVO_I_BUILD_ENQUEUES)) { /* that may turn out to be empty */
+        status = clear_payload(f);
+    }
+    if (status != SVO_OK || empty) {
+        return status;
     }
     status = create_kernels(f);
     if (status == SVO_OK) {

@@ -77,9 +77,12 @@ static svo_status scatter(sorter *s)
 
 static svo_status sort_leaves(sorter *s)
 {
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),        SVO_I_ARGUMENT(s->levels[0].counts),
-                                        SVO_I_ARGUMENT(s->levels[0].entries), SVO_I_ARGUMENT(s->levels[1].entries),
-                                        SVO_I_ARGUMENT(s->materials),         SVO_I_ARGUMENT(s->build->state),
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),
+                                        SVO_I_ARGUMENT(s->levels[0].counts),
+                                        SVO_I_ARGUMENT(s->levels[0].entries),
+                                        SVO_I_ARGUMENT(s->levels[1].entries),
+                                        SVO_I_ARGUMENT(s->materials),
+                                        SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
     return svo_i_build_run(s->build, "svo_k_material_leaves", arguments, 7, s->params.leaf_count);
 }
@@ -133,8 +136,11 @@ svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface)
         return status;
     }
     svo_i_build_stage_begin(build);
-    if (info->leaf_count == 0) { /* a root alone */
+    if (info->leaf_count == 0 ||
+        build->mode == SVO_I_BUILD_ENQUEUES) { /* a root alone, or what may turn out to be one */
         status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_MATERIALS], sizeof(cl_ushort));
+    }
+    if (status != SVO_OK || info->leaf_count == 0) {
         return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_FILTER) : status;
     }
     sorter s = {.build = build,

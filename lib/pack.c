@@ -64,9 +64,9 @@ static svo_status scan_lists(packer *p)
                                      SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
     const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(p->list_begin),
                                        SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts),   SVO_I_ARGUMENT(build->partials),
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts),     SVO_I_ARGUMENT(build->partials),
                                   SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(build->state),
-                                  SVO_I_ARGUMENT(p->params),   scratch};
+                                  SVO_I_ARGUMENT(p->params),     scratch};
     svo_status status = svo_i_build_run(p->build, "svo_k_scan_lists_reduce", reduce, 5, items);
     if (status == SVO_OK) {
         status = svo_i_build_run(p->build, "svo_k_scan_lists_partials", partials, 5, SVO_GROUP_ITEMS);

@@ -23,6 +23,9 @@ static svo_status run(sorter *s, const char *name, const svo_i_argument *argumen
                       uint64_t items)
 {
     cl_kernel kernel = NULL;
+    if (s->build->mode == SVO_I_BUILD_MEASURES) {
+        return SVO_OK;
+    }
     svo_status status = svo_i_kernel_create(s->build->device, SVO_I_BUILD, s->program, name, &kernel);
     if (status == SVO_OK) {
         status = svo_i_build_launch(s->build, kernel, arguments, argument_count, items);
@@ -188,6 +191,9 @@ static svo_status count_levels(sorter *s)
     if (status == SVO_OK) {
         status = svo_i_build_read(build, s->level_counts, counts, sizeof counts);
     }
+    if (build->mode == SVO_I_BUILD_MEASURES) {
+        return status;
+    }
     if (status == SVO_OK && counts[info->depth + 1] != 0) {
         return svo_i_build_fail_damaged(build);
     }
@@ -295,7 +301,7 @@ static svo_status make_nodes(sorter *s)
 {
     svo_status status = count_levels(s);
     if (status == SVO_OK) {
-        status = svo_i_build_put_state(s->build);
+        status = svo_i_build_put_state(s->build, s->build->tree->info.level_begin);
     }
     if (status == SVO_OK) {
         status = allocate_nodes(s);
@@ -313,6 +319,9 @@ static svo_status make_nodes(sorter *s)
 static svo_status open_sorter(svo_i_build *build, sorter *s)
 {
     *s = (sorter){.build = build};
+    if (build->mode == SVO_I_BUILD_MEASURES) {
+        return SVO_OK;
+    }
     return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, svo_i_plan_sort_keys(build->plan),
                              &s->program, NULL);
 }

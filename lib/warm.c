@@ -36,6 +36,7 @@ typedef struct kernel_shape {
 #define SORTED_RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
 static const kernel_shape shapes[] = {
+    {"svo_k_take_count", 2, sizeof(svo_subdivide_params), 0, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_mark", 3, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
