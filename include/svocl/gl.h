@@ -104,6 +104,8 @@ SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_cont
  */
 SVO_API svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, const svo_device_options *options,
                                         svo_device **out, svo_message *message);
+/* Whether that is worth trying: not 0 if the device lists cl_khr_gl_sharing as a whole word. Starts no OpenGL. */
+SVO_API int svo_gl_device_may_share(const svo_device *device);
 
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */
