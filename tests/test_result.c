@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "bench/result.h"
+#include "bench/spread.h"
 
 /* Two tables: one with every kind of cell, one without rows. */
 static result_set *make_set(void)
@@ -120,6 +121,34 @@ static void test_take_replaces_by_id(void **state)
     result_destroy(&set);
 }
 
+static void test_quartiles_by_hand(void **state)
+{
+    (void)state;
+    double five[] = {40, 10, 30, 20, 50};
+    const spread odd = spread_of(five, 5);
+    assert_true(odd.low == 20 && odd.median == 30 && odd.high == 40);
+    double four[] = {4, 2, 1, 3};
+    const spread even = spread_of(four, 4);
+    assert_true(even.low == 1.75 && even.median == 2.5 && even.high == 3.25);
+    const spread one = spread_of(four, 1);
+    assert_true(one.low == 1 && one.median == 1 && one.high == 1);
+    assert_true(isnan(spread_of(four, 0).median));
+
+    result_set *set = result_create();
+    assert_non_null(set);
+    result_table *table = result_add_table(set, "t", "", "");
+    result_add_column(table, "scene", "");
+    spread_add_columns(table, "time", "ms");
+    result_add_text(table, "cube");
+    spread_add(table, even);
+    assert_false(result_has_quartiles(table, 0));
+    assert_true(result_has_quartiles(table, 1));
+    assert_false(result_has_quartiles(table, 2));
+    assert_true(result_cell_at(table, 0, 2)->number == 1.75);
+    assert_true(result_is_whole(set));
+    result_destroy(&set);
+}
+
 #define MACHINE                                                                                                     \
     "\"machine\":{\"device\":\"\",\"driver\":\"\",\"platform\":\"\",\"renderer\":\"\",\"cpu_threads\":1,\"svocl\":" \
     "\"\"}"
@@ -171,6 +200,7 @@ int main(void)
         cmocka_unit_test(test_unfinished_row_is_not_written),
         cmocka_unit_test(test_take_replaces_by_id),
         cmocka_unit_test(test_what_is_no_result_is_refused),
+        cmocka_unit_test(test_quartiles_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
