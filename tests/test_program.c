@@ -49,7 +49,7 @@ static void help_goes_to_standard_output(void **state)
     (void)state;
     static const char *const lines[] = {"--help",      "help",         "devices --help", "scene --help",  "help build",
                                         "info --help", "hash --help",  "verify --help",  "render --help", "--version",
-                                        "scene",       "scene --json", "build -h"};
+                                        "scene",       "scene --json", "build -h",       "bench --help"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[64];
         snprintf(line, sizeof line, "$SVOCL %s", lines[i]);

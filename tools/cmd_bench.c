@@ -8,6 +8,20 @@
 #include "output.h"
 #include "table.h"
 
+void command_bench_print_subjects(void)
+{
+    table *rows = table_create("ll");
+    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
+        table_cell(rows, "%s", bench_describe(i)->name);
+        table_cell(rows, "%s", bench_describe(i)->summary);
+    }
+    table_cell(rows, "all");
+    table_cell(rows, "all of them; rays alone takes INPUT and the options of a build");
+    table_gap();
+    table_heading("SUBJECT");
+    table_print(rows);
+}
+
 static bool is_known(const char *wanted)
 {
     for (size_t i = 0; bench_describe(i) != NULL; ++i) {
