@@ -30,8 +30,8 @@ static const command commands[] = {
      "Traces rays from a file or a camera against the triangles of a mesh or of a .svo file."},
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
-    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND, "INPUT", false,
-     "Measures: bench rays [INPUT], rays against triangles, --vs embree beside Embree's."},
+    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
+     "Measures times, SUBJECT by subject or all; bench --help lists them."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
@@ -65,6 +65,14 @@ static const command *find_command(const char *name)
     return NULL;
 }
 
+static void print_command_help(const command *which)
+{
+    options_print_help(which);
+    if (which->run == command_bench) {
+        command_bench_print_subjects();
+    }
+}
+
 static int run_command(program *state, const command *which, int argument_count, char **arguments)
 {
     state->command = which->name;
@@ -73,7 +81,7 @@ static int run_command(program *state, const command *which, int argument_count,
         return exit_code;
     }
     if (state->options.help) {
-        options_print_help(which);
+        print_command_help(which);
         return PROGRAM_DONE;
     }
     exit_code = which->run(state);
@@ -96,7 +104,7 @@ static int dispatch(program *state, int argument_count, char **arguments)
     if (strcmp(name, "help") == 0) {
         const command *which = find_command(arguments[2]);
         if (which != NULL) {
-            options_print_help(which);
+            print_command_help(which);
             return PROGRAM_DONE;
         }
         name = arguments[2];

@@ -210,6 +210,12 @@ static int read_depth(program *state, const rule *option, const char *value)
     return read_count(state, option, value);
 }
 
+static int read_repeat(program *state, const rule *option, const char *value)
+{
+    state->options.has_repeat = true;
+    return read_count(state, option, value);
+}
+
 static int read_triangles(program *state, const rule *option, const char *value)
 {
     state->options.has_triangles = true;
@@ -283,8 +289,14 @@ static const rule rules[] = {
      "a ray per pixel: auto, or eye, target, up, degrees as numbers (6, 9 or 10)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
-    {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_BENCH_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
-     "do it N times; times are medians, of builds without the first (1)"},
+    {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_MEASURE, "N", read_repeat, FIELD(repeat), 1, 10000, NULL,
+     "do it N times; times are medians, of builds without the first (1; measurements: 11 after the first)"},
+    {"scenes", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(scenes), 0, 0, NULL,
+     "what is built: INPUTs with commas between, without their scene: (each measurement's own)"},
+    {"depths", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(depths), 0, 0, NULL,
+     "at which depths, with commas between (each measurement's own)"},
+    {"quick", '\0', OPTION_MEASURE, NULL, read_flag, FIELD(quick), 0, 0, NULL,
+     "smaller scenes, fewer depths, 3 repeats: to see that it works"},
     {"plan", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan), 0, 0, NULL,
      "print what the build is going to do, allocate and leave out, then build"},
     {"plan-only", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan_only), 0, 0, NULL,

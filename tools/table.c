@@ -11,11 +11,10 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define COLUMNS_MAX 8U
-#define CELL_BYTES  512
+#define CELL_BYTES 512
 
 struct table {
-    const char *alignment;
+    char alignment[TABLE_COLUMNS_MAX + 1];
     size_t column_count;
     char **cells;
     size_t cell_count;
@@ -26,8 +25,8 @@ table *table_create(const char *alignment)
 {
     table *rows = calloc(1, sizeof *rows);
     if (rows != NULL) {
-        rows->alignment = alignment;
-        rows->column_count = strlen(alignment) < COLUMNS_MAX ? strlen(alignment) : COLUMNS_MAX;
+        snprintf(rows->alignment, sizeof rows->alignment, "%s", alignment);
+        rows->column_count = strlen(rows->alignment);
     }
     return rows;
 }
@@ -57,9 +56,9 @@ void table_cell(table *rows, const char *format, ...)
     }
 }
 
-static void measure(const table *rows, size_t widths[COLUMNS_MAX])
+static void measure(const table *rows, size_t widths[TABLE_COLUMNS_MAX])
 {
-    memset(widths, 0, COLUMNS_MAX * sizeof widths[0]);
+    memset(widths, 0, TABLE_COLUMNS_MAX * sizeof widths[0]);
     for (size_t i = 0; i < rows->cell_count; ++i) {
         const size_t width = strlen(rows->cells[i]);
         const size_t column = i % rows->column_count;
@@ -107,7 +106,7 @@ static void print_wrapped(const char *text, size_t indent)
     }
 }
 
-static void print_cell(const table *rows, size_t index, const size_t widths[COLUMNS_MAX])
+static void print_cell(const table *rows, size_t index, const size_t widths[TABLE_COLUMNS_MAX])
 {
     const size_t column = index % rows->column_count;
     const bool last = column + 1 == rows->column_count || index + 1 == rows->cell_count;
@@ -131,7 +130,7 @@ void table_print(table *rows)
     if (rows == NULL) {
         return;
     }
-    size_t widths[COLUMNS_MAX];
+    size_t widths[TABLE_COLUMNS_MAX];
     measure(rows, widths);
     for (size_t i = 0; i < rows->cell_count; ++i) {
         print_cell(rows, i, widths);

@@ -12,7 +12,9 @@
 
 typedef struct table table;
 
-/* alignment: one letter per column, 'l' or 'r'. NULL when out of memory, which the other functions allow. */
+#define TABLE_COLUMNS_MAX 24U
+
+/* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL when out of memory, which the other functions allow. */
 table *table_create(const char *alignment);
 
 /* The next cell, row by row. */

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Measurements as tables: what `svocl bench` produces and what a report is made of. A set holds the facts of the machine
+ * and tables; a table has columns with units and rows of cells, each a text, a number, or nothing. As JSON:
+ *
+ *   {"machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
+ *                "svocl": "0.1.0"},
+ *    "tables": [{"id": "voxelize", "title": "...", "note": "...",
+ *                "columns": [{"name": "scene", "unit": ""}, {"name": "median", "unit": "ms"}],
+ *                "rows": [["knot", 1.25], ["cube", null]]}]}
+ *
+ * Running out of memory is kept in the set and shows once, in result_to_json and result_is_whole; functions that add
+ * allow NULL and then do nothing, so that callers check in one place.
+ */
+#ifndef SVOCL_RESULT_H
+#define SVOCL_RESULT_H
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "svocl/status.h"
+
+#define RESULT_FACT_BYTES 256
+
+/* What was measured on; "" where it is not known. */
+typedef struct result_machine {
+    char device[RESULT_FACT_BYTES]; /* "Portable Computing Language: pthread-..." */
+    char driver[RESULT_FACT_BYTES]; /* version of the OpenCL driver */
+    char platform[RESULT_FACT_BYTES]; /* version of the OpenCL platform */
+    char renderer[RESULT_FACT_BYTES]; /* OpenGL's; "none" without OpenGL */
+    char svocl[RESULT_FACT_BYTES]; /* version of svocl */
+    char date[RESULT_FACT_BYTES]; /* "": left out */
+    unsigned cpu_threads;
+} result_machine;
+
+typedef enum result_kind { RESULT_ABSENT = 0, RESULT_TEXT, RESULT_NUMBER } result_kind;
+
+typedef struct result_cell {
+    result_kind kind;
+    char *text; /* RESULT_TEXT */
+    double number; /* RESULT_NUMBER: finite */
+} result_cell;
+
+typedef struct result_column {
+    char *name;
+    char *unit; /* "", "ms", "M/s", "B", ... */
+} result_column;
+
+typedef struct result_set result_set;
+
+/* Read freely; changed by the functions below alone. */
+typedef struct result_table {
+    result_set *owner;
+    char *id; /* "voxelize", "builders", "e1-voxelization", ... */
+    char *title; /* one line */
+    char *note; /* how it was measured, which clock, sources */
+    result_column *columns;
+    size_t column_count;
+    result_cell *cells; /* row by row */
+    size_t cell_count, cell_capacity;
+} result_table;
+
+struct result_set {
+    result_machine machine;
+    result_table **tables;
+    size_t table_count;
+    bool incomplete; /* something could not be added */
+};
+
+/* NULL when out of memory. */
+result_set *result_create(void);
+void result_destroy(result_set **set); /* a pointer to NULL is allowed */
+
+/* A table without columns, at the end of the set, which owns it. NULL when out of memory. */
+result_table *result_add_table(result_set *set, const char *id, const char *title, const char *note);
+/* Puts a note in the place of the table's, once it is known what ran. */
+void result_set_note(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The next column; all of them come before the first cell. */
+void result_add_column(result_table *table, const char *name, const char *unit);
+
+/* The next cell, row by row. A number that is not finite is absent. */
+void result_add_text(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void result_add_number(result_table *table, double number);
+void result_add_absent(result_table *table);
+
+/* Whether nothing is missing: memory sufficed and every row is full. */
+bool result_is_whole(const result_set *set);
+
+/* NULL where there is no such table. */
+result_table *result_find(const result_set *set, const char *id);
+size_t result_row_count(const result_table *table);
+/* The column of that name: its index, or column_count where there is none. */
+size_t result_find_column(const result_table *table, const char *name);
+/* Whether the two columns after this one are its quartiles: "NAME q1" and "NAME q3". */
+bool result_has_quartiles(const result_table *table, size_t column);
+/* NULL outside the table. */
+const result_cell *result_cell_at(const result_table *table, size_t row, size_t column);
+
+/* Moves the tables of one set to the end of another; one of an id that is there already takes that one's place. */
+void result_take(result_set *into, result_set *from);
+
+/* ---- result_json.c ---- */
+
+/* NULL when the set is not whole or memory runs out. */
+cJSON *result_to_json(const result_set *set);
+/* NULL with one line that names what is wrong with the text. */
+result_set *result_parse(const char *text, svo_message *message);
+
+/* ---- result_text.c ---- */
+
+/* The facts of the machine, and a table, for people, to standard output. */
+void result_print_machine(const result_set *set);
+void result_print(const result_table *results);
+/* RFC 4180: a heading with units, commas, texts quoted where they must be; an absent cell is empty. */
+void result_write_csv(const result_table *results, FILE *file);
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Median and quartiles of repeated measurements. */
+#ifndef SVOCL_SPREAD_H
+#define SVOCL_SPREAD_H
+
+#include <stddef.h>
+
+#include "result.h"
+
+typedef struct spread {
+    double median, low, high; /* low, high: the quartiles. All NAN: nothing was measured */
+} spread;
+
+/* Interpolates between neighbours (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996). Sorts
+   the values. */
+spread spread_of(double *values, size_t count);
+/* Nothing measured. */
+spread spread_none(void);
+
+/* Three columns: name, "name q1", "name q3". */
+void spread_add_columns(result_table *table, const char *name, const char *unit);
+void spread_add(result_table *table, spread measured);
+
+#endif
