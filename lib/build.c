@@ -320,8 +320,8 @@ static void finish(svo_i_build *build, svo_frontend *frontend)
     release_scratch(build, frontend);
 }
 
-/* The list, by the front end of OpenCL alone, and what is made of it. */
-static svo_status measure_stages(svo_i_build *build, const svo_i_layout *layout)
+/* The list, and what is made of it. */
+static svo_status measure_stages(svo_i_build *build, const svo_frontend *frontend, const svo_i_layout *layout)
 {
     build->list.chunk_count = layout->chunk_count;
     build->list.chunks = calloc(layout->chunk_count + 1u, sizeof *build->list.chunks);
@@ -330,11 +330,15 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_layout *layout)
                                  layout->chunk_count);
     }
     build->owns_list = true;
-    svo_status status = svo_i_voxelize_enqueue(build, layout);
+    svo_status status = SVO_OK;
+    if (frontend == NULL || frontend->enqueue != NULL) { /* others have their lists in memory of their own */
+        status = svo_i_voxelize_enqueue(build, layout);
+    }
     if (!build->stays_in_place) { /* a build that waits has read them by now */
         svo_i_build_free(build, &build->counters);
     }
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        build->list.chunks[i].needed = layout->chunks[i].capacity;
         build->fragment_count += layout->chunks[i].capacity;
     }
     svo_i_build_fill_info(build);
@@ -353,8 +357,8 @@ static void mark_staying(svo_i_build *build)
     }
 }
 
-svo_status svo_i_build_measure(svo_plan *plan, const svo_i_layout *layout, svo_i_allocations *allocations,
-                               svo_i_kept_tiles *kept)
+svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, const svo_i_layout *layout,
+                               svo_i_allocations *allocations, svo_i_kept_tiles *kept)
 {
     svo_i_allocations unread = {0};
     svo_build_report report = {0};
@@ -371,7 +375,7 @@ svo_status svo_i_build_measure(svo_plan *plan, const svo_i_layout *layout, svo_i
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
     }
     svo_i_plan_buffers_reset(plan);
-    status = measure_stages(&build, layout);
+    status = measure_stages(&build, frontend, layout);
     release_scratch(&build, NULL);
     mark_staying(&build);
     svo_i_allocations_free(&unread);

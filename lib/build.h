@@ -118,10 +118,10 @@ bool svo_i_queue_profiles(cl_command_queue queue);
 /* What rays need of the mesh, into the tree. */
 svo_status svo_i_keep_geometry(svo_i_build *build);
 
-/* build.c: what a build of the plan allocates, with the front end of OpenCL alone, into allocations, or into the plan's list
-   of buffers if that is NULL. kept: NULL allowed. */
-svo_status svo_i_build_measure(svo_plan *plan, const svo_i_layout *layout, svo_i_allocations *allocations,
-                               svo_i_kept_tiles *kept);
+/* build.c: what a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be NULL, what
+   one that is enqueued does. frontend: NULL for that of OpenCL alone. kept: NULL allowed. */
+svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, const svo_i_layout *layout,
+                               svo_i_allocations *allocations, svo_i_kept_tiles *kept);
 /* build.c: kernels and shaders, as far as this device and context have not compiled them before. */
 svo_status svo_i_build_compile(svo_i_build *build, svo_frontend *frontend);
 /* build.c: everything from the list on, by OpenCL. */

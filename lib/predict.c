@@ -141,7 +141,7 @@ svo_status svo_i_plan_predict(svo_plan *plan)
     if (status != SVO_OK) {
         return status;
     }
-    status = svo_i_build_measure(plan, &layout, NULL, NULL);
+    status = svo_i_build_measure(plan, NULL, &layout, NULL, NULL);
     svo_i_layout_destroy(&layout);
     if (status == SVO_OK && plan->work.lists) {
         const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));

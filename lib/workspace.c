@@ -29,6 +29,7 @@ struct svo_workspace {
 /* A build that was enqueued. */
 struct svo_i_pending {
     svo_i_build build; /* without its events */
+    svo_frontend *frontend; /* that has to release the list; NULL: it is scratch */
     svo_build_report report;
     cl_event done;
     svo_build_state state; /* read back when it is done */
@@ -41,10 +42,9 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": frontend is %s",
                                  frontend == NULL ? "NULL" : "of another device than plan");
     }
-    if (frontend->enqueue == NULL) {
+    if (frontend->make_tree != NULL) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
-                                 SVO_I_WORKSPACE ": front end %s cannot be enqueued, only that of OpenCL alone",
-                                 frontend->name);
+                                 SVO_I_WORKSPACE ": builder %s cannot be enqueued, only cl", frontend->builder);
     }
     if (plan->work.sorted) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
@@ -57,7 +57,9 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
 static svo_status lay_out(svo_workspace *workspace)
 {
     const svo_plan *plan = workspace->plan;
-    const uint64_t most = workspace->device->max_allocation_bytes;
+    const uint64_t allocation = workspace->device->max_allocation_bytes;
+    const uint64_t chunk = workspace->frontend->chunk_bytes_max;
+    const uint64_t most = chunk < allocation ? chunk : allocation;
     const uint64_t asked = plan->options.chunk_bytes;
     const svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &workspace->layout);
     if (status == SVO_OK && workspace->layout.chunk_count > 1) {
@@ -84,7 +86,7 @@ static svo_status measure(svo_workspace *workspace)
     status = status == SVO_OK ? lay_out(workspace) : status;
     workspace->plan->built = true; /* capacities are what is allocated */
     if (status == SVO_OK) {
-        status = svo_i_build_measure(workspace->plan, &workspace->layout, list, &workspace->kept);
+        status = svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->layout, list, &workspace->kept);
     }
     if (status != SVO_OK) {
         return status;
@@ -330,14 +332,37 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     if (workspace->last != NULL) {
         all[count++] = workspace->last;
     }
-    cl_int error = CL_SUCCESS;
-    if (count > 0) {
-        error = clEnqueueMarkerWithWaitList(build->queue, count, all, &build->last);
-    }
+    const cl_int error = clEnqueueMarkerWithWaitList(build->queue, count, count > 0 ? all : NULL, &build->last);
     free(all);
     return error == CL_SUCCESS
                ? SVO_OK
                : svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clEnqueueMarkerWithWaitList", error);
+}
+
+/* The list of a front end that draws now, waiting for what the build waits for: its count is the host's. */
+static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    svo_frontend *frontend = workspace->frontend;
+    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
+    }
+    pending->frontend = frontend;
+    const svo_status status = frontend->voxelize(frontend->self, build->plan, &workspace->layout, build->queue,
+                                                 &build->list, &pending->report);
+    const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
+    pending->counter[0] = (cl_uint)needed;
+    pending->counter[1] = (cl_uint)(needed >> 32);
+    pending->state.overflow = needed > workspace->info.fragment_capacity ? SVO_SHORT_LIST : 0;
+    return status;
+}
+
+static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_frontend *frontend = workspace->frontend;
+    return frontend->enqueue != NULL ? frontend->enqueue(&pending->build, &workspace->layout)
+                                     : draw_now(workspace, pending);
 }
 
 /* All stages, and the counts on their way to the host. */
@@ -352,11 +377,12 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     if (build->list.chunks == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
     }
-    svo_status status = workspace->frontend->enqueue(build, &workspace->layout);
-    if (status == SVO_OK) {
-        status = svo_i_build_make_arrays(build, workspace->frontend);
+    svo_status status = make_list(workspace, pending);
+    if (status != SVO_OK || pending->state.overflow != 0) { /* known already */
+        return status;
     }
-    if (status == SVO_OK) {
+    status = svo_i_build_make_arrays(build, workspace->frontend);
+    if (status == SVO_OK && build->counters != NULL) {
         status = svo_i_build_read(build, build->counters, pending->counter, sizeof pending->counter);
     }
     return status == SVO_OK ? svo_i_build_read(build, build->state, &pending->state, sizeof pending->state) : status;
@@ -368,6 +394,9 @@ static void release_pending(svo_i_pending *pending)
         clReleaseEvent(pending->done);
     }
     svo_i_build_take_spans(&pending->build);
+    if (pending->frontend != NULL) {
+        pending->frontend->release(pending->frontend->self, &pending->build.list);
+    }
     free(pending->build.list.chunks);
     free(pending->build.cursors);
     free(pending);
@@ -576,7 +605,7 @@ static void fill_report(const svo_tree *tree, const svo_i_pending *pending, svo_
     report->frontend = frontend->name;
     report->builder = svo_builder_name(SVO_BUILDER_CL);
     report->share = frontend->share;
-    report->renderer = "";
+    report->renderer = frontend->renderer != NULL ? frontend->renderer : "";
 }
 
 svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report)

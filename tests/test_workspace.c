@@ -139,6 +139,25 @@ static void deep_grids_thin_and_closed_coverage_and_all_weights(void **state)
     scene_destroy(&made);
 }
 
+/* The front end of OpenGL draws while the build is enqueued. */
+static void opengl_may_make_the_list(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    struct scene *made = fixture_scene("cornell");
+    compare_with_build(opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
+    svo_plan *plan = make_plan(opened, scene_mesh(made), 6, (svo_plan_options){.fragment_capacity = 1});
+    svo_workspace *workspace = make_workspace(opened, plan);
+    svo_tree *tree = make_tree(opened, workspace);
+    svo_build_report report = {.struct_size = sizeof report};
+    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    assert_int_equal(svo_tree_finish(tree, opened->queue, 1, &report), SVO_NEED_MORE);
+    assert_in_range(report.fragments, 1000, UINT32_MAX);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
 /* No triangle; a point; one that thin coverage does not see. */
 static void nothing_and_next_to_nothing(void **state)
 {
@@ -402,6 +421,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enqueued_builds_make_the_same_trees),
         cmocka_unit_test(deep_grids_thin_and_closed_coverage_and_all_weights),
+        cmocka_unit_test(opengl_may_make_the_list),
         cmocka_unit_test(nothing_and_next_to_nothing),
         cmocka_unit_test(builds_of_a_workspace_follow_each_other),
         cmocka_unit_test(too_little_room_comes_back_with_figures),

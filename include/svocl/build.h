@@ -125,10 +125,11 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
  *
  * plan, frontend: must outlive it. The plan's capacities are its fragment_capacity, or what the count law expects with an
  *        eighth to spare, or after svo_plan_count the real number; and nodes by the law, or by certain_nodes.
- *        The front end is that of OpenCL alone; the builder SVO_BUILDER_CL.
+ *        The builder is SVO_BUILDER_CL. With a front end of OpenGL, svo_build_enqueue waits on the host for the wait list
+ *        and for OpenGL, whose list is in memory of its own.
  * queue: for what the compiler needs to be launched; nothing stays in it.
  * options: NULL means all defaults.
- * Returns SVO_UNSUPPORTED for other front ends and builders, and for a list above the device's largest allocation;
+ * Returns SVO_UNSUPPORTED for other builders, and for a list above the device's largest allocation;
  * SVO_INVALID_ARGUMENT (scratch that is too small, of another context or not aligned), SVO_OUT_OF_DEVICE_MEMORY,
  * SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY.
  */
