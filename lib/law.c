@@ -15,6 +15,9 @@
 /* Rays are fastest where the leaves are about as large as the triangles: where a triangle is in this many of them. */
 #define RAY_PAIRS_PER_TRIANGLE 6.0
 /* The deepest tree of a grid of 2^20 units. */
+/* Room beside an eighth of what is expected: this many times what is expected, but no more than so many. */
+#define FEW_SLACK     8.0
+#define SLACK_MAX     1023.0
 #define RAY_DEPTH_MAX 12u
 
 /* A triangle cut by six planes has at most nine corners. */
@@ -133,7 +136,9 @@ unsigned svo_plan_ray_depth(const svo_plan *plan)
     return depth;
 }
 
+/* Few fragments may be several times as many as expected, since a triangle below a voxel meets up to eight: many are not. */
 uint64_t svo_i_with_slack(double expected)
 {
-    return (uint64_t)(expected * 1.125) + 1024u;
+    const double more = fmin(expected * FEW_SLACK, SLACK_MAX);
+    return (uint64_t)(expected * 1.125 + more) + 1u;
 }
