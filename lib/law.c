@@ -15,10 +15,10 @@
 /* Rays are fastest where the leaves are about as large as the triangles: where a triangle is in this many of them. */
 #define RAY_PAIRS_PER_TRIANGLE 6.0
 /* The deepest tree of a grid of 2^20 units. */
-/* Room beside an eighth of what is expected: this many times what is expected, but no more than so many. */
-#define FEW_SLACK     8.0
-#define SLACK_MAX     1023.0
 #define RAY_DEPTH_MAX 12u
+/* Room beside an eighth of what is expected: this many times what is expected, but no more than so many. */
+#define FEW_SLACK 8.0
+#define SLACK_MAX 1023.0
 
 /* A triangle cut by six planes has at most nine corners. */
 #define CORNERS_MAX 9
@@ -136,7 +136,8 @@ unsigned svo_plan_ray_depth(const svo_plan *plan)
     return depth;
 }
 
-/* Few fragments may be several times as many as expected, since a triangle below a voxel meets up to eight: many are not. */
+/* Few fragments may be several times as many as expected: a triangle smaller than a voxel meets one as a rule, and up to
+   eight. */
 uint64_t svo_i_with_slack(double expected)
 {
     const double more = fmin(expected * FEW_SLACK, SLACK_MAX);
