@@ -4,6 +4,8 @@
 
 #include <stdio.h>
 
+#include "svocl/plan.h"
+
 void json_add_count(cJSON *object, const char *name, uint64_t count)
 {
     cJSON_AddNumberToObject(object, name, (double)count);
@@ -21,6 +23,16 @@ void json_add_text(cJSON *object, const char *name, const char *text)
 void json_add_vector(cJSON *object, const char *name, const double vector[3])
 {
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(vector, 3));
+}
+
+void json_add_needs(cJSON *object, const char *name, uint32_t bits)
+{
+    cJSON *array = cJSON_AddArrayToObject(object, name);
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        if ((bits & bit) != 0) {
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_need_name((svo_need)bit)));
+        }
+    }
 }
 
 int json_print(program *state, cJSON *document)

@@ -12,6 +12,8 @@ void json_add_count(cJSON *object, const char *name, uint64_t count);
 /* text: NULL becomes null. */
 void json_add_text(cJSON *object, const char *name, const char *text);
 void json_add_vector(cJSON *object, const char *name, const double vector[3]);
+/* bits: svo_need; an array of their names. */
+void json_add_needs(cJSON *object, const char *name, uint32_t bits);
 
 /* Prints and releases the document. Returns the exit code. */
 int json_print(program *state, cJSON *document);
