@@ -34,8 +34,8 @@ static struct {
     noted_build builds[BUILDS_MAX];
 } notes;
 
-/* The linker's names, for the calls themselves and for what stands in for them. NOLINTBEGIN(bugprone-reserved-identifier,
-   readability-identifier-naming) */
+/* The linker's names, for the calls themselves and for what stands in for them. */
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 cl_mem __real_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
 cl_mem __wrap_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
 cl_mem __real_clCreateSubBuffer(cl_mem parent, cl_mem_flags flags, cl_buffer_create_type type, const void *region,

@@ -48,12 +48,6 @@ static void assert_only_less_leaves_out(const measured *less, const measured *fu
     }
 }
 
-static void assert_both_leave_out(const measured *a, const measured *b, const char *what)
-{
-    assert_non_null(measured_left_out(a, what));
-    assert_non_null(measured_left_out(b, what));
-}
-
 /* full has the buffer, and less does not. */
 static void assert_only_full_has_buffer(const measured *less, const measured *full, const char *name)
 {
@@ -106,28 +100,25 @@ static void the_packing_copy_of_sorted_lists(void **state)
     (void)state;
     static const char *const buffers[] = {"list_spare", "list_counts", "long_leaves"};
     static const char *const kernels[] = {"svo_k_count", "svo_k_scatter", "svo_k_sort_short", "svo_k_sort_long"};
-    static const uint32_t needs[] = {SVO_NEED_RAYS, SVO_NEED_ALL};
+    svo_plan_options options = asking_for(SVO_NEED_RAYS);
     sheet_mesh sheet;
+    measured full;
+    measured less;
     sheet_make(SHEET_ALONE, 1.0, &sheet);
-    for (size_t n = 0; n < 2; ++n) {
-        svo_plan_options options = asking_for(needs[n]);
-        measured full;
-        measured less;
-        measured_build(&sheet.mesh, DEPTH, &options, &full);
-        options.builder = SVO_BUILDER_SORTED;
-        measured_build(&sheet.mesh, DEPTH, &options, &less);
-        assert_same_results(&less, &full);
-        assert_string_equal(less.result.hash, full.result.hash);
-        assert_only_less_leaves_out(&less, &full, "packing copy");
-        for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-            assert_only_full_has_buffer(&less, &full, buffers[i]);
-        }
-        for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
-            assert_only_full_has_kernel(&less, &full, kernels[i]);
-        }
-        measured_destroy(&less);
-        measured_destroy(&full);
+    measured_build(&sheet.mesh, DEPTH, &options, &full);
+    options.builder = SVO_BUILDER_SORTED;
+    measured_build(&sheet.mesh, DEPTH, &options, &less);
+    assert_same_results(&less, &full);
+    assert_string_equal(less.result.hash, full.result.hash);
+    assert_only_less_leaves_out(&less, &full, "packing copy");
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        assert_only_full_has_buffer(&less, &full, buffers[i]);
     }
+    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
+        assert_only_full_has_kernel(&less, &full, kernels[i]);
+    }
+    measured_destroy(&less);
+    measured_destroy(&full);
 }
 
 /* A payload, its array, and a kernel that only it, or it and others, need. */
@@ -148,46 +139,46 @@ static void assert_without_payload(const measured *less, const measured *full, c
     assert_only_full_has_key(less, full, which->key);
 }
 
-/* Each payload on its own beside none at all. What fill takes for itself is less than what the nodes took before. */
-static void each_payload_alone(void **state)
+/* None at all beside one. What fill takes for itself is less than what the nodes took before. */
+static void compare_with_none(const measured *none, const measured *alone, const struct payload *which)
+{
+    const unsigned peak = which->bit != SVO_NEED_FILL ? FEWER_PEAK_BYTES : 0;
+    assert_without_payload(none, alone, which);
+    assert_takes_less(none, alone, FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS | peak);
+    assert_only_full_has_kernel(none, alone, which->kernel);
+    assert_only_full_has_buffer(none, alone, "records");
+    assert_only_less_leaves_out(none, alone, "mesh attributes");
+}
+
+/* One beside all, lists included. */
+static void compare_with_all(const measured *alone, const measured *all, const struct payload *which)
+{
+    for (size_t i = 0; i < PAYLOADS; ++i) {
+        if (&payloads[i] != which) {
+            assert_without_payload(alone, all, &payloads[i]);
+        }
+    }
+    assert_takes_less(alone, all, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS);
+}
+
+static void each_payload(void **state)
 {
     (void)state;
     sheet_mesh sheet;
     measured none;
+    measured all;
     sheet_make(SHEET_ALONE, 1.0, &sheet);
     build_sheet(&sheet, SVO_NEED_NONE, &none);
+    build_sheet(&sheet, SVO_NEED_ALL, &all);
     for (size_t i = 0; i < PAYLOADS; ++i) {
         measured alone;
         build_sheet(&sheet, (uint32_t)payloads[i].bit, &alone);
-        assert_without_payload(&none, &alone, &payloads[i]);
-        assert_takes_less(&none, &alone,
-                          FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS |
-                              (payloads[i].bit != SVO_NEED_FILL ? FEWER_PEAK_BYTES : 0U));
-        assert_only_full_has_kernel(&none, &alone, payloads[i].kernel);
-        assert_only_full_has_buffer(&none, &alone, "records");
-        assert_only_less_leaves_out(&none, &alone, "mesh attributes");
+        compare_with_none(&none, &alone, &payloads[i]);
+        compare_with_all(&alone, &all, &payloads[i]);
         measured_destroy(&alone);
     }
-    measured_destroy(&none);
-}
-
-/* All but one beside all. */
-static void each_payload_of_all(void **state)
-{
-    (void)state;
-    sheet_mesh sheet;
-    measured all;
-    sheet_make(SHEET_ALONE, 1.0, &sheet);
-    build_sheet(&sheet, SVO_NEED_ALL, &all);
-    for (size_t i = 0; i < PAYLOADS; ++i) {
-        const bool own_kernels = payloads[i].bit == SVO_NEED_MATERIAL;
-        measured without;
-        build_sheet(&sheet, (uint32_t)SVO_NEED_ALL & ~(uint32_t)payloads[i].bit, &without);
-        assert_without_payload(&without, &all, &payloads[i]);
-        assert_takes_less(&without, &all, FEWER_TREE_BYTES | OTHER_KEYS | (own_kernels ? FEWER_KERNELS : 0U));
-        measured_destroy(&without);
-    }
     measured_destroy(&all);
+    measured_destroy(&none);
 }
 
 static long file_bytes(const svo_tree *tree, const char *path)
@@ -417,7 +408,7 @@ static void clipping_with_uniform_weights(void **state)
     measured less;
     measured full;
     exact expected;
-    svo_plan_options options = asking_for(SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | SVO_NEED_MATERIAL);
+    svo_plan_options options = asking_for(SVO_NEED_COLOR);
     sheet_make(SHEET_ALONE, 1.0, &sheet);
     measured_build(&sheet.mesh, DEPTH, &options, &full);
     options.weights = SVO_WEIGHTS_UNIFORM;
@@ -452,7 +443,8 @@ static void the_overlap_test_of_dust(void **state)
     assert_only_full_has_key(&full, &less, "SVO_NO_TEST");
     assert_only_full_has_key(&less, &full, "SVO_NARROW");
     assert_false(measured_has_key(&less, "SVO_WIDE"));
-    assert_both_leave_out(&less, &full, "overlap test"); /* of the squares, in both */
+    assert_non_null(measured_left_out(&less, "overlap test"));
+    assert_non_null(measured_left_out(&full, "overlap test")); /* of the squares */
     assert_int_equal(less.programs, 2);
     measured_destroy(&full);
     measured_destroy(&less);
@@ -513,28 +505,37 @@ static void long_morton_codes(void **state)
     measured_destroy(&less);
 }
 
-/* Whether a plan lists a key, and leaves something out. */
-static void look_at_plan(const svo_mesh *mesh, unsigned depth, const svo_plan_options *options, const char *key,
-                         const char *what, bool *has_key, bool *is_left_out)
+/* Of a plan that is not built. */
+typedef struct planned {
+    bool is_wide; /* has the key SVO_WIDE */
+    bool leaves_out_wide;
+    bool leaves_out_opengl;
+    size_t left_out_count;
+} planned;
+
+static planned plan_sheet(const sheet_mesh *sheet, unsigned depth, uint32_t need)
 {
+    const svo_plan_options options = asking_for(need);
     fixture opened;
     svo_plan *plan = NULL;
+    planned seen = {.left_out_count = 0};
     fixture_open_cl(&(fixture_options){0}, &opened);
-    assert_int_equal(svo_plan_create(opened.device, mesh, depth, options, &plan), SVO_OK);
-    *has_key = false;
-    *is_left_out = false;
+    assert_int_equal(svo_plan_create(opened.device, &sheet->mesh, depth, &options, &plan), SVO_OK);
     for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
         svo_kernels_info kernels;
         svo_plan_get_kernels(plan, i, &kernels);
-        *has_key = *has_key || strstr(kernels.keys, key) != NULL;
+        seen.is_wide = seen.is_wide || strstr(kernels.keys, "SVO_WIDE") != NULL;
     }
-    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
+    seen.left_out_count = svo_plan_get_left_out(plan, 0, NULL);
+    for (size_t i = 0; i < seen.left_out_count; ++i) {
         svo_left_out entry;
         svo_plan_get_left_out(plan, i, &entry);
-        *is_left_out = *is_left_out || strcmp(entry.what, what) == 0;
+        seen.leaves_out_wide = seen.leaves_out_wide || strcmp(entry.what, "128-bit products") == 0;
+        seen.leaves_out_opengl = seen.leaves_out_opengl || strcmp(entry.what, "OpenGL") == 0;
     }
     svo_plan_destroy(&plan);
     fixture_close(&opened);
+    return seen;
 }
 
 /* On grids finer than 2^20 units a wide triangle needs products of 128 bits wherever it is; a narrow one does not. */
@@ -550,14 +551,11 @@ static void products_of_128_bits_above_depth_12(void **state)
                  {SHEET_REFUSED, 16, false}, {SHEET_LARGE, 16, true}};
     sheet_mesh sheet;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        const svo_plan_options options = asking_for(SVO_NEED_NONE);
-        bool has_key = false;
-        bool is_left_out = false;
         sheet_make(cases[i].extra, cases[i].depth > 12 ? 0.0625 : 1.0, &sheet);
-        look_at_plan(&sheet.mesh, cases[i].depth, &options, "SVO_WIDE", "128-bit products", &has_key, &is_left_out);
-        if (has_key != cases[i].needs_them || is_left_out == cases[i].needs_them) {
-            fail_msg("case %zu: the key is %sthere, and the products are %sleft out", i, has_key ? "" : "not ",
-                     is_left_out ? "" : "not ");
+        const planned seen = plan_sheet(&sheet, cases[i].depth, SVO_NEED_NONE);
+        if (seen.is_wide != cases[i].needs_them || seen.leaves_out_wide == cases[i].needs_them) {
+            fail_msg("case %zu: the key is %sthere, and the products are %sleft out", i, seen.is_wide ? "" : "not ",
+                     seen.leaves_out_wide ? "" : "not ");
         }
     }
 }
@@ -566,19 +564,13 @@ static void products_of_128_bits_above_depth_12(void **state)
 static void nothing_that_is_needed(void **state)
 {
     (void)state;
-    const svo_plan_options options = asking_for(SVO_NEED_ALL);
     sheet_mesh sheet;
-    measured made;
     sheet_make(SHEET_OUTSIDE, 1.0, &sheet);
     sheet.materials[0].texture_index = 0;
     sheet.materials[1].texture_index = 1;
-    measured_build(&sheet.mesh, 11, &options, &made);
-    for (size_t i = 0; i < made.left_out_count; ++i) {
-        print_message("left out: %s, %s\n", made.left_out[i].what, made.left_out[i].reason.text);
-    }
-    assert_int_equal(made.left_out_count, 1);
-    assert_non_null(measured_left_out(&made, "OpenGL"));
-    measured_destroy(&made);
+    const planned seen = plan_sheet(&sheet, 11, SVO_NEED_ALL);
+    assert_true(seen.leaves_out_opengl);
+    assert_int_equal(seen.left_out_count, 1);
 }
 
 int main(void)
@@ -586,8 +578,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_and_their_packing),
         cmocka_unit_test(the_packing_copy_of_sorted_lists),
-        cmocka_unit_test(each_payload_alone),
-        cmocka_unit_test(each_payload_of_all),
+        cmocka_unit_test(each_payload),
         cmocka_unit_test(one_color_is_stored_once),
         cmocka_unit_test(one_normal_is_stored_once),
         cmocka_unit_test(one_material_is_stored_once),

@@ -28,7 +28,11 @@ static void every_request_takes_what_the_plan_lists(void **state)
     attributed_mesh_create(5, 300, 0.1, &made);
     for (size_t b = 0; b < BUILDERS; ++b) {
         for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
-            const svo_plan_options options = {.need = needs[i], .builder = builders[b], .edge = 1.0};
+            const svo_plan_options options = {.need = needs[i],
+                                              .weights =
+                                                  needs[i] != SVO_NEED_ALL ? SVO_WEIGHTS_UNIFORM : SVO_WEIGHTS_AREA,
+                                              .builder = builders[b],
+                                              .edge = 1.0};
             measured taken;
             measured_build(&made.mesh, 6, &options, &taken);
             assert_int_equal(taken.result.report.reruns, 0);
