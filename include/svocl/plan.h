@@ -114,7 +114,7 @@ typedef struct svo_plan_info {
 typedef enum svo_certainty {
     SVO_BYTES_EXACT = 0, /* these */
     SVO_BYTES_BOUND = 1, /* these at most */
-    SVO_BYTES_ESTIMATE = 2 /* by the count law, with an eighth to spare: rarely more, usually fewer */
+    SVO_BYTES_ESTIMATE = 2 /* by the count law, with an eighth and some to spare: rarely more, usually fewer */
 } svo_certainty;
 SVO_API const char *svo_certainty_name(svo_certainty certainty); /* "exact", "bound", "estimate"; static string */
 
@@ -160,8 +160,9 @@ SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
    attempts that were too small included. A plan does not know its front end: what that of OpenCL alone allocates for
-   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Memory of OpenGL
-   (the mesh; with share "copy" its side of the list) is apart.
+   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Apart are memory of
+   OpenGL (the mesh; with share "copy" its side of the list), and the buffers that kernels are tried on when they are compiled,
+   which are released before the build allocates.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
