@@ -20,8 +20,10 @@ static void put(sheet_mesh *sheet, size_t i, double x, double y)
 static void put_square(sheet_mesh *sheet, size_t square, double covered)
 {
     static const double corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
-    const double x = ((double)(square % SHEET_SQUARES) + 0.5) * SQUARE;
-    const double y = ((double)(square / SHEET_SQUARES) + 0.5) * SQUARE;
+    const size_t column = square % SHEET_SQUARES;
+    const size_t row = square / SHEET_SQUARES;
+    const double x = ((double)column + 0.5) * SQUARE;
+    const double y = ((double)row + 0.5) * SQUARE;
     for (size_t k = 0; k < 6; ++k) {
         const double reach = 0.5 * SQUARE * covered;
         put(sheet, square * 6 + k, x + corners[k][0] * reach, y + corners[k][1] * reach);
