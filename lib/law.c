@@ -16,9 +16,6 @@
 #define RAY_PAIRS_PER_TRIANGLE 6.0
 /* The deepest tree of a grid of 2^20 units. */
 #define RAY_DEPTH_MAX 12u
-/* Room beside an eighth of what is expected: this many times what is expected, but no more than so many. */
-#define FEW_SLACK 8.0
-#define SLACK_MAX 1023.0
 
 /* A triangle cut by six planes has at most nine corners. */
 #define CORNERS_MAX 9
@@ -136,10 +133,8 @@ unsigned svo_plan_ray_depth(const svo_plan *plan)
     return depth;
 }
 
-/* Few fragments may be several times as many as expected: a triangle smaller than a voxel meets one as a rule, and up to
-   eight. */
 uint64_t svo_i_with_slack(double expected)
 {
-    const double more = fmin(expected * FEW_SLACK, SLACK_MAX);
-    return (uint64_t)(expected * 1.125 + more) + 1u;
+    const double least = expected + 64.0; /* few triangles stray further from what is expected of them */
+    return expected > 0.0 ? (uint64_t)(expected * 1.125 + fmin(least, 1024.0)) : 0;
 }

@@ -131,7 +131,8 @@ double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* law.c: room for that many expected fragments: some slack for scenes that do not lie at random. */
 uint64_t svo_i_with_slack(double expected);
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
-/* Inner nodes the tree may have, given the number of fragments: the count law with slack, or what cannot be exceeded. */
+/* Nodes an inner level may have, and the whole tree on all inner levels, given the number of fragments: the count law with slack, or what cannot be exceeded. */
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain);
 uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain);
 
 /* layout.c: cuts the list. needed: NULL, or per chunk of *layout how many fragments it turned out to need, then *layout
@@ -141,7 +142,7 @@ svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const u
 void svo_i_layout_destroy(svo_i_layout *layout);
 
 /* predict.c: what a build will allocate. */
-void svo_i_plan_predict(svo_plan *plan);
+svo_status svo_i_plan_predict(svo_plan *plan);
 
 /* predict.c: the list of buffers: begin anew, one more, one less. */
 void svo_i_plan_buffers_reset(svo_plan *plan);

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan's list of buffers: kept while a build allocates, and predicted before it, with expected counts in place of real
- * ones, in the order in which the builder asks for them, for a list of one chunk.
+ * The plan's list of buffers: kept while a build allocates, and predicted before it by a build that only measures, with the
+ * plan's capacities in place of counts.
  */
 #include <string.h>
 
-#include "plan.h"
+#include "build.h"
 #include "rays.h"
-#include "tree.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
 {
@@ -123,35 +122,6 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-/* Nodes expected on the deepest inner level and on the one above. */
-static uint64_t expected_parents(const svo_plan *plan)
-{
-    return svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 1));
-}
-
-static uint64_t expected_grandparents(const svo_plan *plan)
-{
-    return plan->info.depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 2)) : 1;
-}
-
-/* What is uploaded of the mesh itself, for the lists and for the payload. */
-static void predict_geometry(svo_plan *plan, bool with_vertices)
-{
-    if (with_vertices) {
-        svo_i_plan_buffer_add(plan, "vertices", (uint64_t)plan->vertex_count * 12);
-    }
-    svo_i_plan_buffer_add(plan, "indices", (uint64_t)plan->triangle_count * 12);
-}
-
-/* Where lists begin; the scratch is released when they are sorted. */
-static void predict_ranges(svo_plan *plan, uint64_t leaves)
-{
-    svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
-    if (!plan->work.sorted) {
-        svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
-    }
-}
-
 /* What rays read: a node for every second level, from the leaves' grandparents up. */
 static uint64_t expected_ray_nodes(const svo_plan *plan)
 {
@@ -162,180 +132,22 @@ static uint64_t expected_ray_nodes(const svo_plan *plan)
     return nodes;
 }
 
-/* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
-static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
+svo_status svo_i_plan_predict(svo_plan *plan)
 {
-    const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
-    predict_geometry(plan, true);
-    svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
-    predict_ranges(plan, leaves);
-    svo_i_plan_buffer_add(plan, "list", fragments * 4);
-    if (!plan->work.sorted) { /* else lists come packed */
-        svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
-        svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
-        svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
+    const uint64_t asked = plan->options.chunk_bytes;
+    const uint64_t most = plan->device->max_allocation_bytes;
+    svo_i_layout layout;
+    svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &layout);
+    if (status != SVO_OK) {
+        return status;
     }
-}
-
-/* The attributes this mesh has and this request reads. */
-static void predict_surface(svo_plan *plan)
-{
-    const uint64_t vertices = plan->vertex_count;
-    if (!plan->work.lists) {
-        predict_geometry(plan, plan->work.places);
-    }
-    svo_i_plan_buffer_add(plan, "records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record));
-    if (plan->colors != NULL) {
-        svo_i_plan_buffer_add(plan, "vertex_colors", vertices * 4);
-    }
-    if (plan->normals != NULL) {
-        svo_i_plan_buffer_add(plan, "vertex_normals", vertices * 8);
-    }
-    if (plan->uvs != NULL) {
-        svo_i_plan_buffer_add(plan, "uvs", vertices * 8);
-    }
-    if (plan->materials != NULL) {
-        svo_i_plan_buffer_add(plan, "material_records", plan->material_count * sizeof(svo_material_record));
-    }
-    if (plan->texels != NULL) {
-        svo_i_plan_buffer_add(plan, "texels", plan->texel_count * 4);
-    }
-}
-
-/* The materials and, where they differ, the entries they are chosen from, which are released when they are. */
-static void predict_materials(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
-{
-    const bool own_ranges = !plan->work.lists;
-    const uint64_t levels[2] = {expected_grandparents(plan), expected_parents(plan)};
-    if (own_ranges) {
-        predict_ranges(plan, leaves);
-        svo_i_plan_buffer_remove(plan, plan->work.sorted ? 0 : leaves * 4);
-    }
-    svo_i_plan_buffer_add(plan, "materials", nodes * 2);
-    svo_i_plan_buffer_add(plan, "entry_counts", leaves * 4);
-    svo_i_plan_buffer_add(plan, "entry_begins", levels[0] * 4);
-    svo_i_plan_buffer_add(plan, "entry_counts", levels[1] * 4);
-    svo_i_plan_buffer_add(plan, "entry_begins", levels[1] * 4);
-    svo_i_plan_buffer_add(plan, "entries", fragments * 8);
-    svo_i_plan_buffer_add(plan, "entries", fragments * 8);
-    svo_i_plan_buffer_remove(plan, (leaves + levels[0] + 2 * levels[1]) * 4 + fragments * 16);
-    svo_i_plan_buffer_remove(plan, own_ranges ? (leaves + 1) * 4 : 0);
-}
-
-/* The sums of the nodes of one level. */
-static void predict_sums(svo_plan *plan, uint64_t nodes)
-{
-    svo_i_plan_buffer_add(plan, "weights", nodes * 8);
-    if ((plan->work.made & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "color_sums", nodes * 32);
-    }
-    if ((plan->work.made & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normal_sums", nodes * 24);
-    }
-}
-
-/* What the filter needs: list heads, the sums of two levels, and the payload itself. */
-static void predict_filter(svo_plan *plan, uint64_t nodes, uint64_t leaves)
-{
-    svo_i_plan_buffer_add(plan, "heads", leaves * 4);
-    predict_sums(plan, expected_grandparents(plan));
-    predict_sums(plan, expected_parents(plan));
-    if ((plan->work.made & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "colors", nodes * 4);
-    }
-    if ((plan->work.made & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normals", nodes * 6);
-    }
-    if ((plan->work.made & SVO_NEED_FILL) != 0) {
-        svo_i_plan_buffer_add(plan, "fills", nodes * 2);
-    }
-}
-
-static void predict_payload(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
-{
-    if (plan->work.surface) {
-        predict_surface(plan);
-    }
-    if ((plan->work.made & SVO_NEED_MATERIAL) != 0) {
-        predict_materials(plan, nodes, fragments, leaves);
-    }
-    if (plan->work.filter) {
-        predict_filter(plan, nodes, leaves);
-    }
-}
-
-/* Payload that is the same in every node. */
-static void predict_constants(svo_plan *plan)
-{
-    static const svo_need bits[] = {SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_MATERIAL};
-    static const svo_tree_buffer arrays[] = {SVO_TREE_COLORS, SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
-    for (unsigned i = 0; i < 3; ++i) {
-        if ((plan->work.constant & (uint32_t)bits[i]) != 0) {
-            svo_i_plan_buffer_add(plan, svo_tree_buffer_name(arrays[i]), svo_i_tree_element_bytes(arrays[i]));
-        }
-    }
-}
-
-/* Nodes from the root down: into pools first, and from there to buffers of their size, one after the other. */
-static void predict_nodes(svo_plan *plan, uint64_t fragments, uint64_t inner)
-{
-    svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "child_mask_pool", (inner + 3) / 4 * 4);
-    svo_i_plan_buffer_add(plan, "first_child_pool", inner * 4);
-    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "child_mask", inner);
-    svo_i_plan_buffer_remove(plan, (inner + 3) / 4 * 4);
-    svo_i_plan_buffer_add(plan, "first_child", inner * 4);
-    svo_i_plan_buffer_remove(plan, inner * 4);
-}
-
-/* The list in one buffer and a spare one, nodes of their size, and the scratch that is released when they are made. */
-static void predict_sorted_nodes(svo_plan *plan, uint64_t fragments, uint64_t inner, uint64_t leaves)
-{
-    const uint64_t list_bytes = fragments * svo_i_plan_fragment_bytes(plan);
-    const uint64_t code_bytes = plan->work.long_codes ? 8 : 4;
-    const uint64_t cells = (uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS;
-    const uint64_t codes = leaves + expected_parents(plan);
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "sorted", list_bytes);
-    svo_i_plan_buffer_remove(plan, list_bytes); /* of the front end's list */
-    svo_i_plan_buffer_add(plan, "sorted", list_bytes);
-    svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "sort_counts", cells * 4);
-    svo_i_plan_buffer_add(plan, "sort_counts", (cells + 1) * 4);
-    svo_i_plan_buffer_add(plan, "level_counts", SVO_LEVELS_MAX * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "child_mask", inner);
-    svo_i_plan_buffer_add(plan, "first_child", inner * 4);
-    svo_i_plan_buffer_add(plan, "begin_flags", fragments * 4);
-    svo_i_plan_buffer_add(plan, "begin_flags", (fragments + 1) * 4);
-    svo_i_plan_buffer_add(plan, "level_codes", leaves * code_bytes);
-    svo_i_plan_buffer_add(plan, "level_codes", expected_parents(plan) * code_bytes);
-    svo_i_plan_buffer_remove(plan, list_bytes + (2 * cells + 1 + SVO_LEVELS_MAX + 2 * fragments + 1) * 4 +
-                                       codes * code_bytes);
-}
-
-void svo_i_plan_predict(svo_plan *plan)
-{
-    const double expected = svo_i_plan_expected(plan, plan->info.depth);
-    const uint64_t fragments =
-        plan->options.fragment_capacity != 0 ? plan->options.fragment_capacity : svo_i_with_slack(expected);
-    const uint64_t inner = svo_i_plan_inner_nodes(plan, fragments, false);
-    const uint64_t leaves = fragments;
-    svo_i_plan_buffers_reset(plan);
-    svo_i_plan_buffer_add(plan, "fragments", fragments * svo_i_plan_fragment_bytes(plan));
-    if (plan->work.sorted) {
-        predict_sorted_nodes(plan, fragments, inner, leaves);
-    } else {
-        predict_nodes(plan, fragments, inner);
-    }
-    if (plan->work.lists) {
-        predict_lists(plan, fragments, leaves);
-    }
-    predict_payload(plan, inner + leaves, fragments, leaves);
-    predict_constants(plan);
-    if (plan->work.lists) {
+    status = svo_i_build_measure(plan, &layout, NULL, NULL);
+    svo_i_layout_destroy(&layout);
+    if (status == SVO_OK && plan->work.lists) {
+        const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
         svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
         svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
     }
+    plan->predicted_bytes = plan->peak_bytes;
+    return status;
 }

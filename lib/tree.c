@@ -13,6 +13,7 @@
 #include "message.h"
 #include "rays.h"
 #include "svocl/plan.h"
+#include "workspace.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "svocl hashes and stores arrays in memory order and needs a little-endian host"
@@ -28,15 +29,25 @@ void svo_tree_destroy(svo_tree **tree)
     if (tree == NULL || *tree == NULL) {
         return;
     }
+    svo_i_tree_leave_workspace(*tree);
+    svo_i_tree_forget(*tree);
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if ((*tree)->buffers[i] != NULL) {
             clReleaseMemObject((*tree)->buffers[i]);
         }
-        free((*tree)->host[i]);
     }
-    svo_i_rays_release(*tree);
     free(*tree);
     *tree = NULL;
+}
+
+void svo_i_tree_forget(svo_tree *tree)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        free(tree->host[i]);
+        tree->host[i] = NULL;
+    }
+    tree->downloaded = false;
+    svo_i_rays_release(tree);
 }
 
 void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
@@ -192,6 +203,10 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     }
     if (queue == NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_download: queue is NULL");
+    }
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_download: the tree's build is in flight; call svo_tree_finish first");
     }
     if (tree->downloaded) {
         return SVO_OK;

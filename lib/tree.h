@@ -6,7 +6,9 @@
 #include <stdbool.h>
 
 #include "message.h"
-#include "svocl/tree.h"
+#include "svocl/build.h"
+
+typedef struct svo_i_pending svo_i_pending; /* workspace.c */
 
 struct svo_tree {
     svo_tree_info info;
@@ -15,6 +17,9 @@ struct svo_tree {
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
     cl_mem ray_triangles, ray_nodes; /* rays.c; NULL without lists or not on a device */
     float ray_reach; /* the largest coordinate of a vertex */
+    svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
+    svo_tree *next; /* of the workspace's trees */
+    svo_i_pending *pending; /* the build that is filling it; NULL: none */
     bool downloaded; /* host[] is what the tree holds (an array of no element stays NULL) */
 };
 
@@ -22,6 +27,9 @@ SVO_I_SHARED_BEGIN
 
 /* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
 svo_tree *svo_i_tree_new(void);
+
+/* Lets go of what was made of the tree's buffers, which are about to change. */
+void svo_i_tree_forget(svo_tree *tree);
 
 /* Whether info says the tree holds the array, whether as one element for all nodes, and its element count and bytes (on
    the device and in files; on the host there is an element for every node). */

@@ -188,8 +188,9 @@ static const struct {
 
 static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_t count, uint32_t need)
 {
-    static const char *const always[] = {"fragments",       "cursors",          "state",      "partials",
-                                         "child_mask_pool", "first_child_pool", "child_mask", "first_child"};
+    static const char *const always[] = {
+        "mesh_vertices", "mesh_indices",    "mesh_items",       "mesh_tiles", "counters",    "fragments", "cursors",
+        "state",         "child_mask_pool", "first_child_pool", "child_mask", "first_child", "partials"};
     size_t expected_count = sizeof always / sizeof always[0];
     for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
         assert_true(has_buffer(buffers, count, always[i]));
@@ -293,7 +294,8 @@ static uint8_t *varied_colors(size_t vertex_count)
 
 static void what_is_not_asked_for_is_not_there(void **state)
 {
-    const fixture *opened = fixture_of_group(state);
+    const fixture by_cl = fixture_cl_of_group(state);
+    const fixture *opened = &by_cl;
     scene *made = fixture_scene("cornell");
     svo_mesh mesh = *scene_mesh(made);
     uint8_t *colors = varied_colors(mesh.vertex_count);
@@ -329,7 +331,8 @@ static void what_is_not_asked_for_is_not_there(void **state)
 /* The sorted builder's buffers come as predicted, too, whatever is asked for. */
 static void the_sorted_builder_keeps_to_its_plan(void **state)
 {
-    const fixture *opened = fixture_of_group(state);
+    const fixture by_cl = fixture_cl_of_group(state);
+    const fixture *opened = &by_cl;
     scene *made = fixture_scene("cornell");
     for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {
         const svo_plan_options options = {.need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits,

@@ -89,6 +89,9 @@ typedef struct svo_plan_options {
     /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the count law. The blocking build grows it
        when it was too small. */
     uint64_t fragment_capacity;
+    /* Not 0: room for as many inner nodes as the fragments could possibly make, in place of as many as the count law expects
+       with an eighth to spare. */
+    uint32_t certain_nodes;
     /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
     uint64_t chunk_bytes;
 } svo_plan_options;
@@ -107,6 +110,7 @@ typedef struct svo_plan_info {
     double scale; /* grid units per world unit */
     double snap_error; /* world: the largest |q / scale + origin - v| over accepted vertices' coordinates */
     double expected_fragments; /* count law, before any slack */
+    uint64_t fragments; /* their number, once svo_plan_count has found it; 0 before */
     double grid_ms; /* wall clock spent in validating, snapping and classifying */
 } svo_plan_info;
 
@@ -158,11 +162,11 @@ SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
    memory; less deep, each leaf holds more triangles to test. Which triangle a ray meets does not depend on the depth. */
 SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 
-/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
-   attempts that were too small included. A plan does not know its front end: what that of OpenCL alone allocates for
-   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Apart are memory of
-   OpenGL (the mesh; with share "copy" its side of the list), and the buffers that kernels are tried on when they are compiled,
-   which are released before the build allocates.
+/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, with the front end of
+   OpenCL alone; exact after one, attempts that were too small included. With a front end of OpenGL, mesh_vertices,
+   mesh_indices, mesh_items, mesh_tiles and counters are not among them: OpenGL's memory (the mesh; with share "copy" its
+   side of the list) is apart, and so are the buffers that kernels are tried on when they are compiled, which are released
+   before the build allocates. svo_workspace_create makes it what a workspace and a tree hold.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
