@@ -107,6 +107,17 @@ static svo_status build_twice(const fixture *opened, svo_plan *plan, svo_tree **
     return status;
 }
 
+/* The plan had room for it, unless it had to grow. */
+static void assert_plan_sufficed(const measured *made)
+{
+    if (made->result.report.reruns == 0 &&
+        (made->planned_peak_bytes < made->peak_bytes || made->planned_tree_bytes < made->tree_bytes)) {
+        fail_msg("planned were %llu bytes, %llu of them to stay; it took %llu, and %llu stay",
+                 (unsigned long long)made->planned_peak_bytes, (unsigned long long)made->planned_tree_bytes,
+                 (unsigned long long)made->peak_bytes, (unsigned long long)made->tree_bytes);
+    }
+}
+
 void measured_build(const svo_mesh *mesh, unsigned depth, const svo_plan_options *options, measured *out)
 {
     *out = (measured){.programs = 0};
@@ -114,6 +125,7 @@ void measured_build(const svo_mesh *mesh, unsigned depth, const svo_plan_options
     fixture_open_cl(&(fixture_options){0}, &out->opened);
     fixture_build_by(&out->opened, mesh, depth, options, build_twice, &out->result);
     current = NULL;
+    assert_plan_sufficed(out);
 }
 
 void measured_destroy(measured *made)
