@@ -522,9 +522,11 @@ static void the_plan_leaves_opengl_out_of_small_scenes(void **state)
     cJSON *large = run_json("$SVOCL build scene:cube -d 9 --plan-only --json");
     assert_false(leaves_out(large, "OpenGL"));
     cJSON_Delete(large);
-    cJSON *forced = run_json("$SVOCL build scene:cube -d 5 --frontend gl-expand --plan-only --json");
-    assert_false(leaves_out(forced, "OpenGL"));
-    cJSON_Delete(forced);
+    if (gl_works()) {
+        cJSON *forced = run_json("$SVOCL build scene:cube -d 5 --frontend gl-expand --plan-only --json");
+        assert_false(leaves_out(forced, "OpenGL"));
+        cJSON_Delete(forced);
+    }
 }
 
 static void info_says_what_is_stored_once(void **state)
