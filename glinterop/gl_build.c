@@ -207,16 +207,16 @@ svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_
     svo_frontend *frontend = NULL;
     svo_gl_context *context = svo_i_gl_context_of(gl);
     svo_status status = svo_i_gl_list_frontend(gl, &frontend);
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_make_current(context, &frontend->device->message);
-    }
     if (status != SVO_OK) {
         return status;
     }
-    svo_i_compute_bindings bindings;
-    svo_i_compute_bindings_save(svo_i_gl_context_functions(context), &bindings);
-    status = svo_build(plan, frontend, queue, out, report);
-    svo_i_compute_bindings_restore(svo_i_gl_context_functions(context), &bindings);
-    svo_i_gl_context_release_current(context);
+    status = svo_i_gl_context_make_current(context, &plan->device->message);
+    if (status == SVO_OK) {
+        status = svo_build(plan, frontend, queue, out, report);
+        svo_i_gl_context_release_current(context);
+    }
+    if (status != SVO_OK) {
+        svo_i_message_rename(&plan->device->message, SVO_I_GL_BUILD);
+    }
     return status;
 }

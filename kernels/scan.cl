@@ -97,6 +97,8 @@ static uint svo_scan_partials(__global uint *partials, uint base, __local uint *
     for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
         partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
     }
+    /* Nothing here needs it; without it the compiler of rusticl 25.0 crashes on the store of the total that follows. */
+    barrier(CLK_GLOBAL_MEM_FENCE);
     return total;
 }
 

@@ -26,7 +26,7 @@ static const struct buffer_kind {
     {"mesh_vertices", OF_MESH, false},
     {"mesh_indices", OF_MESH, false},
     {"mesh_items", OF_MESH, false},
-    {"mesh_tiles", OF_MESH, false},
+    {"mesh_tiles", OF_NODES, false}, /* about as many as the large triangles have columns */
     {"counters", OF_MESH, false},
     {"fragments", OF_FRAGMENTS, false},
     {"cursors", OF_FRAGMENTS, false},

@@ -302,13 +302,15 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
     return SVO_OK;
 }
 
-/* The workspace's allocations with the tree's buffers among them. */
-static void lend_buffers(svo_workspace *workspace, const svo_tree *tree)
+/* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
+static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
 {
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->stays) {
-            entry->memory = tree != NULL ? tree->buffers[buffer_named(entry->name)] : NULL;
+            cl_mem *buffer = &tree->buffers[buffer_named(entry->name)];
+            *(back ? buffer : &entry->memory) = back ? entry->memory : *buffer;
+            *(back ? &entry->memory : buffer) = NULL;
         }
     }
 }
@@ -379,7 +381,7 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
         clReleaseEvent(build->stage_first);
         build->stage_first = NULL;
     }
-    lend_buffers(workspace, NULL);
+    lend_buffers(workspace, build->tree, true);
     if (build->last != NULL) {
         if (workspace->last != NULL) {
             clReleaseEvent(workspace->last);
@@ -435,7 +437,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
                                    .kept = &workspace->kept,
                                    .tree = tree};
     svo_i_tree_forget(tree);
-    lend_buffers(workspace, tree);
+    lend_buffers(workspace, tree, false);
     svo_status status = wait_first(workspace, &pending->build, num_wait, wait);
     status = status == SVO_OK ? enqueue_stages(workspace, pending) : status;
     close_build(workspace, pending);

@@ -689,6 +689,10 @@ static void hash_says_what_ran(void **state)
     }
     assert_string_equal(text_of(document, "hash"), text_of(document, "nodes_hash"));
     cJSON_Delete(document);
+    if (!gl) {
+        run_badly("$SVOCL hash scene:cube -d 5 --builder gl-compute", 1, "OpenGL");
+        return;
+    }
     document = run_json("$SVOCL hash scene:cube -d 5 --builder gl-compute --nodes --json");
     assert_string_equal(text_of(document, "builder"), "gl-compute");
     assert_string_equal(text_of(document, "share"), "none");

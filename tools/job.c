@@ -149,6 +149,28 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
     return exit_code;
 }
 
+int job_load(program *state, unsigned further_steps, job *done)
+{
+    *done = (job){0};
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, 1 + further_steps);
+    exit_code = input_load_tree(state, &done->result.tree);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, &done->opened);
+    }
+    if (exit_code == PROGRAM_DONE &&
+        svo_tree_upload(done->result.tree, done->opened.device, done->opened.queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
 void job_release(job *done)
 {
     svo_tree_destroy(&done->result.tree);

@@ -30,6 +30,8 @@ typedef struct job {
  * nothing is left to release.
  */
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
+/* The same for an input that is a finished tree (input_is_tree), on the device then: loaded, not built. */
+int job_load(program *state, unsigned further_steps, job *done);
 void job_release(job *done);
 
 /* A plan for the mesh by the options, with the svo_need bits of need. Returns the exit code. */
