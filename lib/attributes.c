@@ -37,20 +37,20 @@ static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t
     return material < plan->material_count ? material : 0;
 }
 
-/* Which textures a kept triangle has, one byte each; owned by the caller. NULL: no memory. any: whether it is one at all,
-   and the vertices have coordinates. */
-static uint8_t *find_textures(const svo_plan *plan, const svo_mesh *mesh, bool *any)
+/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used where
+   the vertices have no coordinates. */
+static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = calloc(mesh->texture_count + 1, 1);
-    *any = false;
+    plan->textures_given = mesh->texture_count;
     if (used == NULL || mesh->uvs == NULL || mesh->texture_count == 0 || mesh->material_count == 0) {
         return used;
     }
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         const uint32_t texture = mesh->materials[material_of(plan, mesh, t)].texture_index;
-        if (texture < mesh->texture_count) {
+        if (texture < mesh->texture_count && used[texture] == 0) {
             used[texture] = 1;
-            *any = true;
+            ++plan->textures_used;
         }
     }
     return used;
@@ -276,8 +276,8 @@ static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
 /* What colours are made of. */
 static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
 {
-    bool textured = false;
-    uint8_t *used = find_textures(plan, mesh, &textured);
+    uint8_t *used = find_textures(plan, mesh);
+    const bool textured = plan->textures_used > 0;
     svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
     free(used);
     if (status == SVO_OK && textured) {

@@ -8,7 +8,7 @@
 
 #include "plan.h"
 
-/* Calls visit for every corner of a kept triangle, until it says false. */
+/* Calls visit for every corner of a kept triangle, until it says false; whether it never does. */
 static bool every_corner(const svo_plan *plan, bool (*visit)(const svo_plan *plan, uint32_t vertex, uint32_t first))
 {
     const size_t corners = (size_t)plan->triangle_count * 3;
@@ -43,10 +43,10 @@ static uint32_t modulate(uint32_t a, uint32_t b)
 
 void svo_i_plan_fold_colors(svo_plan *plan)
 {
-    if (plan->colors == NULL || plan->triangle_count == 0 || !every_corner(plan, same_color)) {
+    if (plan->colors == NULL || !every_corner(plan, same_color)) {
         return;
     }
-    for (uint32_t i = 0; i < plan->material_count; ++i) {
+    for (uint32_t i = 0; i < plan->material_count && plan->triangle_count > 0; ++i) {
         plan->materials[i].rgba = modulate(plan->materials[i].rgba, plan->colors[plan->indices[0]]);
     }
     free(plan->colors);
@@ -56,12 +56,14 @@ void svo_i_plan_fold_colors(svo_plan *plan)
 void svo_i_plan_fold_normals(svo_plan *plan)
 {
     static const int16_t none[4] = {0};
-    if (plan->normals == NULL || plan->triangle_count == 0 || !every_corner(plan, same_normal)) {
+    if (plan->normals == NULL || !every_corner(plan, same_normal)) {
         return;
     }
-    const int16_t *normal = plan->normals + (size_t)plan->indices[0] * 4;
-    plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* a vertex without one has the triangle's own */
-    memcpy(plan->work.constant_normal, normal, sizeof plan->work.constant_normal);
+    if (plan->triangle_count > 0) {
+        const int16_t *normal = plan->normals + (size_t)plan->indices[0] * 4;
+        plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* a vertex without one has the triangle's own */
+        memcpy(plan->work.constant_normal, normal, sizeof plan->work.constant_normal);
+    }
     free(plan->normals);
     plan->normals = NULL;
 }

@@ -37,7 +37,7 @@ static void decide_lists(svo_plan *plan)
                   "rays were not asked for: no lists, no snapped vertices, indices or triangle ids");
         leave_out(work, "packing",
                   work->ranges ? "no lists; only where each leaf's entries begin is found, for the materials"
-                               : "no lists");
+                               : "there are no lists to pack");
     } else if (work->sorted) {
         leave_out(work, "packing copy", "the sorted list is in the lists' order");
     }
@@ -71,29 +71,49 @@ static void leave_out_constants(svo_i_work *work)
     }
 }
 
-/* What payload is made of. */
-static void leave_out_inputs(svo_plan *plan)
+static void leave_out_clipping(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    const bool color = (work->made & SVO_NEED_COLOR) != 0;
-    const bool normal = (work->made & SVO_NEED_NORMAL) != 0;
-    if (!work->surface) {
-        leave_out(work, "mesh attributes", "no payload is made of them");
-        return;
-    }
     if (!work->places) {
         leave_out(work, "clipping", "uniform weights do not ask where in its voxel a triangle is");
     } else if (plan->options.weights == SVO_WEIGHTS_CENTRE) {
         leave_out(work, "clipping", "with weights by centre every pair weighs 1");
     }
-    if (color && !work->vertex_colors) {
-        leave_out(work, "vertex colors", "%s", "the mesh has none, or one, which is part of the materials");
+}
+
+static void leave_out_textures(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    const bool color = (work->made & SVO_NEED_COLOR) != 0;
+    const char *reason = color ? "no accepted triangle has one" : "no color per node is made of them";
+    if (!work->textures) {
+        leave_out(work, "textures", "%s", reason);
+        leave_out(work, "texture coordinates", "%s", color ? "no texture is looked up" : reason);
+    } else if (plan->textures_used < plan->textures_given) {
+        leave_out(work, "unused textures", "no accepted triangle has %zu of the %zu",
+                  plan->textures_given - plan->textures_used, plan->textures_given);
     }
-    if (color && !work->textures) {
-        leave_out(work, "textures", "no accepted triangle has one");
+}
+
+/* What payload is made of. */
+static void leave_out_inputs(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    if (!work->surface) {
+        leave_out(work, "mesh attributes", "no payload is made of them");
+        return;
     }
-    if (normal && !work->vertex_normals) {
-        leave_out(work, "vertex normals", "the mesh has none, so triangles have their own");
+    leave_out_clipping(plan);
+    if (!work->vertex_colors) {
+        leave_out(work, "vertex colors", "%s",
+                  (work->made & SVO_NEED_COLOR) != 0 ? "the mesh has none, or one, which is part of the materials"
+                                                     : "no color per node is made of them");
+    }
+    leave_out_textures(plan);
+    if (!work->vertex_normals) {
+        leave_out(work, "vertex normals", "%s",
+                  (work->made & SVO_NEED_NORMAL) != 0 ? "the mesh has none, so triangles have their own"
+                                                      : "no normal per node is made of them");
     }
 }
 
@@ -141,8 +161,8 @@ static void decide_tests(svo_plan *plan)
         leave_out(work, "64-bit overlap test", "no triangle's box of voxels is wider than 2^14 grid units");
     }
     if (!work->tests[SVO_I_TEST_WIDE]) {
-        leave_out(work, "128-bit products", "no triangle reaches outside the grid of 2^%u units%s",
-                  plan->info.snap_bits, plan->info.snap_bits > 20 ? " far enough" : "");
+        leave_out(work, "128-bit products", "no triangle reaches outside the grid%s",
+                  plan->info.snap_bits > 20 ? ", or is wider than 2^14 of its units" : "");
     }
 }
 
@@ -173,7 +193,7 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    if (!work->sorted || work->surface) {
+    if (!work->sorted || work->surface || work->lists) {
         svo_i_plan_keys(plan, add_kernels(work, "build"), SVO_I_KEYS_BYTES);
     }
     if (work->sorted) {

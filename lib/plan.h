@@ -90,6 +90,7 @@ struct svo_plan {
     bool one_normal; /* the same everywhere: work.constant_normal */
     uint32_t *texels;
     uint64_t texel_count;
+    size_t textures_given, textures_used; /* of the mesh; by kept triangles */
     uint32_t weight_log2; /* a voxel's face in units of weight, at least SVO_I_FILL_LOG2 + 1 */
 
     /* What a build allocates. */

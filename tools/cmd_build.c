@@ -24,12 +24,13 @@ static int save(program *state, const svo_tree *tree)
 /* Prints, or adds to *document, the plan of a source on a device. */
 static int show_plan(program *state, const input *source, svo_device *device, cJSON *document)
 {
+    const bool with_opengl = options_ask_for_gl(&state->options);
     svo_plan *plan = NULL;
     const int exit_code = job_plan(state, device, source->mesh, state->options.need, &plan);
     if (exit_code == PROGRAM_DONE && document != NULL) {
-        cJSON_AddItemToObject(document, "plan", plan_to_json(plan));
+        cJSON_AddItemToObject(document, "plan", plan_to_json(plan, with_opengl));
     } else if (exit_code == PROGRAM_DONE) {
-        plan_print(plan, source->name);
+        plan_print(plan, source->name, with_opengl);
     }
     svo_plan_destroy(&plan);
     return exit_code;
@@ -38,6 +39,7 @@ static int show_plan(program *state, const input *source, svo_device *device, cJ
 /* --plan-only: reads the input and plans. */
 static int plan_alone(program *state)
 {
+    const bool with_opengl = options_ask_for_gl(&state->options);
     input source = {0};
     session opened = {0};
     program_begin_progress(state, 2);
@@ -51,11 +53,11 @@ static int plan_alone(program *state)
         exit_code = job_plan(state, opened.device, source.mesh, state->options.need, &plan);
         progress_destroy(&state->progress);
         if (exit_code == PROGRAM_DONE && state->options.json) {
-            cJSON *document = plan_to_json(plan);
+            cJSON *document = plan_to_json(plan, with_opengl);
             json_add_text(document, "input", source.name);
             exit_code = json_print(state, document);
         } else if (exit_code == PROGRAM_DONE) {
-            plan_print(plan, source.name);
+            plan_print(plan, source.name, with_opengl);
         }
         svo_plan_destroy(&plan);
     }
@@ -94,15 +96,22 @@ static int finish(program *state, const job *done)
     return PROGRAM_DONE;
 }
 
+static int check_options(program *state)
+{
+    const options *given = &state->options;
+    if (given->plan_only && (given->output_path != NULL || given->repeat > 1)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--plan-only builds nothing: %s makes no sense with it",
+                            given->output_path != NULL ? "-o FILE" : "--repeat");
+    }
+    if (given->compress && given->output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
+    }
+    return given->output_path != NULL ? output_check(state, given->output_path) : PROGRAM_DONE;
+}
+
 int command_build(program *state)
 {
-    int exit_code = PROGRAM_DONE;
-    if (state->options.output_path != NULL) {
-        exit_code = output_check(state, state->options.output_path);
-    }
-    if (state->options.compress && state->options.output_path == NULL) {
-        exit_code = program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
-    }
+    int exit_code = check_options(state);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -2,30 +2,12 @@
 /* Prints a plan. */
 #include "plan_report.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "table.h"
 
-#define BITS_TEXT_BYTES 64
-
-/* "color, normal", or "none". */
-static const char *bits_text(uint32_t bits, char text[BITS_TEXT_BYTES])
-{
-    text[0] = '\0';
-    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
-        const size_t used = strlen(text);
-        if ((bits & bit) != 0) {
-            (void)snprintf(text + used, BITS_TEXT_BYTES - used, "%s%s", used > 0 ? ", " : "",
-                           svo_need_name((svo_need)bit));
-        }
-    }
-    return text[0] != '\0' ? text : "none";
-}
-
 static void print_request(const svo_plan *plan, const char *input)
 {
-    char text[BITS_TEXT_BYTES];
     svo_plan_info info;
     svo_plan_get_info(plan, &info);
     table_heading("plan for %s", input);
@@ -37,13 +19,19 @@ static void print_request(const svo_plan *plan, const char *input)
     table_cell(rows, "%s, of which %s refused", figure_count(info.triangles).text,
                figure_count(info.refused_triangles).text);
     table_cell(rows, "fragments");
-    table_cell(rows, "about %s by the count law", figure_count((uint64_t)info.expected_fragments).text);
+    table_cell(rows, "about %s by the count law", figure_count((uint64_t)(info.expected_fragments + 0.5)).text);
     table_cell(rows, "read later");
-    table_cell(rows, "nodes; %s", bits_text(info.need, text));
+    table_cell(rows, "nodes; %s", figure_needs(info.need).text);
     table_print(rows);
 }
 
-static void print_kernels(const svo_plan *plan)
+/* The plan is of OpenCL alone: with OpenGL asked for, what is said of the front end does not apply. */
+static bool applies(const char *name, bool with_opengl)
+{
+    return !with_opengl || (strcmp(name, "voxelize") != 0 && strcmp(name, "OpenGL") != 0);
+}
+
+static void print_kernels(const svo_plan *plan, bool with_opengl)
 {
     table_gap();
     table_heading("kernels");
@@ -51,8 +39,10 @@ static void print_kernels(const svo_plan *plan)
     for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
         svo_kernels_info kernels;
         svo_plan_get_kernels(plan, i, &kernels);
-        table_cell(rows, "%s", kernels.name);
-        table_cell(rows, "%s", kernels.keys[0] != '\0' ? kernels.keys + 1 : "");
+        if (applies(kernels.name, with_opengl)) {
+            table_cell(rows, "%s", kernels.name);
+            table_cell(rows, "%s", kernels.keys[0] != '\0' ? kernels.keys + 1 : "no keys");
+        }
     }
     table_print(rows);
 }
@@ -81,7 +71,7 @@ static void print_buffers(const svo_plan *plan)
     table_print(rows);
 }
 
-static void print_left_out(const svo_plan *plan)
+static void print_left_out(const svo_plan *plan, bool with_opengl)
 {
     table_gap();
     table_heading("left out");
@@ -89,37 +79,32 @@ static void print_left_out(const svo_plan *plan)
     for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
         svo_left_out entry;
         svo_plan_get_left_out(plan, i, &entry);
-        table_cell(rows, "%s", entry.what);
-        table_cell(rows, "%s", entry.reason);
+        if (applies(entry.what, with_opengl)) {
+            table_cell(rows, "%s", entry.what);
+            table_cell(rows, "%s", entry.reason);
+        }
     }
     table_print(rows);
 }
 
-void plan_print(const svo_plan *plan, const char *input)
+void plan_print(const svo_plan *plan, const char *input, bool with_opengl)
 {
     print_request(plan, input);
-    print_kernels(plan);
+    print_kernels(plan, with_opengl);
     print_buffers(plan);
-    print_left_out(plan);
+    print_left_out(plan, with_opengl);
 }
 
-static void add_bits(cJSON *document, const char *name, uint32_t bits)
-{
-    cJSON *array = cJSON_AddArrayToObject(document, name);
-    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
-        if ((bits & bit) != 0) {
-            cJSON_AddItemToArray(array, cJSON_CreateString(svo_need_name((svo_need)bit)));
-        }
-    }
-}
-
-static void add_kernels(cJSON *document, const svo_plan *plan)
+static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "kernels");
     for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
         svo_kernels_info kernels;
-        cJSON *entry = cJSON_CreateObject();
         svo_plan_get_kernels(plan, i, &kernels);
+        if (!applies(kernels.name, with_opengl)) {
+            continue;
+        }
+        cJSON *entry = cJSON_CreateObject();
         json_add_text(entry, "name", kernels.name);
         json_add_text(entry, "keys", kernels.keys[0] != '\0' ? kernels.keys + 1 : "");
         cJSON_AddItemToArray(array, entry);
@@ -141,20 +126,23 @@ static void add_buffers(cJSON *document, const svo_plan *plan)
     }
 }
 
-static void add_left_out(cJSON *document, const svo_plan *plan)
+static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "left_out");
     for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
         svo_left_out left_out;
-        cJSON *entry = cJSON_CreateObject();
         svo_plan_get_left_out(plan, i, &left_out);
+        if (!applies(left_out.what, with_opengl)) {
+            continue;
+        }
+        cJSON *entry = cJSON_CreateObject();
         json_add_text(entry, "what", left_out.what);
         json_add_text(entry, "reason", left_out.reason);
         cJSON_AddItemToArray(array, entry);
     }
 }
 
-cJSON *plan_to_json(const svo_plan *plan)
+cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
 {
     svo_plan_info info;
     cJSON *document = cJSON_CreateObject();
@@ -164,12 +152,12 @@ cJSON *plan_to_json(const svo_plan *plan)
     json_add_count(document, "triangles", info.triangles);
     json_add_count(document, "refused_triangles", info.refused_triangles);
     cJSON_AddNumberToObject(document, "expected_fragments", info.expected_fragments);
-    add_bits(document, "need", info.need);
-    add_bits(document, "constant", info.constant);
-    add_kernels(document, plan);
+    json_add_needs(document, "need", info.need);
+    json_add_needs(document, "constant", info.constant);
+    add_kernels(document, plan, with_opengl);
     add_buffers(document, plan);
     json_add_count(document, "peak_bytes", svo_plan_peak_bytes(plan));
     json_add_count(document, "tree_bytes", svo_plan_tree_bytes(plan));
-    add_left_out(document, plan);
+    add_left_out(document, plan, with_opengl);
     return document;
 }

@@ -118,7 +118,7 @@ typedef struct svo_plan_info {
 typedef enum svo_certainty {
     SVO_BYTES_EXACT = 0, /* these */
     SVO_BYTES_BOUND = 1, /* these at most */
-    SVO_BYTES_ESTIMATE = 2 /* by the count law, with an eighth to spare: rarely more, usually fewer */
+    SVO_BYTES_ESTIMATE = 2 /* by the count law, with an eighth and some to spare: rarely more, usually fewer */
 } svo_certainty;
 SVO_API const char *svo_certainty_name(svo_certainty certainty); /* "exact", "bound", "estimate"; static string */
 
@@ -165,7 +165,8 @@ SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, with the front end of
    OpenCL alone; exact after one, attempts that were too small included. With a front end of OpenGL, mesh_vertices,
    mesh_indices, mesh_items, mesh_tiles and counters are not among them: OpenGL's memory (the mesh; with share "copy" its
-   side of the list) is apart. svo_workspace_create makes it what a workspace and a tree hold.
+   side of the list) is apart, and so are the buffers that kernels are tried on when they are compiled, which are released
+   before the build allocates. svo_workspace_create makes it what a workspace and a tree hold.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
