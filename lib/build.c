@@ -22,13 +22,6 @@ const char *svo_stage_name(svo_stage stage)
 static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes)
 {
     cl_mem *buffer = &build->tree->buffers[which];
-    size_t held = 0;
-    if (build->mode == SVO_I_BUILD_RUNS) {
-        clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
-    }
-    if (held == bytes || bytes == 0) {
-        return SVO_OK;
-    }
     cl_mem exact = NULL;
     svo_status status = svo_i_build_alloc(build, svo_tree_buffer_name(which), bytes, &exact);
     if (status == SVO_OK) {
@@ -126,7 +119,8 @@ static svo_status prepare_rays(svo_i_build *build)
         svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program, plan->vertices, build->queue,
                            build->last != NULL ? &build->last : NULL, &device_ms);
     if (status == SVO_OK) {
-        svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
+        svo_i_plan_buffer_add(build->plan, "ray_triangles",
+                              info->list_count > 0 ? info->list_count * SVO_I_RAY_TRIANGLE_BYTES : 1);
         svo_i_plan_buffer_add(build->plan, "ray_nodes",
                               svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
     }
@@ -376,6 +370,9 @@ svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, con
     }
     svo_i_plan_buffers_reset(plan);
     status = measure_stages(&build, frontend, layout);
+    if (status == SVO_OK && plan->work.lists && allocations == NULL) {
+        svo_i_plan_predict_rays(plan); /* made while there is scratch still */
+    }
     release_scratch(&build, NULL);
     mark_staying(&build);
     svo_i_allocations_free(&unread);

@@ -66,6 +66,8 @@ static const struct buffer_kind {
     {"normals", OF_NODES, true},
     {"materials", OF_NODES, true},
     {"fills", OF_NODES, true},
+    {"ray_triangles", OF_FRAGMENTS, true},
+    {"ray_nodes", OF_NODES, true},
 };
 
 static const struct buffer_kind *kind_of(const char *name)
@@ -78,11 +80,10 @@ static const struct buffer_kind *kind_of(const char *name)
     return NULL;
 }
 
-/* Vertices and indices stay where lists do; payload that is the same everywhere is one value. */
+/* Geometry, and where lists begin, stay where the lists do. */
 static bool stays(const svo_plan *plan, const struct buffer_kind *kind)
 {
-    const bool geometry = kind->follows == OF_MESH;
-    return kind->stays && (!geometry || plan->work.lists);
+    return kind->stays && (kind->follows == OF_NODES || plan->work.lists);
 }
 
 static svo_certainty certainty_of(const svo_plan *plan, const struct buffer_kind *kind, uint64_t bytes)
@@ -132,6 +133,13 @@ static uint64_t expected_ray_nodes(const svo_plan *plan)
     return nodes;
 }
 
+void svo_i_plan_predict_rays(svo_plan *plan)
+{
+    const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
+    svo_i_plan_buffer_add(plan, "ray_triangles", fragments > 0 ? fragments * SVO_I_RAY_TRIANGLE_BYTES : 1);
+    svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
+}
+
 svo_status svo_i_plan_predict(svo_plan *plan)
 {
     const uint64_t asked = plan->options.chunk_bytes;
@@ -143,11 +151,6 @@ svo_status svo_i_plan_predict(svo_plan *plan)
     }
     status = svo_i_build_measure(plan, NULL, &layout, NULL, NULL);
     svo_i_layout_destroy(&layout);
-    if (status == SVO_OK && plan->work.lists) {
-        const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
-        svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
-        svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
-    }
     plan->predicted_bytes = plan->peak_bytes;
     return status;
 }
