@@ -158,7 +158,7 @@ svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, s
 }
 
 svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuint buffer, const char *name,
-                               uint64_t bytes, cl_mem *out)
+                               uint64_t offset, uint64_t bytes, cl_mem *out)
 {
     const svo_i_gl_functions *gl = compute->gl;
     if (bytes == 0) {
@@ -166,7 +166,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
     }
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(WORK_TARGET, buffer);
-    const void *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
+    const void *mapped = gl->MapBufferRange(WORK_TARGET, (GLintptr)offset, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
     svo_status status = check(compute, "glMapBufferRange");
     if (status == SVO_OK && mapped == NULL) {
         status = svo_i_device_fail(compute->device, SVO_GL_ERROR, SVO_I_GL_BUILD ": glMapBufferRange returned NULL");

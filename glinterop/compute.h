@@ -99,7 +99,7 @@ void svo_i_compute_free(const svo_i_compute *compute, GLuint *buffer);
 svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, size_t bytes);
 /* Waits, and copies bytes from the start of the buffer into a new buffer of OpenCL, which the plan lists. */
 svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuint buffer, const char *name,
-                               uint64_t bytes, cl_mem *out);
+                               uint64_t offset, uint64_t bytes, cl_mem *out);
 
 /* One dispatch, ordered after all before it. */
 typedef struct svo_i_launch {

@@ -140,6 +140,13 @@ static svo_status make_payload(svo_i_gl_build *gl_build)
     return status;
 }
 
+/* Shaders make it for all levels, also for those above the plan's payload_level. */
+static bool is_payload(svo_tree_buffer buffer)
+{
+    return buffer == SVO_TREE_COLORS || buffer == SVO_TREE_NORMALS || buffer == SVO_TREE_MATERIALS ||
+           buffer == SVO_TREE_FILLS;
+}
+
 /* The tree's arrays, cut to what they hold. */
 static svo_status copy_arrays(svo_i_gl_build *gl_build)
 {
@@ -148,8 +155,11 @@ static svo_status copy_arrays(svo_i_gl_build *gl_build)
     const double start_ms = svo_i_now_ms();
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
         if (gl_build->arrays[i] != 0) {
-            const uint64_t bytes = svo_i_tree_element_count(&build->tree->info, i) * svo_i_tree_element_bytes(i);
-            status = svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[i], svo_tree_buffer_name(i), bytes,
+            const svo_tree_info *info = &build->tree->info;
+            const uint64_t element_bytes = svo_i_tree_element_bytes(i);
+            const uint64_t skipped = is_payload(i) ? info->level_begin[info->payload_level] : 0;
+            status = svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[i], svo_tree_buffer_name(i),
+                                         skipped * element_bytes, svo_i_tree_element_count(info, i) * element_bytes,
                                          &build->tree->buffers[i]);
             svo_i_compute_free(gl_build->compute, &gl_build->arrays[i]);
         }

@@ -76,9 +76,13 @@ static svo_sums svo_join_sums(svo_sums a, svo_sums b)
     return a;
 }
 
+/* weights: NULL where no level above reads the sums. */
 static void svo_store_sums(svo_sums sums, uint node, __global ulong *weights, __global ulong *colors,
                            __global long *normals)
 {
+    if (weights == 0) {
+        return;
+    }
     weights[node] = sums.weight;
 #ifdef SVO_COLOR
     vstore4(sums.color, node, colors);
@@ -132,11 +136,13 @@ typedef struct svo_payload {
     __global uint *colors;
     __global short *normals;
     __global ushort *fills;
+    uint begin; /* the node whose payload is the first in the arrays */
 } svo_payload;
 
-static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
+static void svo_store_payload(svo_sums sums, uint tree_node, svo_payload payload, uint fill_shift)
 {
     SVO_UNUSED(fill_shift);
+    const uint node = tree_node - payload.begin;
 #ifdef SVO_COLOR
     const uint4 mean = svo_mean_color(sums.color, sums.weight);
     payload.colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
@@ -154,7 +160,7 @@ static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uin
 /* No level above writes the root's payload: whoever sums up the root does. */
 static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
 {
-    if (node == 0u && sums.weight != 0) {
+    if (node == 0u && payload.begin == 0u && sums.weight != 0) {
         svo_store_payload(sums, 0u, payload, fill_shift + 2u);
     }
 }
@@ -224,7 +230,7 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
         return;
     }
     const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
-    const svo_payload payload = {colors, normals, fills};
+    const svo_payload payload = {colors, normals, fills, params.payload_begin};
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);
@@ -251,7 +257,7 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     if (index >= params.level_count) {
         return;
     }
-    const svo_payload payload = {colors, normals, fills};
+    const svo_payload payload = {colors, normals, fills, params.payload_begin};
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);

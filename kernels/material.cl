@@ -125,7 +125,7 @@ svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __
         ++count;
     }
     counts[leaf] = count;
-    materials[params.leaf_begin + leaf] = svo_heaviest(entries, begin, begin + count);
+    materials[params.leaf_begin + leaf - params.payload_begin] = svo_heaviest(entries, begin, begin + count);
 }
 
 /* child_begins and child_counts are indexed from the first node of their level. */
@@ -167,7 +167,7 @@ svo_k_material_merge(__global const uchar *masks, __global const uint *first_chi
     }
     begins[index] = begin;
     counts[index] = end - begin;
-    materials[node] = svo_heaviest(entries, begin, end);
+    materials[node - params.payload_begin] = svo_heaviest(entries, begin, end);
 }
 
 #endif

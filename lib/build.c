@@ -142,6 +142,7 @@ void svo_i_build_fill_info(svo_i_build *build)
     to->need = from->need;
     to->constant = from->constant;
     to->weights = build->plan->options.weights;
+    to->payload_level = build->plan->options.payload_level;
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
     to->scale = from->scale;

@@ -132,6 +132,9 @@ static void decide_payload(svo_plan *plan)
     leave_out_payload(plan, SVO_NEED_MATERIAL, "material");
     leave_out_payload(plan, SVO_NEED_FILL, "fill");
     leave_out_constants(work);
+    if (work->made != 0 && plan->options.payload_level > 0) {
+        leave_out(work, "filtered levels", "payload of levels above level %u is not read", plan->options.payload_level);
+    }
     leave_out_inputs(plan);
 }
 

@@ -33,7 +33,8 @@ svo_filter_params svo_i_payload_params(const svo_i_build *build)
                                .leaf_begin = (cl_uint)info->inner_count,
                                .leaf_count = (cl_uint)info->leaf_count,
                                .voxel_log2 = build->plan->voxel_log2,
-                               .weight_log2 = build->plan->weight_log2};
+                               .weight_log2 = build->plan->weight_log2,
+                               .payload_level = info->payload_level};
 }
 
 void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level)
@@ -45,8 +46,12 @@ void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info,
     params->fill_shift = params->weight_log2 + 2 * (info->depth - level - 1) - SVO_I_FILL_LOG2;
 }
 
-static svo_status allocate_sums(filterer *f, level_sums *sums, uint64_t nodes)
+/* Sums of a level's nodes, if a level above will read them. */
+static svo_status allocate_sums(filterer *f, level_sums *sums, uint32_t level, uint64_t nodes)
 {
+    if (level < f->params.payload_level) {
+        return SVO_OK;
+    }
     svo_status status = svo_i_build_alloc(f->build, "weights", nodes * 8, &sums->weights);
     if (status == SVO_OK && f->color) {
         status = svo_i_build_alloc(f->build, "color_sums", nodes * 32, &sums->colors);
@@ -62,23 +67,26 @@ static svo_status allocate(filterer *f)
     svo_i_build *build = f->build;
     const svo_tree_info *info = &build->tree->info;
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
+    const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
     svo_status status = svo_i_build_alloc(build, "heads", info->leaf_count * 4, &f->heads);
     if (status == SVO_OK) {
         const uint64_t above =
             info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
-        status = allocate_sums(f, &f->sums[0], f->one_chunk ? above : info->leaf_count);
+        status = f->one_chunk && info->depth > 1 ? allocate_sums(f, &f->sums[0], info->depth - 2, above)
+                 : f->one_chunk                  ? SVO_OK
+                                                 : allocate_sums(f, &f->sums[0], info->depth, info->leaf_count);
     }
     if (status == SVO_OK) {
-        status = allocate_sums(f, &f->sums[1], parents);
+        status = allocate_sums(f, &f->sums[1], info->depth - 1, parents);
     }
     if (status == SVO_OK && f->color) {
-        status = svo_i_build_alloc(build, "colors", info->node_count * 4, &build->tree->buffers[SVO_TREE_COLORS]);
+        status = svo_i_build_alloc(build, "colors", nodes * 4, &build->tree->buffers[SVO_TREE_COLORS]);
     }
     if (status == SVO_OK && f->normal) {
-        status = svo_i_build_alloc(build, "normals", info->node_count * 6, &build->tree->buffers[SVO_TREE_NORMALS]);
+        status = svo_i_build_alloc(build, "normals", nodes * 6, &build->tree->buffers[SVO_TREE_NORMALS]);
     }
     if (status == SVO_OK && f->fill) {
-        status = svo_i_build_alloc(build, "fills", info->node_count * 2, &build->tree->buffers[SVO_TREE_FILLS]);
+        status = svo_i_build_alloc(build, "fills", nodes * 2, &build->tree->buffers[SVO_TREE_FILLS]);
     }
     return status;
 }
@@ -199,9 +207,11 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
 static svo_status filter_levels(filterer *f)
 {
     const uint32_t depth = f->build->tree->info.depth;
+    const uint32_t first = f->params.payload_level;
+    const uint32_t last_level = first > 0 ? first - 1 : 0; /* its nodes write the payload of their children */
     svo_i_build_stage_begin(f->build);
     svo_status status = SVO_OK;
-    for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > 0 && status == SVO_OK;) {
+    for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > last_level && status == SVO_OK;) {
         const unsigned odd = (depth - level) % 2;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         status = filter_level(f, &f->sums[1 - odd], &f->sums[odd]);
@@ -214,6 +224,9 @@ static svo_status clear_payload(filterer *f)
 {
     svo_i_build *build = f->build;
     svo_status status = SVO_OK;
+    if (f->params.payload_level > 0) { /* the root has none */
+        return status;
+    }
     if (f->color) {
         status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_COLORS], 4);
     }

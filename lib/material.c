@@ -121,7 +121,8 @@ static svo_status run(sorter *s)
     if (status == SVO_OK) {
         status = sort_leaves(s);
     }
-    for (uint32_t level = s->build->tree->info.depth; level-- > 0 && status == SVO_OK;) {
+    const uint32_t last_level = s->params.payload_level;
+    for (uint32_t level = s->build->tree->info.depth; level-- > last_level && status == SVO_OK;) {
         status = merge_level(s, level);
     }
     return status;
@@ -130,14 +131,15 @@ static svo_status run(sorter *s)
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface)
 {
     const svo_tree_info *info = &build->tree->info;
+    const bool may_be_empty = info->leaf_count == 0 || build->mode == SVO_I_BUILD_ENQUEUES; /* a root alone */
     svo_status status =
-        svo_i_build_alloc(build, "materials", info->node_count * 2, &build->tree->buffers[SVO_TREE_MATERIALS]);
+        svo_i_build_alloc(build, "materials", (info->node_count - info->level_begin[info->payload_level]) * 2,
+                          &build->tree->buffers[SVO_TREE_MATERIALS]);
     if (status != SVO_OK) {
         return status;
     }
     svo_i_build_stage_begin(build);
-    if (info->leaf_count == 0 ||
-        build->mode == SVO_I_BUILD_ENQUEUES) { /* a root alone, or what may turn out to be one */
+    if (may_be_empty && info->payload_level == 0) {
         status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_MATERIALS], sizeof(cl_ushort));
     }
     if (status != SVO_OK || info->leaf_count == 0) {

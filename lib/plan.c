@@ -193,6 +193,11 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
     if (status == SVO_OK) {
         status = check_mesh(device, mesh);
     }
+    if (status == SVO_OK && options != NULL && options->payload_level > depth) {
+        status = svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                   "svo_plan_create: options.payload_level %u is above depth %u",
+                                   options->payload_level, depth);
+    }
     if (status != SVO_OK) {
         return status;
     }

@@ -308,6 +308,19 @@ static const char *color_keys(const svo_tree *tree)
                                                                   : " -DSVO_COLOR";
 }
 
+/* Pictures show nodes of all levels. */
+static svo_status check_payload(svo_device *device, const svo_tree *tree)
+{
+    const uint32_t shown = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
+    if (tree->info.payload_level == 0 || (tree->info.need & shown & ~tree->info.constant) == 0) {
+        return SVO_OK;
+    }
+    return svo_i_device_fail(
+        device, SVO_INVALID_ARGUMENT,
+        "svo_tree_render: the tree has payload from level %u on only, and pictures need all levels",
+        tree->info.payload_level);
+}
+
 /* The kernel of a view without light, all its arguments set. */
 static svo_status prepare_view(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                                const picture *drawn, cl_kernel *out)
@@ -411,6 +424,7 @@ svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_r
                                  queue == NULL ? "queue" : "rgba");
     }
     svo_status status = check_options(device, tree, options);
+    status = status == SVO_OK ? check_payload(device, tree) : status;
     if (status != SVO_OK) {
         return status;
     }

@@ -96,6 +96,11 @@ bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer)
     }
 }
 
+uint64_t svo_i_tree_payload_count(const svo_tree_info *info)
+{
+    return info->node_count - info->level_begin[info->payload_level];
+}
+
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer)
 {
     switch (buffer) {
@@ -106,7 +111,7 @@ uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buf
     case SVO_TREE_NORMALS:
     case SVO_TREE_MATERIALS:
     case SVO_TREE_FILLS:
-        return svo_i_tree_is_constant(info, buffer) ? 1 : info->node_count;
+        return svo_i_tree_is_constant(info, buffer) ? 1 : svo_i_tree_payload_count(info);
     case SVO_TREE_LIST_BEGIN:
         return info->leaf_count + 1;
     case SVO_TREE_LIST:
@@ -173,7 +178,7 @@ static size_t host_bytes(const svo_tree *tree, svo_tree_buffer buffer)
     const size_t bytes = array_bytes(tree, buffer);
     size_t repeated = 0;
     return svo_i_tree_is_constant(&tree->info, buffer) &&
-                   svo_i_mul_size(bytes, (size_t)tree->info.node_count, &repeated)
+                   svo_i_mul_size(bytes, (size_t)svo_i_tree_payload_count(&tree->info), &repeated)
                ? repeated
                : bytes;
 }
@@ -182,7 +187,7 @@ bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **arra
 {
     const size_t bytes = host_bytes(tree, buffer);
     const size_t element_bytes = svo_i_tree_element_bytes(buffer);
-    if (!svo_i_tree_is_constant(&tree->info, buffer) || bytes == element_bytes) {
+    if (!svo_i_tree_is_constant(&tree->info, buffer) || bytes <= element_bytes) {
         return true;
     }
     unsigned char *repeated = realloc(*array, bytes);

@@ -34,6 +34,7 @@ void svo_i_tree_forget(svo_tree *tree);
 /* Whether info says the tree holds the array, whether as one element for all nodes, and its element count and bytes (on
    the device and in files; on the host there is an element for every node). */
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer);
+uint64_t svo_i_tree_payload_count(const svo_tree_info *info); /* nodes that have payload */
 bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);

@@ -17,6 +17,7 @@
 
 #include "measured.h"
 #include "payload_reference.h"
+#include "scenes.h"
 #include "sheet_mesh.h"
 #include "svocl/io.h"
 
@@ -573,6 +574,86 @@ static void nothing_that_is_needed(void **state)
     assert_int_equal(seen.left_out_count, 1);
 }
 
+/* Payload from a level on is what it is there in a tree that has all of it. */
+static void assert_has_rest_of_payload(const built *less, const built *full)
+{
+    const struct {
+        const void *of_less, *of_full;
+        size_t bytes;
+    } arrays[] = {{less->arrays.colors, full->arrays.colors, 4},
+                  {less->arrays.normals, full->arrays.normals, 6},
+                  {less->arrays.materials, full->arrays.materials, 2},
+                  {less->arrays.fills, full->arrays.fills, 2}};
+    const size_t skipped = full->info.level_begin[less->info.payload_level];
+    const size_t count = (size_t)full->info.node_count - skipped;
+    assert_string_equal(less->nodes_hash, full->nodes_hash);
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
+        assert_memory_equal(arrays[i].of_less, (const char *)arrays[i].of_full + skipped * arrays[i].bytes,
+                            count * arrays[i].bytes);
+    }
+}
+
+/* By both builders, and of a list in chunks. */
+static void levels_of_payload_that_nobody_reads(void **state)
+{
+    (void)state;
+    static const uint32_t levels[] = {1, 4, DEPTH - 1, DEPTH};
+    struct scene *made = fixture_scene("knot:3000");
+    for (int way = 0; way < 3; ++way) {
+        svo_plan_options options = asking_for(SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS);
+        options.edge = 0.0;
+        options.builder = way == 1 ? SVO_BUILDER_SORTED : SVO_BUILDER_CL;
+        options.chunk_bytes = way == 2 ? 65536 : 0;
+        measured full;
+        options.payload_level = 0;
+        measured_build(scene_mesh(made), DEPTH, &options, &full);
+        for (size_t i = 0; i < sizeof levels / sizeof levels[0]; ++i) {
+            measured less;
+            options.payload_level = levels[i];
+            measured_build(scene_mesh(made), DEPTH, &options, &less);
+            assert_int_equal(less.result.info.payload_level, levels[i]);
+            assert_has_rest_of_payload(&less.result, &full.result);
+            assert_takes_less(&less, &full, levels[i] > 1 ? FEWER_TREE_BYTES : 0);
+            assert_only_less_leaves_out(&less, &full, "filtered levels");
+            measured_destroy(&less);
+        }
+        measured_destroy(&full);
+    }
+    scene_destroy(&made);
+}
+
+/* They go through files, and are no pictures. */
+static void levels_without_payload_in_files(void **state)
+{
+    (void)state;
+    static const char path[] = "levels_without_payload.svo";
+    svo_plan_options options = asking_for(SVO_NEED_COLOR);
+    struct scene *made = fixture_scene("knot:300");
+    svo_message message = {""};
+    svo_tree *loaded = NULL;
+    measured less;
+    options.edge = 0.0;
+    options.payload_level = 5;
+    measured_build(scene_mesh(made), DEPTH, &options, &less);
+    assert_int_equal(svo_tree_save(less.result.tree, path, NULL, &message), SVO_OK);
+    assert_int_equal(svo_tree_load(path, &loaded, &message), SVO_OK);
+    (void)remove(path);
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_tree_info info;
+    svo_tree_get_info(loaded, &info);
+    assert_int_equal(info.payload_level, 5);
+    assert_int_equal(svo_tree_hash(loaded, SVO_HASH_ALL, hash), SVO_OK);
+    assert_string_equal(hash, less.result.hash);
+    uint8_t pixels[4];
+    const svo_render_options picture = {
+        .struct_size = sizeof picture, .width = 1, .height = 1, .camera = {.eye = {9, 9, 9}, .up = {0, 0, 1}}};
+    assert_int_equal(svo_tree_render(less.opened.device, less.result.tree, &picture, less.opened.queue, pixels),
+                     SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&loaded);
+    measured_destroy(&less);
+    scene_destroy(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -592,6 +673,8 @@ int main(void)
         cmocka_unit_test(the_wider_overlap_tests),
         cmocka_unit_test(long_morton_codes),
         cmocka_unit_test(products_of_128_bits_above_depth_12),
+        cmocka_unit_test(levels_of_payload_that_nobody_reads),
+        cmocka_unit_test(levels_without_payload_in_files),
         cmocka_unit_test(nothing_that_is_needed),
     };
     return cmocka_run_group_tests_name("leave out", tests, NULL, NULL);

@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "counting.h"
 #include "fixture.h"
 #include "scenes.h"
 
@@ -171,6 +172,39 @@ static void nothing_and_next_to_nothing(void **state)
         compare_with_build(&opened, &one, 5,
                            (svo_plan_options){.need = needs[i], .edge = 1.0, .coverage = SVO_COVERAGE_THIN});
     }
+}
+
+/* Everything is made by svo_workspace_create and svo_workspace_make_tree, and is what they say. */
+static void enqueuing_allocates_nothing(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("cornell");
+    for (size_t i = 0; i < NEEDS; ++i) {
+        svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, (svo_plan_options){.need = needs[i]});
+        svo_workspace *workspace = make_workspace(&opened, plan); /* compiles */
+        svo_workspace_destroy(&workspace);
+        counting_begin();
+        workspace = make_workspace(&opened, plan);
+        svo_workspace_info info;
+        svo_workspace_get_info(workspace, &info);
+        assert_int_equal(counting_read().live_bytes, info.scratch_bytes);
+        svo_tree *tree = make_tree(&opened, workspace);
+        assert_int_equal(counting_read().live_bytes, info.scratch_bytes + info.tree_bytes);
+        const counted before = counting_read();
+        for (int round = 0; round < 2; ++round) {
+            succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+            succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
+        }
+        const counted after = counting_read();
+        assert_int_equal(after.buffers, before.buffers);
+        assert_int_equal(after.sub_buffers, before.sub_buffers);
+        assert_int_equal(after.programs, 0);
+        svo_tree_destroy(&tree);
+        svo_workspace_destroy(&workspace);
+        assert_int_equal(counting_read().live_bytes, 0);
+        svo_plan_destroy(&plan);
+    }
+    scene_destroy(&made);
 }
 
 /* One workspace, many builds of two trees, at once and again, on an out-of-order queue; the first waits for an event of
@@ -423,6 +457,7 @@ int main(void)
         cmocka_unit_test(deep_grids_thin_and_closed_coverage_and_all_weights),
         cmocka_unit_test(opengl_may_make_the_list),
         cmocka_unit_test(nothing_and_next_to_nothing),
+        cmocka_unit_test(enqueuing_allocates_nothing),
         cmocka_unit_test(builds_of_a_workspace_follow_each_other),
         cmocka_unit_test(too_little_room_comes_back_with_figures),
         cmocka_unit_test(nodes_short_of_room_come_back_too),

@@ -42,6 +42,7 @@ int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t 
                                      .coverage = (svo_coverage)given->coverage,
                                      .weights = (svo_weights)given->weights,
                                      .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)given->builder,
+                                     .payload_level = (uint32_t)given->payload_level,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     return make_plan(given, device, mesh, &plan_options, out) == SVO_OK
@@ -53,6 +54,9 @@ int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t 
 static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
 {
     session_choose(state, opened, plan);
+    if (state->options.count_first && svo_plan_count(plan, opened->frontend, opened->queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
     progress_step(state->progress, "building the tree");
     svo_tree_destroy(&result->tree);
     result->report = (svo_build_report){.struct_size = sizeof result->report};

@@ -71,7 +71,8 @@ typedef struct options {
 
     const char *output_path; /* NULL: not given */
     uint64_t repeat, compress;
-    uint64_t plan, plan_only; /* build: flags */
+    uint64_t plan, plan_only, count_first; /* build: flags */
+    uint64_t payload_level; /* build */
     bool has_repeat;
     uint64_t nodes; /* hash: nodes only */
     uint64_t triangles, seed;

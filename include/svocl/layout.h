@@ -174,7 +174,9 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 digit_passes; /* 40: radix passes of four bits over a triangle index, an even number */
     SVO_U32 weight_log2; /* 44: a voxel's face weighs 2^weight_log2 */
     SVO_U32 fill_shift; /* 48: weights of the next level's nodes to fill, in bits; 63 and more: nothing is left */
-    SVO_U32 reserved[3]; /* 52 */
+    SVO_U32 payload_level; /* 52: the first level whose nodes have payload */
+    SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
+    SVO_U32 reserved; /* 60 */
 };
 
 /* One material. 32 bytes. */

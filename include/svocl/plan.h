@@ -81,6 +81,9 @@ typedef struct svo_plan_options {
     svo_coverage coverage;
     svo_weights weights; /* of the payload; SVO_NEED_FILL asks for SVO_WEIGHTS_AREA */
     svo_builder builder;
+    /* The first level whose payload is read, 0 .. depth: 0 for all of them, depth for the leaves alone. Nodes above have
+       none, and nothing is summed up for them. */
+    uint32_t payload_level;
     /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge is
        finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie less than 2^29 grid units away (512 edges;
        32 at depth 16). */

@@ -34,6 +34,8 @@ typedef struct svo_tree_info {
     uint32_t need; /* svo_need bits the tree holds */
     uint32_t constant; /* of those, payload that is the same in every node: one element in device buffers and files */
     uint32_t weights; /* svo_weights of its payload */
+    uint32_t
+        payload_level; /* the first level whose nodes have payload; the arrays begin with that level's first node */
     double origin[3], edge, scale; /* world; q = rint((v - origin) * scale) */
     double snap_error; /* world */
     uint64_t triangles, refused_triangles, fragments;
@@ -47,16 +49,17 @@ typedef struct svo_tree_info {
 typedef struct svo_tree_arrays {
     const uint8_t *child_mask; /* inner_count */
     const uint32_t *first_child; /* inner_count */
-    const uint8_t *colors; /* node_count * 4: RGBA8 */
-    const int16_t *normals; /* node_count * 3: mean normal, 32767 = 1; its length is at most 1 */
+    /* Of payload_count = node_count - level_begin[payload_level] nodes, all of them unless that was asked for otherwise: */
+    const uint8_t *colors; /* payload_count * 4: RGBA8 */
+    const int16_t *normals; /* payload_count * 3: mean normal, 32767 = 1; its length is at most 1 */
     const uint32_t *list_begin; /* leaf_count + 1: leaf k's triangles are list[list_begin[k] .. list_begin[k + 1]) */
     const uint32_t *list; /* list_count: indices into triangle_ids, ascending inside a leaf */
     const int32_t *vertices; /* vertex_count * 3: snapped */
     const uint32_t *indices; /* list_triangle_count * 3 */
     const uint32_t *triangle_ids; /* list_triangle_count: the mesh's triangle, ascending */
-    const uint16_t *materials; /* node_count: into the mesh's materials */
+    const uint16_t *materials; /* payload_count: into the mesh's materials */
     const uint16_t
-        *fills; /* node_count: area of the surface inside, 4096 = one face of the node; 65535: that or more */
+        *fills; /* payload_count: area of the surface inside, 4096 = one face of the node; 65535: that or more */
 } svo_tree_arrays;
 
 typedef enum svo_tree_buffer {

@@ -33,7 +33,8 @@ typedef struct file_header {
     uint32_t coverage;
     uint16_t need;
     uint16_t constant;
-    uint32_t weights;
+    uint16_t weights;
+    uint16_t payload_level;
     double origin[3];
     double edge;
     double scale;

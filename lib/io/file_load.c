@@ -150,7 +150,11 @@ static svo_status check_values(const load_state *state)
                        header->constant, header->need);
     }
     if (header->weights > SVO_WEIGHTS_CENTRE) {
-        return damaged(state, "header: weights %" PRIu32 " are not known", header->weights);
+        return damaged(state, "header: weights %" PRIu16 " are not known", header->weights);
+    }
+    if (header->payload_level > header->depth) {
+        return damaged(state, "header: payload_level %" PRIu16 " is above depth %" PRIu32, header->payload_level,
+                       header->depth);
     }
     for (int axis = 0; axis < 3; ++axis) {
         if (!isfinite(header->origin[axis])) {
@@ -201,6 +205,7 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->need = header->need;
     info->constant = header->constant;
     info->weights = header->weights;
+    info->payload_level = header->payload_level;
     memcpy(info->origin, header->origin, sizeof info->origin);
     info->edge = header->edge;
     info->scale = header->scale;

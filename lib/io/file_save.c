@@ -114,7 +114,8 @@ static void fill_header(file_header *header, const svo_tree_info *info)
     header->coverage = info->coverage;
     header->need = (uint16_t)info->need;
     header->constant = (uint16_t)info->constant;
-    header->weights = info->weights;
+    header->weights = (uint16_t)info->weights;
+    header->payload_level = (uint16_t)info->payload_level;
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;
     header->scale = info->scale;
