@@ -5,7 +5,8 @@
  *   svo_k_count       per fragment: lengths
  *   scan.cl           per leaf: where its range begins
  *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0)
- *   svo_k_sort_short  per leaf: insertion sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list
+ *   svo_k_sort_short  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries (with the gaps of Ciura, "Best Increments for the
+ *                     Average Case of Shellsort", 2001); longer ones are put on a list
  *   svo_k_sort_long   per long leaf, one work-group: stable radix sort by four bits a pass, between list and spare
  *
  * All is linear in the fragments, whatever the distribution: a leaf may hold a million triangles. Triangles are distinct
@@ -45,6 +46,23 @@ svo_k_scatter(__global const uint *fragments, __global const uint *cursors, vola
     }
 }
 
+#define SVO_SORT_GAPS 6
+__constant uint svo_gaps[SVO_SORT_GAPS] = {132, 57, 23, 10, 4, 1};
+
+/* Entries that are a multiple of gap apart, in order. */
+static void svo_sort_gap(__global uint *list, uint begin, uint end, uint gap)
+{
+    for (uint i = begin + gap; i < end; ++i) {
+        const uint triangle = list[i];
+        uint slot = i;
+        while (slot >= begin + gap && list[slot - gap] > triangle) {
+            list[slot] = list[slot - gap];
+            slot -= gap;
+        }
+        list[slot] = triangle;
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global uint *long_leaves,
                  __global svo_build_state *state, svo_filter_params given)
@@ -60,14 +78,8 @@ svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global 
         long_leaves[atomic_inc(&state->long_lists)] = leaf;
         return;
     }
-    for (uint i = begin + 1u; i < end; ++i) {
-        const uint triangle = list[i];
-        uint slot = i;
-        while (slot > begin && list[slot - 1u] > triangle) {
-            list[slot] = list[slot - 1u];
-            --slot;
-        }
-        list[slot] = triangle;
+    for (uint k = 0; k < SVO_SORT_GAPS; ++k) {
+        svo_sort_gap(list, begin, end, svo_gaps[k]);
     }
 }
 

@@ -5,7 +5,7 @@
  *   SVO_K_COUNT       per fragment: lengths
  *   scan.comp         per leaf: where its range begins
  *   SVO_K_SCATTER     per fragment: its triangle into the range, in any order (lengths count down to 0)
- *   SVO_K_SORT_SHORT  per leaf: insertion sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list, and the
+ *   SVO_K_SORT_SHORT  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list, and the
  *                     launch of SVO_K_SORT_LONG is made as large as the list
  *   SVO_K_SORT_LONG   per long leaf, one group, once for each digit: a pass of a stable radix sort by four bits,
  *                     between list and spare. One pass a launch, and one leaf a group, since loops have a limit
@@ -91,16 +91,26 @@ layout(std430, binding = 4) buffer Launches
     uint launches[];
 };
 
-void svo_sort_short(uint begin, uint end)
+/* Entries that are a multiple of gap apart, in order. */
+void svo_sort_gap(uint begin, uint end, uint gap)
 {
-    for (uint i = begin + 1u; i < end; ++i) {
+    for (uint i = begin + gap; i < end; ++i) {
         uint triangle = list[i];
         uint slot = i;
-        for (uint k = i; k > begin && list[k - 1u] > triangle; --k) {
-            list[k] = list[k - 1u];
-            slot = k - 1u;
+        for (uint k = i; k >= begin + gap && list[k - gap] > triangle; k -= gap) {
+            list[k] = list[k - gap];
+            slot = k - gap;
         }
         list[slot] = triangle;
+    }
+}
+
+/* The gaps are those of kernels/pack.cl. */
+void svo_sort_short(uint begin, uint end)
+{
+    const uint gaps[6] = uint[6](132u, 57u, 23u, 10u, 4u, 1u);
+    for (uint k = 0u; k < 6u; ++k) {
+        svo_sort_gap(begin, end, gaps[k]);
     }
 }
 

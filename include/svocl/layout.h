@@ -39,7 +39,7 @@
 #define SVO_FRAGMENT_WORDS_30 2
 #define SVO_FRAGMENT_WORDS_48 3
 /* Leaf lists up to this length are sorted by one work-item, longer ones by a work-group. */
-#define SVO_SHORT_LIST_MAX 32
+#define SVO_SHORT_LIST_MAX 256
 /* Long lists are sorted by digits of this many bits. */
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
