@@ -5,8 +5,6 @@
  */
 #include "build.h"
 
-#include "rays.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,29 +106,6 @@ svo_status svo_i_keep_geometry(svo_i_build *build)
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
     return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
-}
-
-/* What the ray kernels read beside the tree's arrays. */
-static svo_status prepare_rays(svo_i_build *build)
-{
-    const svo_plan *plan = build->plan;
-    const svo_tree_info *info = &build->tree->info;
-    const double start_ms = svo_i_now_ms();
-    double device_ms = 0.0;
-    const svo_status status =
-        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program, plan->vertices, build->queue,
-                           build->last != NULL ? &build->last : NULL, &device_ms);
-    if (status == SVO_OK) {
-        svo_i_plan_buffer_add(build->plan, "ray_triangles", info->list_count * SVO_I_RAY_TRIANGLE_BYTES);
-        svo_i_plan_buffer_add(build->plan, "ray_nodes",
-                              svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
-    }
-    if (build->profiling) {
-        svo_i_report_add(build->report, SVO_STAGE_PACK, device_ms, "cl-event");
-    } else {
-        svo_i_report_add(build->report, SVO_STAGE_PACK, svo_i_now_ms() - start_ms, "wall");
-    }
-    return status;
 }
 
 static void fill_info(svo_i_build *build)
@@ -236,8 +211,7 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
         return status;
     }
     fill_info(build);
-    status = frontend->make_tree != NULL ? frontend->make_tree(frontend->self, build) : make_arrays(build, frontend);
-    return status == SVO_OK && (build->plan->info.need & SVO_NEED_RAYS) != 0 ? prepare_rays(build) : status;
+    return frontend->make_tree != NULL ? frontend->make_tree(frontend->self, build) : make_arrays(build, frontend);
 }
 
 /* Waits for what was launched, also after a failure, and releases everything but the tree. */

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "plan.h"
-#include "rays.h"
 #include "svocl/tree.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
@@ -64,16 +63,6 @@ static void predict_ranges(svo_plan *plan, uint64_t leaves)
     if (plan->options.builder != SVO_BUILDER_SORTED) {
         svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
     }
-}
-
-/* What rays read: a node for every second level, from the leaves' grandparents up. */
-static uint64_t expected_ray_nodes(const svo_plan *plan)
-{
-    uint64_t nodes = 1;
-    for (uint32_t level = plan->info.depth; level >= 2; level -= 2) {
-        nodes += svo_i_with_slack(svo_i_plan_expected(plan, level - 2));
-    }
-    return nodes;
 }
 
 /* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
@@ -239,9 +228,5 @@ void svo_i_plan_predict(svo_plan *plan)
     }
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
         predict_payload(plan, inner + leaves, fragments, leaves);
-    }
-    if ((plan->info.need & SVO_NEED_RAYS) != 0) {
-        svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
-        svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
     }
 }

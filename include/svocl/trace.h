@@ -54,6 +54,20 @@ typedef struct svo_render_options {
 SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
+/*
+ * Triangles are found through a tree of boxes of its own, which is made when they are first asked for: by one of the
+ * functions below, by svo_tree_set_args, or by a picture of triangles. That call then reads vertices and indices back to
+ * the host, unless they are there, and waits for it. This function makes it at a time of one's choosing; later calls do
+ * nothing.
+ *
+ * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. queue: on the context of the
+ * tree's device.
+ * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR.
+ */
+SVO_API svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue);
+/* Bytes it takes on the device; 0 before it is made. */
+SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
+
 /* What a batch of rays asks for. */
 typedef enum svo_trace_flags {
     SVO_TRACE_CLOSEST = 0, /* the first triangle along each ray: by t as reported, then by its position in the mesh */
@@ -120,7 +134,7 @@ SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point 
  *
  * Other names it declares begin with svo_ or SVO_. Both strings are static.
  */
-#define SVO_TREE_ARGUMENTS 6u
+#define SVO_TREE_ARGUMENTS 5u
 SVO_API const char *svo_tree_kernel_source(void);
 SVO_API const char *svo_tree_kernel_options(void);
 
