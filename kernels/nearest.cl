@@ -115,28 +115,26 @@ static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_searc
 
 static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
 {
-    svo_ray_waiting stack[SVO_RAY_STACK];
-    uint height = 0u;
-    uint at = 0u;
-    for (;;) {
-        if ((at & SVO_RAY_LEAF) == 0u) {
+    svo_ray_way way;
+    svo_ray_begin(&way, 0.0f);
+    while (way.height > 0u) {
+        const svo_ray_waiting next = way.waiting[--way.height];
+        if (next.s > search->limit) {
+            continue;
+        }
+        uint at = next.child;
+        while ((at & SVO_RAY_LEAF) == 0u) {
             __global const svo_ray_node *node = tree->nodes + at;
             const float8 distances = svo_nearest_boxes(tree, search, node);
             const uint near = svo_lanes(distances <= search->limit);
-            if (near != 0u) {
-                at = svo_ray_pick(node, near, distances, stack, &height);
-                continue;
+            if (near == 0u) {
+                break;
             }
-        } else {
+            at = svo_ray_pick(node, near, distances, &way);
+        }
+        if ((at & SVO_RAY_LEAF) != 0u) {
             svo_nearest_leaf(tree, at & ~SVO_RAY_LEAF, search);
         }
-        do {
-            if (height == 0u) {
-                return;
-            }
-            --height;
-        } while (stack[height].s > search->limit);
-        at = stack[height].child;
     }
 }
 

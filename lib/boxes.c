@@ -266,22 +266,25 @@ static bool reserve(void **array, size_t *capacity, size_t needed, size_t elemen
     return true;
 }
 
-/* Least corner of the whole triangles, and whether they reach further from it than 16 bits do. */
-static bool find_leaf_origin(const svo_i_box_source *source, const item *items, uint32_t count, int32_t origin[3])
+/* Least and greatest coordinates of whole triangles; true where 16 bits do not reach from one to the other. */
+static bool find_leaf_bounds(const svo_i_box_source *source, const item *items, uint32_t count, int32_t low[3],
+                             int32_t high[3])
 {
-    int32_t high[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
-    origin[0] = origin[1] = origin[2] = INT32_MAX;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = INT32_MAX;
+        high[axis] = INT32_MIN;
+    }
     for (uint32_t i = 0; i < count * 3; ++i) {
         const uint32_t vertex = source->indices[(size_t)items[i / 3].triangle * 3 + i % 3];
         for (size_t axis = 0; axis < 3; ++axis) {
             const int32_t at = source->vertices[(size_t)vertex * 3 + axis];
-            origin[axis] = at < origin[axis] ? at : origin[axis];
+            low[axis] = at < low[axis] ? at : low[axis];
             high[axis] = at > high[axis] ? at : high[axis];
         }
     }
     bool wide = false;
-    for (int axis = 0; axis < 3; ++axis) {
-        wide = wide || high[axis] - origin[axis] > UINT16_MAX;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        wide = wide || high[axis] - low[axis] > UINT16_MAX;
     }
     return wide;
 }
@@ -311,8 +314,9 @@ static void write_corners(const svo_i_box_source *source, const item *items, uin
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
     svo_i_boxes *out = m->out;
-    int32_t origin[3] = {0, 0, 0};
-    const bool wide = count > 0 && find_leaf_origin(m->source, items, count, origin);
+    int32_t low[3] = {0, 0, 0};
+    int32_t high[3] = {0, 0, 0};
+    const bool wide = count > 0 && find_leaf_bounds(m->source, items, count, low, high);
     const size_t corner_words = wide ? 9 * (size_t)count : (9 * (size_t)count + 1) / 2;
     const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + corner_words + count + 3) / 4 * 4;
     const size_t position = out->leaf_words / 4;
@@ -323,10 +327,11 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
     uint32_t *record = out->leaves + out->leaf_words;
     memset(record, 0, (words + PADDING_WORDS) * sizeof *record);
     for (int axis = 0; axis < 3; ++axis) {
-        record[axis] = (uint32_t)origin[axis];
+        record[axis] = (uint32_t)low[axis];
+        record[4 + axis] = (uint32_t)high[axis];
     }
     record[3] = count | (wide ? SVO_RAY_LEAF_WIDE : 0);
-    write_corners(m->source, items, count, origin, wide, record + SVO_RAY_LEAF_HEAD_WORDS);
+    write_corners(m->source, items, count, low, wide, record + SVO_RAY_LEAF_HEAD_WORDS);
     for (uint32_t i = 0; i < count; ++i) {
         record[SVO_RAY_LEAF_HEAD_WORDS + corner_words + i] = m->source->triangle_ids[items[i].triangle];
     }
