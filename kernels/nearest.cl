@@ -116,13 +116,13 @@ static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_searc
 static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
 {
     svo_ray_way way;
-    svo_ray_begin(&way, 0.0f);
+    svo_ray_begin(&way);
     while (way.height > 0u) {
         const svo_ray_waiting next = way.waiting[--way.height];
-        if (next.s > search->limit) {
+        if (svo_waiting_s(next) > search->limit) {
             continue;
         }
-        uint at = next.child;
+        uint at = svo_waiting_child(next);
         while ((at & SVO_RAY_LEAF) == 0u) {
             __global const svo_ray_node *node = tree->nodes + at;
             const float8 distances = svo_nearest_boxes(tree, search, node);

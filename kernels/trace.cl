@@ -200,7 +200,7 @@ static void svo_trace_apart(const svo_tree *tree, __global const svo_ray *rays, 
             sound = svo_ray_to_grid(&tree->params, &given, &flight->ray);
         }
         svo_search_begin(sound ? flight->ray.last : 0.0f, any, false, &flight->search);
-        svo_ray_begin(&flight->way, sound ? flight->ray.slabs.first : 0.0f);
+        svo_ray_begin(&flight->way);
         under_way |= sound && svo_flight_go_on(tree, flight) ? 1u << lane : 0u;
     }
     while (under_way != 0u) {
@@ -286,7 +286,7 @@ static void svo_trace_together(const svo_tree *tree, const svo_octet *octet, boo
     for (uint lane = 0u; lane < 8u; ++lane) {
         svo_search_begin(SVO_LANE(octet->last), any, false, &flights[lane].search);
     }
-    svo_ray_begin(way, slabs.first);
+    svo_ray_begin(way);
     for (;;) {
         const uint leaf = svo_ray_next_leaf(tree, &slabs, svo_greatest(limits), way);
         if (leaf == SVO_RAY_NO_LEAF) {
