@@ -3,9 +3,11 @@
  * Rays from a buffer, hits into a buffer: the batch side of rays.clh. Reads the tree, writes one record per ray;
  * -DSVO_COUNT_HITS counts all hits. No atomics, no local memory.
  *
- * On CPUs a work-item takes several rays and gets eight at a time ready for the walk, one to a lane: with the divisions
- * and the doubles in it that is a good part of the time of a ray that meets nothing. On GPUs one ray each is best. The hits
- * are the same.
+ * On CPUs a work-item takes several rays, and eight at a time get ready for the walk, one to a lane. Where the eight go
+ * much the same way, as those of a camera do, they go together: nodes are cut with slabs that hold all of theirs (as the
+ * frusta of Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", 2005), and a leaf is tested by the rays
+ * that meet its bounds. Else each goes alone: it walks to its next leaf and asks for what is there, and while that comes
+ * the others have their turn. On GPUs other work-items do that, and one ray each is best. The hits are the same.
  *
  * Launch: one work-item per SVO_RAYS_PER_ITEM rays, one dimension, rounded up to whole groups.
  */
@@ -343,6 +345,7 @@ svo_k_trace(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit 
         const svo_ray ray = rays[i];
         svo_hit hit;
 #ifdef SVO_COUNT_HITS
+        (void)any;
         svo_trace_count(&tree, &ray, &hit);
 #else
         svo_trace_first(&tree, &ray, any != 0u, &hit);
