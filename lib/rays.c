@@ -49,7 +49,7 @@ static svo_status read_array(const svo_tree *tree, const char *function, cl_comm
     size_t bytes = 0;
     if (svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer), svo_i_tree_element_bytes(buffer),
                        &bytes)) {
-        *copy = malloc(bytes + 1);
+        *copy = calloc(bytes + 1, 1);
     }
     if (*copy == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function,
