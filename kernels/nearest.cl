@@ -2,10 +2,10 @@
 /*
  * The nearest triangle to each point of a buffer.
  *
- * Depth first over wide nodes (widen.cl), each time into the nearest cell that is left and can still hold something nearer
- * than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor Queries", 1995). A
- * triangle's nearest point lies in one of the leaves that list it, so no leaf is left out that matters: cells are measured
- * in float and taken a margin nearer than they are, triangles in double where the device has it.
+ * Depth first through the tree of boxes (lib/boxes.c), each time into the nearest box that is left and can still hold
+ * something nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor
+ * Queries", 1995). Boxes are measured in float and taken a margin nearer than they are, triangles in double where the
+ * device has it.
  *
  * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree, writes one record per point.
  * No atomics, no local memory.
@@ -20,8 +20,7 @@ typedef struct svo_nearest_search {
     float margin; /* grid units that float may be off */
     float limit; /* grid units: cells from here on hold nothing better */
     float distance; /* world, rounded: of the best so far, else the farthest that counts */
-    uint triangle; /* among the tree's list entries; UINT_MAX: none yet */
-    uint id;
+    uint id; /* SVO_NO_TRIANGLE: none yet */
     svo_real4 nearest; /* relative to the point, grid units */
     uint leaves;
 } svo_nearest_search;
@@ -67,100 +66,75 @@ static svo_real4 svo_nearest_on_triangle(svo_real4 a, svo_real4 b, svo_real4 c)
                       svo_nearest_on_segment(c, a));
 }
 
-static void svo_nearest_try(const svo_tree *tree, uint triangle, svo_nearest_search *search)
+static void svo_nearest_try(const svo_tree *tree, __global const int4 *leaf, int4 head, uint lane,
+                            svo_nearest_search *search)
 {
-    __global const int4 *corners = tree->triangles + 3u * (size_t)triangle;
-    const svo_real4 x = svo_to_real4(corners[0]) - search->point.x;
-    const svo_real4 y = svo_to_real4(corners[1]) - search->point.y;
-    const svo_real4 z = svo_to_real4(corners[2]) - search->point.z;
+    const svo_real4 x = svo_to_real4(svo_leaf_corners(leaf, head, lane, 0u)) - search->point.x;
+    const svo_real4 y = svo_to_real4(svo_leaf_corners(leaf, head, lane, 1u)) - search->point.y;
+    const svo_real4 z = svo_to_real4(svo_leaf_corners(leaf, head, lane, 2u)) - search->point.z;
     const svo_real4 nearest = svo_nearest_on_triangle((svo_real4)(x.x, y.x, z.x, 0), (svo_real4)(x.y, y.y, z.y, 0),
                                                       (svo_real4)(x.z, y.z, z.z, 0));
     const svo_real away = sqrt(svo_dot3(nearest, nearest));
     const float distance = (float)(away / svo_ray_scale(&tree->params));
-    const uint id = (uint)corners[0].w;
+    const uint id = svo_leaf_id(leaf, head, lane);
     if (!(distance <= search->distance) || (distance == search->distance && id >= search->id)) {
         return;
     }
     search->distance = distance;
-    search->triangle = triangle;
     search->id = id;
     search->nearest = nearest;
     search->limit = (float)away * (1.0f + 0x1p-20f) + search->margin;
 }
 
-/* The distance from the point to a cube, less the margin. */
-static float svo_nearest_cell(const svo_nearest_search *search, float4 low, float width)
+/* Of all children of a node: the distance from the point to the box, less the margin. */
+static float8 svo_nearest_boxes(const svo_tree *tree, const svo_nearest_search *search,
+                                __global const svo_ray_node *node)
 {
-    const float4 outside = max(max(low - search->point_f, search->point_f - (low + width)), (float4)(0.0f));
-    return sqrt(outside.x * outside.x + outside.y * outside.y + outside.z * outside.z) * (1.0f - 0x1p-20f) -
-           search->margin;
+    __global const ushort8 *rows = (__global const ushort8 *)node;
+    const float step = (float)(1u << (tree->params.snap_bits - SVO_RAY_BOX_BITS));
+    const float4 at = search->point_f;
+    const float8 x =
+        max(max(convert_float8(rows[0]) * step - at.x, at.x - convert_float8(rows[3]) * step - step), 0.0f);
+    const float8 y =
+        max(max(convert_float8(rows[1]) * step - at.y, at.y - convert_float8(rows[4]) * step - step), 0.0f);
+    const float8 z =
+        max(max(convert_float8(rows[2]) * step - at.z, at.z - convert_float8(rows[5]) * step - step), 0.0f);
+    return sqrt(x * x + y * y + z * z) * (1.0f - 0x1p-20f) - search->margin;
 }
 
-/* The nearest of the cells that are left; 64 when none is near enough. */
-static uint svo_nearest_pick(const svo_nearest_search *search, ulong left, float4 low, float width)
+static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_search *search)
 {
-    uint best = 64u;
-    float least = search->limit;
-    for (; left != 0ul; left &= left - 1ul) {
-        const uint cell = 63u - (uint)clz(left & (0ul - left));
-        const float distance = svo_nearest_cell(search, low + svo_cell_position(cell) * width, width);
-        if (distance <= least) {
-            least = distance;
-            best = cell;
-        }
+    __global const int4 *leaf = tree->leaves + place;
+    const int4 head = leaf[0];
+    const uint count = svo_leaf_count(head);
+    for (uint lane = 0u; lane < count; ++lane) {
+        svo_nearest_try(tree, leaf, head, lane, search);
     }
-    return best;
+    ++search->leaves;
 }
-
-/* A node on the way down, and the cells of it that are left to visit. */
-typedef struct svo_nearest_frame {
-    ulong occupied, left;
-    float4 low; /* its first corner, grid units */
-    uint first_child;
-} svo_nearest_frame;
 
 static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
 {
-    svo_nearest_frame stack[SVO_RAY_LEVELS];
-    const uint top = tree->params.levels - 1u;
-    uint level = top;
-    uint node = 0u;
-    float width = (float)(1u << (2u * level + tree->params.snap_bits - tree->params.depth));
-    float4 low = (float4)(0.0f);
-    bool opened = true;
-    for (;;) {
-        svo_nearest_frame *at = &stack[level];
-        if (opened) {
-            const uint4 stored = tree->nodes[node];
-            at->occupied = (ulong)stored.x | (ulong)stored.y << 32;
-            at->left = at->occupied;
-            at->first_child = stored.z;
-            at->low = low;
-        }
-        const uint cell = svo_nearest_pick(search, at->left, at->low, width);
-        opened = false;
-        if (cell == 64u) {
-            if (level == top) {
-                return;
-            }
-            ++level;
-            width *= 4.0f;
+    svo_ray_way way;
+    svo_ray_begin(&way);
+    while (way.height > 0u) {
+        const svo_ray_waiting next = way.waiting[--way.height];
+        if (svo_waiting_s(next) > search->limit) {
             continue;
         }
-        at->left &= ~(1ul << cell);
-        const uint child = at->first_child + (uint)popcount(at->occupied & ((1ul << cell) - 1ul));
-        if (level == 0u) {
-            ++search->leaves;
-            for (uint k = tree->list_begin[child]; k < tree->list_begin[child + 1u]; ++k) {
-                svo_nearest_try(tree, k, search);
+        uint at = svo_waiting_child(next);
+        while ((at & SVO_RAY_LEAF) == 0u) {
+            __global const svo_ray_node *node = tree->nodes + at;
+            const float8 distances = svo_nearest_boxes(tree, search, node);
+            const uint near = svo_lanes(distances <= search->limit);
+            if (near == 0u) {
+                break;
             }
-            continue;
+            at = svo_ray_pick(node, near, distances, &way);
         }
-        low = at->low + svo_cell_position(cell) * width;
-        node = child;
-        --level;
-        width *= 0.25f;
-        opened = true;
+        if ((at & SVO_RAY_LEAF) != 0u) {
+            svo_nearest_leaf(tree, at & ~SVO_RAY_LEAF, search);
+        }
     }
 }
 
@@ -178,16 +152,15 @@ static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, s
     svo_nearest_search search;
     search.point = svo_position_to_grid(&tree->params, point->position[0], point->position[1], point->position[2]);
     search.point_f = convert_float4(search.point);
-    search.margin = max(tree->params.reach, svo_largest(fabs(search.point_f))) * 0x1p-20f * SVO_RAY_CELL_MARGIN;
+    search.margin = max(tree->params.reach, svo_largest(fabs(search.point_f))) * 0x1p-20f * SVO_RAY_BOX_MARGIN;
     search.limit = point->farthest * tree->params.scale[0] * (1.0f + 0x1p-20f) + search.margin;
     search.distance = point->farthest;
-    search.triangle = UINT_MAX;
-    search.id = UINT_MAX;
+    search.id = SVO_NO_TRIANGLE;
     search.nearest = (svo_real4)(0);
     search.leaves = 0u;
     svo_nearest_walk(tree, &search);
     out->leaves = search.leaves;
-    if (search.triangle == UINT_MAX) {
+    if (search.id == SVO_NO_TRIANGLE) {
         return;
     }
     const svo_real4 offset = search.nearest / svo_ray_scale(&tree->params);

@@ -5,8 +5,6 @@
  */
 #include "build.h"
 
-#include "rays.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,30 +104,6 @@ svo_status svo_i_keep_geometry(svo_i_build *build)
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
     return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
-}
-
-/* What the ray kernels read beside the tree's arrays. */
-static svo_status prepare_rays(svo_i_build *build)
-{
-    const svo_plan *plan = build->plan;
-    const svo_tree_info *info = &build->tree->info;
-    const double start_ms = svo_i_now_ms();
-    double device_ms = 0.0;
-    const svo_status status =
-        svo_i_rays_prepare(build->tree, build->device, SVO_I_BUILD, build->program, plan->vertices, build->queue,
-                           build->last != NULL ? &build->last : NULL, &device_ms);
-    if (status == SVO_OK) {
-        svo_i_plan_buffer_add(build->plan, "ray_triangles",
-                              info->list_count > 0 ? info->list_count * SVO_I_RAY_TRIANGLE_BYTES : 1);
-        svo_i_plan_buffer_add(build->plan, "ray_nodes",
-                              svo_i_ray_node_count(info->level_begin, info->depth) * SVO_I_RAY_NODE_BYTES);
-    }
-    if (build->profiling) {
-        svo_i_report_add(build->report, SVO_STAGE_PACK, device_ms, "cl-event");
-    } else {
-        svo_i_report_add(build->report, SVO_STAGE_PACK, svo_i_now_ms() - start_ms, "wall");
-    }
-    return status;
 }
 
 void svo_i_build_fill_info(svo_i_build *build)
@@ -286,7 +260,7 @@ static svo_status run_stages(svo_i_build *build, svo_frontend *frontend)
         status = frontend->make_tree(frontend->self, build);
         status = status == SVO_OK ? store_constants(build) : status;
     }
-    return status == SVO_OK && (build->plan->info.need & SVO_NEED_RAYS) != 0 ? prepare_rays(build) : status;
+    return status;
 }
 
 /* Everything but the tree, none of it in use any more. */
@@ -371,9 +345,6 @@ svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, con
     }
     svo_i_plan_buffers_reset(plan);
     status = measure_stages(&build, frontend, layout);
-    if (status == SVO_OK && plan->work.lists && allocations == NULL) {
-        svo_i_plan_predict_rays(plan); /* made while there is scratch still */
-    }
     release_scratch(&build, NULL);
     mark_staying(&build);
     svo_i_allocations_free(&unread);
@@ -419,7 +390,7 @@ static svo_status compile_kernels(svo_i_build *build)
     bool fresh = false;
     svo_i_plan_keys(build->plan, keys, sizeof keys);
     svo_status status = SVO_OK;
-    if (!work->sorted || work->surface || work->lists) {
+    if (!work->sorted || work->surface) {
         status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
     }
     if (status == SVO_OK && fresh) {

@@ -12,7 +12,7 @@
 
 #include "plan.h"
 
-/* Rays are fastest where the leaves are about as large as the triangles: where a triangle is in this many of them. */
+/* Leaves are about as large as the triangles where a triangle is in this many of them. */
 #define RAY_PAIRS_PER_TRIANGLE 6.0
 /* The deepest tree of a grid of 2^20 units. */
 #define RAY_DEPTH_MAX 12u

@@ -143,8 +143,6 @@ void svo_i_layout_destroy(svo_i_layout *layout);
 
 /* predict.c: what a build will allocate. */
 svo_status svo_i_plan_predict(svo_plan *plan);
-/* predict.c: what rays read, with expected counts. */
-void svo_i_plan_predict_rays(svo_plan *plan);
 
 /* predict.c: the list of buffers: begin anew, one more, one less. */
 void svo_i_plan_buffers_reset(svo_plan *plan);

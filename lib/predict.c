@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "build.h"
-#include "rays.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
 {
@@ -66,8 +65,6 @@ static const struct buffer_kind {
     {"normals", OF_NODES, true},
     {"materials", OF_NODES, true},
     {"fills", OF_NODES, true},
-    {"ray_triangles", OF_FRAGMENTS, true},
-    {"ray_nodes", OF_NODES, true},
 };
 
 static const struct buffer_kind *kind_of(const char *name)
@@ -121,23 +118,6 @@ void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
 {
     plan->live_bytes -= bytes;
-}
-
-/* What rays read: a node for every second level, from the leaves' grandparents up. */
-static uint64_t expected_ray_nodes(const svo_plan *plan)
-{
-    uint64_t nodes = 1;
-    for (uint32_t level = plan->info.depth; level >= 2; level -= 2) {
-        nodes += svo_i_with_slack(svo_i_plan_expected(plan, level - 2));
-    }
-    return nodes;
-}
-
-void svo_i_plan_predict_rays(svo_plan *plan)
-{
-    const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
-    svo_i_plan_buffer_add(plan, "ray_triangles", fragments > 0 ? fragments * SVO_I_RAY_TRIANGLE_BYTES : 1);
-    svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
 }
 
 svo_status svo_i_plan_predict(svo_plan *plan)

@@ -9,11 +9,11 @@
 #include "device.h"
 
 typedef enum svo_i_program_kind {
-    SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, widen, attribute, filter */
+    SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
     SVO_I_PROGRAM_CAST, /* cast */
     SVO_I_PROGRAM_VOXELIZE, /* fragment, group, overlap, voxelize */
     SVO_I_PROGRAM_SORT, /* fragment, group, scan, sort, ascend */
-    SVO_I_PROGRAM_TRACE, /* rays, trace, widen */
+    SVO_I_PROGRAM_TRACE, /* rays, trace, nearest */
     SVO_I_PROGRAM_VIEW, /* rays, view */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;

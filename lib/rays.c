@@ -1,178 +1,184 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against triangles, the host's side of kernels/rays.clh: what a tree keeps for them, and the way into svocl's and
- * an integrator's kernels. Reads finished trees; rays_batch.c launches.
+ * Rays against triangles, the host's side of kernels/rays.clh: the tree of boxes on the device, made when it is first
+ * asked for, and the way into svocl's and an integrator's kernels. Reads finished trees; rays_batch.c launches.
  */
 #include "rays.h"
 
 #include <math.h>
+#include <stdlib.h>
 
+#include "boxes.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_rays[];
 
-/* ---- what a tree keeps ---- */
+/* ---- the tree of boxes ---- */
 
 /* The largest coordinate there is, at least the width of the grid. */
-static float find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
     int32_t reach = (int32_t)(1u << snap_bits);
     for (uint64_t i = 0; i < vertex_count * 3; ++i) {
         const int32_t far_off = vertices[i] < 0 ? -vertices[i] : vertices[i];
         reach = far_off > reach ? far_off : reach;
     }
-    return (float)reach;
+    return reach;
 }
 
-/* What the launches of one preparation share. */
-typedef struct preparation {
-    svo_tree *tree;
-    svo_device *device;
-    const char *function;
-    cl_program program;
-    cl_command_queue queue;
-    const cl_event *wait; /* NULL: nothing to wait for */
-    double device_ms; /* of the launches, as far as the queue says */
-} preparation;
-
-/* Milliseconds of a finished command; 0 where its queue does not say. */
-static double event_ms(cl_event event)
+/* Whether a triangle may lie outside the grid, so that only the lists say which ones count. */
+static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
-    cl_ulong start = 0;
-    cl_ulong end = 0;
-    const bool known =
-        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) == CL_SUCCESS &&
-        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) == CL_SUCCESS;
-    return known && end > start ? (double)(end - start) * 1e-6 : 0.0;
+    bool outside = false;
+    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
+        outside = outside || vertices[i] < 0 || vertices[i] >= (int32_t)(1u << snap_bits);
+    }
+    return outside;
 }
 
-/* Launches a kernel and waits for it. */
-static svo_status run(preparation *p, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
-                      uint64_t items)
+/* An array of the tree on the host: the tree's own, or *copy, read from the device, which the caller frees. */
+static svo_status read_array(const svo_tree *tree, const char *function, cl_command_queue queue, svo_tree_buffer buffer,
+                             const void **array, void **copy)
 {
-    cl_kernel kernel = NULL;
-    svo_status status = svo_i_kernel_create(p->device, p->function, p->program, name, &kernel);
+    *array = tree->host[buffer];
+    if (tree->host[buffer] != NULL) {
+        return SVO_OK;
+    }
+    size_t bytes = 0;
+    if (svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer), svo_i_tree_element_bytes(buffer),
+                       &bytes)) {
+        *copy = calloc(bytes + 1, 1);
+    }
+    if (*copy == NULL) {
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function,
+                                 svo_tree_buffer_name(buffer));
+    }
+    *array = *copy;
+    const cl_int error =
+        bytes > 0 ? clEnqueueReadBuffer(queue, tree->buffers[buffer], CL_TRUE, 0, bytes, *copy, 0, NULL, NULL)
+                  : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
+}
+
+static svo_status upload(const svo_tree *tree, const char *function, cl_command_queue queue, const char *name,
+                         const void *data, size_t bytes, cl_mem *out)
+{
+    const svo_status status = svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out);
     if (status != SVO_OK) {
         return status;
     }
-    status = svo_i_kernel_set(p->device, p->function, kernel, arguments, argument_count);
-    if (status == SVO_OK && items > 0) {
-        const size_t local = SVO_GROUP_ITEMS;
-        const size_t global = (size_t)((items + local - 1) / local * local);
-        cl_event done = NULL;
-        cl_int error =
-            clEnqueueNDRangeKernel(p->queue, kernel, 1, NULL, &global, &local, p->wait != NULL ? 1 : 0, p->wait, &done);
-        if (error == CL_SUCCESS) {
-            error = clWaitForEvents(1, &done);
-            p->device_ms += event_ms(done);
-            clReleaseEvent(done);
-        }
-        status = error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(p->device, p->function, name, error);
+    const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
+}
+
+/* Makes the boxes of geometry on the host and takes them to the device. */
+static svo_status make_boxes(const svo_tree *tree, const char *function, cl_command_queue queue,
+                             const svo_i_box_source *source)
+{
+    struct svo_i_ray_boxes *to = tree->ray_boxes;
+    svo_i_boxes boxes;
+    if (!svo_i_boxes_make(source, &boxes)) {
+        svo_i_boxes_free(&boxes);
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the boxes of %u triangles",
+                                 function, source->triangle_count);
     }
-    clReleaseKernel(kernel);
+    const size_t node_bytes = boxes.node_count * sizeof *boxes.nodes;
+    const size_t leaf_bytes = boxes.leaf_words * sizeof *boxes.leaves;
+    svo_status status = upload(tree, function, queue, "ray_nodes", boxes.nodes, node_bytes, &to->nodes);
+    if (status == SVO_OK) {
+        status = upload(tree, function, queue, "ray_leaves", boxes.leaves, leaf_bytes, &to->leaves);
+    }
+    to->bytes = node_bytes + leaf_bytes;
+    to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    svo_i_boxes_free(&boxes);
     return status;
 }
 
-static svo_status spread_triangles(preparation *p)
+static svo_status prepare_on(const svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    svo_tree *tree = p->tree;
-    const cl_uint count = (cl_uint)tree->info.list_count;
-    size_t bytes = SIZE_MAX;
-    (void)svo_i_mul_size(count, SVO_I_RAY_TRIANGLE_BYTES, &bytes);
-    const svo_status status =
-        svo_i_device_buffer(p->device, p->function, "ray_triangles", CL_MEM_READ_WRITE, bytes, &tree->ray_triangles);
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
-                                        SVO_I_ARGUMENT(tree->ray_triangles),
-                                        SVO_I_ARGUMENT(count)};
-    return status == SVO_OK ? run(p, "svo_k_spread", arguments, 6, count) : status;
-}
-
-/* Levels of wide nodes, from the root's on: every second one, counted from the leaves' parents' parents up. */
-static uint32_t wide_levels(uint32_t depth)
-{
-    return (depth + 1) / 2;
-}
-
-/* The octree's level that wide level k begins at. An odd depth leaves the root for itself. */
-static uint32_t octree_level(uint32_t depth, uint32_t wide_level)
-{
-    const uint32_t level = 2 * wide_level;
-    return level - (depth % 2 == 1 && wide_level > 0 ? 1 : 0);
-}
-
-uint64_t svo_i_ray_node_count(const uint32_t *level_begin, uint32_t depth)
-{
-    uint64_t count = 0;
-    for (uint32_t k = 0; k < wide_levels(depth); ++k) {
-        const uint32_t level = octree_level(depth, k);
-        count += level_begin[level + 1] - level_begin[level];
-    }
-    return count;
-}
-
-static svo_status widen_levels(preparation *p)
-{
-    svo_tree *tree = p->tree;
+    static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
+                                               SVO_TREE_LIST};
     const svo_tree_info *info = &tree->info;
-    const uint32_t *begin = info->level_begin;
-    const uint64_t count = svo_i_ray_node_count(begin, info->depth);
-    svo_status status = svo_i_device_buffer(p->device, p->function, "ray_nodes", CL_MEM_READ_WRITE,
-                                            (size_t)count * SVO_I_RAY_NODE_BYTES, &tree->ray_nodes);
-    svo_widen_params params = {.node_begin = 0};
-    for (uint32_t k = 0; k < wide_levels(info->depth) && status == SVO_OK; ++k) {
-        const uint32_t level = octree_level(info->depth, k);
-        const uint32_t below = octree_level(info->depth, k + 1);
-        params.node_begin = begin[level];
-        params.node_count = begin[level + 1] - begin[level];
-        params.child_begin = begin[below];
-        params.wide_child_begin = below < info->depth ? params.wide_begin + params.node_count : 0;
-        params.lone_root = below == level + 1;
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                            SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                            SVO_I_ARGUMENT(tree->ray_nodes), SVO_I_ARGUMENT(params)};
-        status = run(p, "svo_k_widen", arguments, 4, params.node_count);
-        params.wide_begin += params.node_count;
+    const void *arrays[4] = {NULL};
+    void *copies[4] = {NULL};
+    svo_status status = SVO_OK;
+    bool outside = false;
+    for (int i = 0; i < 4 && status == SVO_OK; ++i) {
+        if (buffers[i] != SVO_TREE_LIST || outside) {
+            status = read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]);
+        }
+        outside =
+            i == 0 && status == SVO_OK ? reaches_outside(arrays[0], info->vertex_count, info->snap_bits) : outside;
+    }
+    if (status == SVO_OK) {
+        const svo_i_box_source source = {.vertices = arrays[0],
+                                         .indices = arrays[1],
+                                         .triangle_ids = arrays[2],
+                                         .list = arrays[3],
+                                         .list_count = info->list_count,
+                                         .triangle_count = (uint32_t)info->list_triangle_count,
+                                         .snap_bits = info->snap_bits};
+        status = make_boxes(tree, function, queue, &source);
+    }
+    for (int i = 0; i < 4; ++i) {
+        free(copies[i]);
     }
     return status;
 }
 
-svo_status svo_i_rays_prepare(svo_tree *tree, svo_device *device, const char *function, cl_program program,
-                              const int32_t *vertices, cl_command_queue queue, const cl_event *wait, double *device_ms)
+svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    preparation p = {
-        .tree = tree, .device = device, .function = function, .program = program, .queue = queue, .wait = wait};
-    svo_status status = SVO_OK;
-    if (program == NULL) {
-        status = svo_i_program_get(device, function, SVO_I_PROGRAM_TRACE, "", &p.program, NULL);
+    if (tree->ray_boxes->leaves != NULL) {
+        return SVO_OK;
     }
-    if (status == SVO_OK) {
-        status = spread_triangles(&p);
+    cl_command_queue own = NULL;
+    if (queue == NULL) {
+        cl_int error = CL_SUCCESS;
+        own = clCreateCommandQueue(tree->device->context, tree->device->device, 0, &error);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(tree->device, function, "clCreateCommandQueue", error);
+        }
     }
-    if (status == SVO_OK) {
-        status = widen_levels(&p);
-    }
-    tree->ray_reach = find_reach(vertices, tree->info.vertex_count, tree->info.snap_bits);
+    const svo_status status = prepare_on(tree, function, own != NULL ? own : queue);
     if (status != SVO_OK) {
         svo_i_rays_release(tree);
     }
-    *device_ms = p.device_ms;
+    if (own != NULL) {
+        clReleaseCommandQueue(own);
+    }
     return status;
 }
 
-void svo_i_rays_release(svo_tree *tree)
+void svo_i_rays_release(const svo_tree *tree)
 {
-    cl_mem *const buffers[] = {&tree->ray_triangles, &tree->ray_nodes};
+    cl_mem *const buffers[] = {&tree->ray_boxes->nodes, &tree->ray_boxes->leaves};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         if (*buffers[i] != NULL) {
             clReleaseMemObject(*buffers[i]);
             *buffers[i] = NULL;
         }
     }
+    tree->ray_boxes->bytes = 0;
+}
+
+svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
+{
+    static const char function[] = "svo_tree_prepare_rays";
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: queue is NULL", function);
+    }
+    const svo_status status = svo_i_rays_check(tree, function);
+    return status == SVO_OK ? svo_i_rays_prepare(tree, function, queue) : status;
+}
+
+uint64_t svo_tree_ray_bytes(const svo_tree *tree)
+{
+    return tree != NULL ? tree->ray_boxes->bytes : 0;
 }
 
 /* ---- kernel arguments ---- */
@@ -209,13 +215,17 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     }
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
-    params->levels = wide_levels(info->depth);
-    params->reach = tree->ray_reach;
+    params->reserved = 0;
+    params->reach = tree->ray_boxes->reach;
     return SVO_OK;
 }
 
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
 {
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree's build is in flight; call svo_tree_finish first", function);
+    }
     if ((tree->info.need & SVO_NEED_RAYS) == 0) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree holds no leaf lists; build it with SVO_NEED_RAYS", function);
@@ -225,7 +235,7 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
                                  "%s: the tree's coverage is thin, which leaves out voxels that triangles touch",
                                  function);
     }
-    if (tree->ray_triangles == NULL) {
+    if (tree->device == NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);
     }
@@ -248,13 +258,15 @@ svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel 
 svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
-    const svo_status status = fill_params(tree, function, &params);
-    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                                          SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                                          SVO_I_ARGUMENT(tree->ray_nodes),
-                                                          SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-                                                          SVO_I_ARGUMENT(tree->ray_triangles),
-                                                          SVO_I_ARGUMENT(params)};
+    /* Voxels can be asked for without triangles. */
+    const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
+    svo_status status = triangles ? svo_i_rays_prepare(tree, function, NULL) : SVO_OK;
+    if (status == SVO_OK) {
+        status = fill_params(tree, function, &params);
+    }
+    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(tree->ray_boxes->nodes), SVO_I_ARGUMENT(tree->ray_boxes->leaves), SVO_I_ARGUMENT(params)};
     return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
                             : status;
 }

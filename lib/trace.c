@@ -329,7 +329,7 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
     cl_program program = NULL;
-    if (options->view == SVO_VIEW_TRIANGLES && tree->ray_triangles == NULL) {
+    if (options->view == SVO_VIEW_TRIANGLES && (tree->info.need & SVO_NEED_RAYS) == 0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
     }

@@ -21,7 +21,15 @@
 
 svo_tree *svo_i_tree_new(void)
 {
-    return calloc(1, sizeof(svo_tree));
+    svo_tree *tree = calloc(1, sizeof *tree);
+    if (tree != NULL) {
+        tree->ray_boxes = calloc(1, sizeof *tree->ray_boxes);
+    }
+    if (tree != NULL && tree->ray_boxes == NULL) {
+        free(tree);
+        return NULL;
+    }
+    return tree;
 }
 
 void svo_tree_destroy(svo_tree **tree)
@@ -36,6 +44,7 @@ void svo_tree_destroy(svo_tree **tree)
             clReleaseMemObject((*tree)->buffers[i]);
         }
     }
+    free((*tree)->ray_boxes);
     free(*tree);
     *tree = NULL;
 }
@@ -248,16 +257,6 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     return SVO_OK;
 }
 
-/* What the ray kernels read beside the arrays, where the tree has lists. */
-static svo_status prepare_rays(svo_tree *tree, svo_device *device, cl_command_queue queue)
-{
-    const int32_t *vertices = tree->host[SVO_TREE_VERTICES];
-    double unread = 0.0;
-    return (tree->info.need & SVO_NEED_RAYS) != 0
-               ? svo_i_rays_prepare(tree, device, "svo_tree_upload", NULL, vertices, queue, NULL, &unread)
-               : SVO_OK;
-}
-
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
     if (tree == NULL || device == NULL || queue == NULL) {
@@ -290,12 +289,7 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
             }
         }
     }
-    if (status == SVO_OK) {
-        memcpy(tree->buffers, buffers, sizeof buffers);
-        status = prepare_rays(tree, device, queue);
-    }
     if (status != SVO_OK) {
-        memset(tree->buffers, 0, sizeof tree->buffers);
         for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
             if (buffers[i] != NULL) {
                 clReleaseMemObject(buffers[i]);
@@ -303,6 +297,7 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
         }
         return status;
     }
+    memcpy(tree->buffers, buffers, sizeof buffers);
     tree->device = device;
     return SVO_OK;
 }

@@ -15,8 +15,7 @@ struct svo_tree {
     svo_device *device; /* NULL: never on a device */
     cl_mem buffers[SVO_TREE_BUFFER_COUNT]; /* device copies, owned; NULL where absent */
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
-    cl_mem ray_triangles, ray_nodes; /* rays.c; NULL without lists or not on a device */
-    float ray_reach; /* the largest coordinate of a vertex */
+    struct svo_i_ray_boxes *ray_boxes; /* rays.h; empty until rays are first asked for */
     svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
     svo_tree *next; /* of the workspace's trees */
     svo_i_pending *pending; /* the build that is filling it; NULL: none */

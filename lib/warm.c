@@ -49,8 +49,6 @@ static const kernel_shape shapes[] = {
     {"svo_k_scatter", 6, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, LISTS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_spread", 5, sizeof(cl_uint), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_widen", 3, sizeof(svo_widen_params), 0, LAUNCH_LEVELS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
     {"svo_k_material_scatter", 9, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
      SVO_I_PROGRAM_BUILD},
     {"svo_k_material_leaves", 6, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,

@@ -74,8 +74,8 @@ static void assert_only_full_has_kernel(const measured *less, const measured *fu
 static void lists_and_their_packing(void **state)
 {
     (void)state;
-    static const char *const buffers[] = {"list",         "list_spare",    "long_leaves", "vertices",   "indices",
-                                          "triangle_ids", "ray_triangles", "ray_nodes",   "list_begin", "list_counts"};
+    static const char *const buffers[] = {"list",    "list_spare",   "long_leaves", "vertices",
+                                          "indices", "triangle_ids", "list_begin",  "list_counts"};
     sheet_mesh sheet;
     measured full;
     measured less;

@@ -165,8 +165,6 @@ static const struct {
     {"list_spare", SVO_NEED_RAYS},
     {"long_leaves", SVO_NEED_RAYS},
     {"triangle_ids", SVO_NEED_RAYS},
-    {"ray_triangles", SVO_NEED_RAYS},
-    {"ray_nodes", SVO_NEED_RAYS},
     {"vertices", SVO_NEED_ALL},
     {"indices", SVO_NEED_ALL},
     {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL},

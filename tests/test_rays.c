@@ -123,6 +123,126 @@ static void an_empty_tree_is_never_met(void **state)
     }
 }
 
+/* ---- batches and single rays ---- */
+
+/* A camera's rays go eight on one way, scattered ones on their own, and counting takes each alone: the hits are the same. */
+static void hits_do_not_depend_on_the_company(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { EDGE = 90, RAYS = EDGE * EDGE + 5 };
+    static svo_ray rays[RAYS];
+    static svo_hit together[RAYS];
+    static svo_hit alone[RAYS];
+    static svo_hit any[RAYS];
+    scene *made = make_scene("knot:20000");
+    built tree;
+    size_t met = 0;
+    uint64_t random = 5;
+    build_for_rays(opened, scene_mesh(made), 7, NULL, 0, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const double across[3] = {(double)(i % EDGE) / EDGE - 0.5, (double)(i / EDGE) / EDGE - 0.5, 1.0};
+        /* Every seventh row is broken up by rays that are none, or of their own direction. */
+        const bool odd = i / EDGE % 7 == 0 && i % 3 == 0;
+        rays[i] = (svo_ray){.t_min = 0, .t_max = i % 11 == 0 ? 2.0f : INFINITY};
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * (axis == 2 ? -1.0 : 0.5));
+            rays[i].direction[axis] = (float)(odd ? random_unit(&random) - 0.5 : across[axis]);
+        }
+        rays[i].direction[1] = odd && i % 2 == 0 ? NAN : rays[i].direction[1];
+    }
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, together);
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_COUNT, alone);
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_ANY, any);
+    assert_same_hits(together, alone, RAYS, 7);
+    for (size_t i = 0; i < RAYS; ++i) {
+        met += alone[i].triangle != SVO_NO_TRIANGLE;
+        assert_int_equal(any[i].triangle == SVO_NO_TRIANGLE, alone[i].triangle == SVO_NO_TRIANGLE);
+        assert_true(any[i].triangle == SVO_NO_TRIANGLE || any[i].t >= alone[i].t);
+    }
+    assert_true(met > RAYS / 20 && met < RAYS - RAYS / 20);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
+/* Triangles in one place, and ever smaller ones beside each other, which no cut can balance: every one is found. */
+static void crowds_and_nests_of_triangles_are_found(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { NESTED = 18, COPIES = 300, TRIANGLES = NESTED * COPIES };
+    static float corners[TRIANGLES * 9];
+    svo_ray rays[NESTED];
+    svo_hit hits[NESTED];
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = corners, .vertex_count = TRIANGLES * 3, .triangle_count = TRIANGLES};
+    const double origin[3] = {0, 0, 0};
+    built tree;
+    for (size_t i = 0; i < TRIANGLES; ++i) {
+        const float at = ldexpf(1.0f, (int)(i % NESTED) + 1);
+        const float triangle[9] = {at, at, at, at * 1.5f, at, at, at, at * 1.5f, at};
+        memcpy(corners + 9 * i, triangle, sizeof triangle);
+    }
+    for (size_t k = 0; k < NESTED; ++k) {
+        const float at = ldexpf(1.0f, (int)k + 1) * 1.125f;
+        rays[k] = (svo_ray){{at, at, -1}, {0, 0, 1}, 0, INFINITY};
+    }
+    build_for_rays(opened, &mesh, 6, origin, 0x1p20, &tree);
+    trace_rays(opened, &tree, rays, NESTED, SVO_TRACE_COUNT, hits);
+    for (size_t k = 0; k < NESTED; ++k) {
+        assert_int_equal(hits[k].triangle, k); /* the first of its copies */
+        assert_int_equal(hits[k].count, COPIES);
+    }
+    built_destroy(&tree);
+}
+
+/* ---- when the tree of boxes is made ---- */
+
+static void boxes_are_made_when_they_are_asked_for(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    const svo_ray ray = {{0.5f, 0.5f, -1}, {0, 0, 1}, 0, INFINITY};
+    scene *made = make_scene("knot:3000");
+    svo_hit hit;
+    built first_use;
+    built prepared;
+    build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &first_use);
+    build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &prepared);
+    assert_int_equal(svo_tree_ray_bytes(first_use.tree), 0);
+    trace_rays(opened, &first_use, &ray, 1, SVO_TRACE_CLOSEST, &hit);
+    assert_int_equal(svo_tree_prepare_rays(prepared.tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_ray_bytes(prepared.tree), 0);
+    assert_int_equal(svo_tree_prepare_rays(prepared.tree, opened->queue), SVO_OK);
+    const uint64_t bytes = svo_tree_ray_bytes(prepared.tree);
+    assert_int_equal(svo_tree_prepare_rays(prepared.tree, opened->queue), SVO_OK); /* once is enough */
+    assert_int_equal(svo_tree_ray_bytes(first_use.tree), bytes);
+    assert_in_range(bytes, 1, 208 * prepared.info.list_triangle_count + 192);
+    for (size_t i = 0; i < prepared.buffer_count; ++i) {
+        assert_int_not_equal(strncmp(prepared.buffers[i].name, "ray_", 4), 0); /* no part of the build */
+    }
+    built_destroy(&prepared);
+    built_destroy(&first_use);
+    scene_destroy(&made);
+}
+
+static void boxes_are_refused_for_trees_without_lists(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    scene *made = make_scene("cube");
+    built plain;
+    built thin;
+    fixture_build(opened, scene_mesh(made), 3, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
+    fixture_build(opened, scene_mesh(made), 3,
+                  &(svo_plan_options){.need = SVO_NEED_RAYS, .coverage = SVO_COVERAGE_THIN}, &thin);
+    assert_int_equal(svo_tree_prepare_rays(NULL, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_prepare_rays(plain.tree, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
+    assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened->device), "thin"));
+    assert_int_equal(svo_tree_ray_bytes(plain.tree), 0);
+    built_destroy(&thin);
+    built_destroy(&plain);
+    scene_destroy(&made);
+}
+
 /* ---- nearest triangles ---- */
 
 static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint64_t seed)
@@ -344,6 +464,10 @@ int main(void)
         cmocka_unit_test(an_empty_tree_is_never_met),
         cmocka_unit_test(any_hit_and_count_agree_with_the_reference),
         cmocka_unit_test(hits_do_not_depend_on_the_depth),
+        cmocka_unit_test(hits_do_not_depend_on_the_company),
+        cmocka_unit_test(crowds_and_nests_of_triangles_are_found),
+        cmocka_unit_test(boxes_are_made_when_they_are_asked_for),
+        cmocka_unit_test(boxes_are_refused_for_trees_without_lists),
         cmocka_unit_test(the_nearest_triangle_is_the_nearest),
         cmocka_unit_test(voxels_are_met_just_before_their_triangles),
         cmocka_unit_test(refuses_what_it_cannot_do),

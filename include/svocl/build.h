@@ -48,7 +48,7 @@ typedef enum svo_stage {
     SVO_STAGE_VOXELIZE, /* triangles -> fragment list */
     SVO_STAGE_TRANSFER, /* list from GL to CL, host data to the device, counts back */
     SVO_STAGE_SUBDIVIDE, /* masks, scans, descents, all levels */
-    SVO_STAGE_PACK, /* sorted leaf lists, laid out for rays */
+    SVO_STAGE_PACK, /* sorted leaf lists */
     SVO_STAGE_LINK, /* leaf lists linked by atomic exchange */
     SVO_STAGE_FILTER, /* payload: leaves, then level by level up */
     SVO_STAGE_COUNT

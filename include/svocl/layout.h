@@ -275,21 +275,32 @@ SVO_RECORD(svo_ray_params)
     SVO_F32 scale[3]; /* 36: grid units per world unit, in three parts */
     SVO_U32 depth; /* 48 */
     SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
-    SVO_U32 levels; /* 56: of wide nodes, each two levels of the octree; the first may be half of one */
+    SVO_U32 reserved; /* 56 */
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
 };
 
-/* Arguments of the widen kernel: wide nodes of one level. 32 bytes. */
-SVO_RECORD(svo_widen_params)
+/* The tree of boxes that rays walk through. */
+#define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the rest is where it begins, in 16 bytes */
+#define SVO_RAY_LEAF_TRIANGLES 8
+#define SVO_RAY_BOX_BITS       16 /* a box's bounds count in 2^-16 of the grid's width */
+#define SVO_RAY_HALVINGS_MAX   40 /* nodes on the way to a leaf at most */
+
+/* A node: eight boxes, the axes one after the other, two bounds to a word, that of the even child in the low half. The low
+   bound is rounded down, and the high one is the last step that the box reaches into. Without a child: the low bound above
+   the high one, and the empty leaf, which is the first. 128 bytes. */
+SVO_RECORD(svo_ray_node)
 {
-    SVO_U32 node_begin; /* 0: first node of the octree's level */
-    SVO_U32 node_count; /* 4 */
-    SVO_U32 child_begin; /* 8: first node of the level below the wide ones: two below, one for a lone root */
-    SVO_U32 wide_begin; /* 12: first record of this level */
-    SVO_U32 wide_child_begin; /* 16: first record of the next level; 0 for leaves */
-    SVO_U32 lone_root; /* 20: not 0: the root alone, as octant 0 of a grid twice as wide */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 low[12]; /* 0 */
+    SVO_U32 high[12]; /* 48 */
+    SVO_U32 child[8]; /* 96: a node, or SVO_RAY_LEAF and a leaf */
 };
+
+/* A leaf: a head, the corners, the triangles' input ids. The head is the least coordinates, which those of the corners are
+   relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows with an entry per triangle, x of the first
+   corner, x of the second, x of the third, y of the first and so on: 16 bits each, or a word each in a wide leaf. The ids
+   begin at the next whole word, and the next leaf at the next 16 bytes. */
+#define SVO_RAY_LEAF_HEAD_WORDS 8
+#define SVO_RAY_LEAF_WIDE       0x80000000u
 
 /* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
 #if !defined(GL_core_profile)
@@ -317,7 +328,7 @@ SVO_ASSERT_BYTES(svo_query_point, 16);
 SVO_ASSERT_BYTES(svo_nearest, 32);
 SVO_ASSERT_BYTES(svo_voxel_hit, 32);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
-SVO_ASSERT_BYTES(svo_widen_params, 32);
+SVO_ASSERT_BYTES(svo_ray_node, 128);
 #endif
 
 #endif

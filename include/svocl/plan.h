@@ -30,7 +30,7 @@ typedef enum svo_need {
     SVO_NEED_DEFAULT = 0, /* the colours and normals that the mesh has */
     SVO_NEED_COLOR = 1, /* RGBA8 per node; white if the mesh has neither colours nor materials */
     SVO_NEED_NORMAL = 2, /* 3 x int16 per node; the triangles' own normals if the mesh has none */
-    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices, and what the ray kernels read */
+    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices; trace.h makes the rest when it is asked for */
     SVO_NEED_MATERIAL = 8, /* 16 bits per node: the material that weighs most in it; of equals the smaller */
     SVO_NEED_FILL = 16, /* 16 bits per node: area of the surface in it, 4096 = one of its faces, 65535 at most */
     SVO_NEED_NONE = 0x40000000 /* occupancy alone */
@@ -160,9 +160,9 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
 
 SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
-/* The depth at which rays against this mesh's triangles are traced fastest, 1 .. 12, whatever the plan's own depth: the
-   deepest where the count law expects a triangle in at most 6 leaves. Deeper, rays walk more and the lists take more
-   memory; less deep, each leaf holds more triangles to test. Which triangle a ray meets does not depend on the depth. */
+/* The depth that suits a tree whose triangles are asked for, 1 .. 12, whatever the plan's own depth: the deepest where the
+   count law expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and lists stay short.
+   Neither which triangle a ray meets nor how quickly depends on the depth. */
 SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 
 /* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, with the front end of

@@ -8,7 +8,8 @@
  * first_child[i] + popcount(child_mask[i] & ((1 << o) - 1)). Leaves have neither. Payload arrays run parallel to the
  * nodes, leaves included; on the device, payload that is the same in every node is stored once (svo_tree_info.constant).
  *
- * Thread-safety: reading is safe from several threads; upload, download and destroy need exclusive use.
+ * Thread-safety: reading is safe from several threads; upload, download, destroy and what trace.h makes when it is first asked
+ * for need exclusive use.
  */
 #ifndef SVOCL_TREE_H
 #define SVOCL_TREE_H
