@@ -246,6 +246,24 @@ void svo_i_plan_keys(const svo_plan *plan, char *keys, size_t bytes)
         (work->made & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "", work->surface ? weights[plan->options.weights] : "");
 }
 
+int svo_plan_has_stage(const svo_plan *plan, svo_stage stage)
+{
+    const svo_i_work *work = &plan->work;
+    const bool any = plan->triangle_count > 0;
+    switch (stage) {
+    case SVO_STAGE_VOXELIZE:
+        return any;
+    case SVO_STAGE_PACK:
+        return work->ranges;
+    case SVO_STAGE_LINK:
+        return work->filter && any;
+    case SVO_STAGE_FILTER:
+        return work->surface;
+    default:
+        return (unsigned)stage < SVO_STAGE_COUNT;
+    }
+}
+
 size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
 {
     if (info != NULL && index < plan->work.kernels_count) {

@@ -71,6 +71,35 @@ static void assert_only_full_has_kernel(const measured *less, const measured *fu
     }
 }
 
+/* Stages run where the plan has them. */
+static void assert_stages_are_planned(const svo_mesh *mesh, uint32_t need)
+{
+    svo_plan_options options = asking_for(need);
+    svo_plan *plan = NULL;
+    measured made;
+    measured_build(mesh, DEPTH, &options, &made);
+    assert_int_equal(svo_plan_create(made.opened.device, mesh, DEPTH, &options, &plan), SVO_OK);
+    for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
+        const int ran = made.result.report.stages[stage].clock != NULL;
+        if ((svo_plan_has_stage(plan, stage) != 0) != ran) {
+            fail_msg("need %u: stage %s %s", need, svo_stage_name(stage), ran ? "ran unplanned" : "did not run");
+        }
+    }
+    svo_plan_destroy(&plan);
+    measured_destroy(&made);
+}
+
+static void stages_that_do_not_run(void **state)
+{
+    (void)state;
+    sheet_mesh sheet;
+    sheet_make(SHEET_LARGE, 1.0, &sheet);
+    for (uint32_t need = 1; need <= SVO_NEED_ALL; ++need) {
+        assert_stages_are_planned(&sheet.mesh, need);
+    }
+    assert_stages_are_planned(&sheet.mesh, SVO_NEED_NONE);
+}
+
 static void lists_and_their_packing(void **state)
 {
     (void)state;
@@ -657,6 +686,7 @@ static void levels_without_payload_in_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stages_that_do_not_run),
         cmocka_unit_test(lists_and_their_packing),
         cmocka_unit_test(the_packing_copy_of_sorted_lists),
         cmocka_unit_test(each_payload),

@@ -2,9 +2,25 @@
 /* Prints a plan. */
 #include "plan_report.h"
 
+#include <stdio.h>
 #include <string.h>
 
+#include "svocl/build.h"
 #include "table.h"
+
+/* "grid, voxelize, ..." */
+static svo_message stages_of(const svo_plan *plan)
+{
+    svo_message names = {""};
+    for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
+        const size_t used = strlen(names.text);
+        if (svo_plan_has_stage(plan, stage)) {
+            (void)snprintf(names.text + used, sizeof names.text - used, "%s%s", used > 0 ? ", " : "",
+                           svo_stage_name(stage));
+        }
+    }
+    return names;
+}
 
 static void print_request(const svo_plan *plan, const char *input)
 {
@@ -22,6 +38,8 @@ static void print_request(const svo_plan *plan, const char *input)
     table_cell(rows, "about %s by the count law", figure_count((uint64_t)(info.expected_fragments + 0.5)).text);
     table_cell(rows, "read later");
     table_cell(rows, "nodes; %s", figure_needs(info.need).text);
+    table_cell(rows, "stages");
+    table_cell(rows, "%s", stages_of(plan).text);
     table_print(rows);
 }
 
@@ -142,6 +160,16 @@ static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl
     }
 }
 
+static void add_stages(cJSON *document, const svo_plan *plan)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, "stages");
+    for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
+        if (svo_plan_has_stage(plan, stage)) {
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_stage_name(stage)));
+        }
+    }
+}
+
 cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
 {
     svo_plan_info info;
@@ -154,6 +182,7 @@ cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
     cJSON_AddNumberToObject(document, "expected_fragments", info.expected_fragments);
     json_add_needs(document, "need", info.need);
     json_add_needs(document, "constant", info.constant);
+    add_stages(document, plan);
     add_kernels(document, plan, with_opengl);
     add_buffers(document, plan);
     json_add_count(document, "peak_bytes", svo_plan_peak_bytes(plan));

@@ -55,6 +55,9 @@ typedef enum svo_stage {
 } svo_stage;
 SVO_API const char *svo_stage_name(svo_stage stage); /* "grid", "compile", ...; static string */
 
+/* Whether a build of the plan has that stage: not 0 if so. The grid and the compiler are part of every build. */
+SVO_API int svo_plan_has_stage(const svo_plan *plan, svo_stage stage);
+
 typedef struct svo_stage_time {
     double ms;
     const char *clock; /* "wall", "cl-event" or "gl-timer"; NULL: the stage did not run */
