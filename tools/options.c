@@ -293,6 +293,8 @@ static const rule rules[] = {
      "measure this beside it, in turns: embree (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays of each set (1000000)"},
+    {"quick", '\0', OPTION_BENCH_COMMAND, NULL, read_flag, FIELD(quick), 0, 0, NULL,
+     "smaller sizes and fewer rounds: the same tables in minutes"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
     {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
     {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this"},

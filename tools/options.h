@@ -78,6 +78,7 @@ typedef struct options {
     uint64_t count; /* stress: how much work */
     int versus; /* bench: 0 nothing, 1 Embree */
     uint64_t ray_count; /* bench: of a set */
+    uint64_t quick; /* bench, report: a flag */
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 
