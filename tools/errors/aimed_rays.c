@@ -75,20 +75,20 @@ static svo_ray ray_to(vector3 origin, vector3 target, double unit)
     return ray;
 }
 
-static svo_ray aimed_ray(const svo_mesh *mesh, aim kind, double extent, double unit, random_stream *random)
+static svo_ray aimed_ray(const svo_mesh *mesh, const aimed_set *set, double extent, random_stream *random)
 {
     vector3 corners[3];
     vector3 normal;
     pick_triangle(mesh, random, corners, &normal);
-    const vector3 target = target_in(kind, corners, random);
-    const double distance = extent * (0.02 + 0.3 * share(random));
+    const vector3 target = target_in(set->kind, corners, random);
+    const double distance = extent * (set->reach > 0.0 ? set->reach : 0.02 + 0.3 * share(random));
     const vector3 sideways = vector(share(random) - 0.5, share(random) - 0.5, share(random) - 0.5);
     vector3 away = vector_add(normal, vector_scale(sideways, 0.8));
-    if (kind == AIM_GRAZING) {
+    if (set->kind == AIM_GRAZING) {
         const vector3 edge = vector_subtract(corners[1], corners[2]);
         away = vector_add(vector_scale(edge, 1.0 / vector_length(edge)), vector_scale(normal, GRAZING_SLOPE));
     }
-    return ray_to(vector_add(target, vector_scale(away, distance)), target, unit);
+    return ray_to(vector_add(target, vector_scale(away, distance)), target, set->unit);
 }
 
 static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
@@ -107,18 +107,18 @@ static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
     }
 }
 
-void aimed_rays(const svo_mesh *mesh, aim kind, double unit, size_t count, svo_ray *rays)
+void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ray *rays)
 {
-    random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)kind};
+    random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)set->kind};
     double low[3];
     double high[3];
     bounds_of(mesh, low, high);
     const double extent = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
-    if (kind == AIM_ANYWHERE) {
+    if (set->kind == AIM_ANYWHERE) {
         ray_set_incoherent(low, high, count, rays); /* these meet no edge but by chance */
         return;
     }
     for (size_t i = 0; i < count; ++i) {
-        rays[i] = aimed_ray(mesh, kind, extent, unit, &random);
+        rays[i] = aimed_ray(mesh, set, extent, &random);
     }
 }

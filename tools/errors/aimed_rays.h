@@ -17,8 +17,15 @@ typedef enum aim {
 } aim;
 const char *aim_name(aim kind); /* static string */
 
-/* mesh: with finite positions. unit: not 0: the positions are multiples of it, origins are too, and rays that are aimed
-   meet their targets exactly; 0: they pass them within the rounding of a float. */
-void aimed_rays(const svo_mesh *mesh, aim kind, double unit, size_t count, svo_ray *rays);
+typedef struct aimed_set {
+    aim kind;
+    /* Not 0: the positions are multiples of it, origins are too, and rays that are aimed meet their targets exactly. 0: they
+       pass them within the rounding of a float. */
+    double unit;
+    double reach; /* how far away the origins are, in widths of the mesh; 0: close by */
+} aimed_set;
+
+/* mesh: with finite positions. */
+void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ray *rays);
 
 #endif

@@ -64,7 +64,7 @@ static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mes
         const ray_case given = {
             .mesh = mesh, .edge = GRID_EDGE, .rays = rays, .ray_count = ray_count, .levels = {6, 8, 10}};
         progress_step(run->state->progress, "E2: rays");
-        aimed_rays(mesh, kind, UNIT, ray_count, rays);
+        aimed_rays(mesh, &(aimed_set){.kind = kind, .unit = UNIT}, ray_count, rays);
         exit_code = ray_ways_measure(run, &given, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
             add_row(table, mesh->triangle_count, kind, &results[i]);

@@ -15,7 +15,11 @@ static const struct {
     const char *name;
     int (*measure)(error_run *run);
     unsigned step_count; /* of the progress bar */
-} experiments[] = {{"e1", errors_voxelization, 10}, {"e2", errors_rays, 12}, {"e3", errors_attributes, 2}};
+} experiments[] = {{"e1", errors_voxelization, 10},
+                   {"e2", errors_rays, 12},
+                   {"e3", errors_attributes, 2},
+                   {"e4", errors_detail, 2},
+                   {"e5", errors_stiffness, 6}};
 
 #define EXPERIMENT_COUNT (sizeof experiments / sizeof experiments[0])
 
