@@ -1,47 +1,121 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl bench: measurements, each a file of its own in bench/. */
+/* svocl bench: measurements of time, as tables, JSON, or a file of it. Each subject is a file of its own in bench/. */
 #include <string.h>
 
 #include "bench/bench.h"
 #include "commands.h"
 #include "errors/bench_errors.h"
 #include "json.h"
+#include "output.h"
+#include "table.h"
 
-static const struct {
-    const char *name;
-    int (*run)(program *state);
-} subjects[] = {{"rays", bench_rays}};
-
-static int bench_errors(program *state)
+static bool is_known(const char *wanted)
 {
-    result_set *results = result_create();
-    program_begin_progress(state, bench_errors_step_count(state->options.subject));
-    int exit_code = bench_errors_fill(state, state->options.subject, state->options.quick != 0, results);
-    progress_destroy(&state->progress);
-    if (exit_code == PROGRAM_DONE && state->options.json) {
-        exit_code = json_print(state, result_to_json(results));
-    } else if (exit_code == PROGRAM_DONE) {
-        for (size_t i = 0; i < results->table_count; ++i) {
-            result_print(results->tables[i]);
+    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
+        if (strcmp(bench_describe(i)->name, wanted) == 0) {
+            return true;
         }
     }
+    return strcmp(wanted, "all") == 0 || bench_errors_know(wanted);
+}
+
+/* "voxelize, build, ..., all" */
+static void list_subjects(char *text, size_t text_bytes)
+{
+    size_t used = 0;
+    for (size_t i = 0; bench_describe(i) != NULL && used < text_bytes; ++i) {
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", bench_describe(i)->name);
+    }
+    if (used < text_bytes) {
+        snprintf(text + used, text_bytes - used, "errors, e1 to e5, all");
+    }
+}
+
+static int check_subject(program *state)
+{
+    const options *given = &state->options;
+    char known[256];
+    list_subjects(known, sizeof known);
+    if (given->subject == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "what to measure is missing: one of %s", known);
+    }
+    if (!is_known(given->subject)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' cannot be measured, only one of %s", given->subject,
+                            known);
+    }
+    return PROGRAM_DONE;
+}
+
+/* Subjects have their own scenes, depths, needs and ways: what a build is told is told to `bench rays` alone. */
+static int check_options(program *state)
+{
+    const options *given = &state->options;
+    if (given->input != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many, bench %s takes --scenes",
+                            given->input, given->subject);
+    }
+    if (given->has_depth) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
+    }
+    if (given->versus != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--vs is for bench rays alone, the others take what is there");
+    }
+    const char *name = given->need != 0                            ? "need"
+                       : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
+                       : given->weights != SVO_WEIGHTS_AREA        ? "weights"
+                       : given->builder != SVO_BUILDER_CL          ? "builder"
+                       : given->frontend != OPTION_FRONTEND_AUTO   ? "frontend"
+                       : given->share != SVO_GL_SHARE_AUTO         ? "share"
+                       : given->edge > 0.0                         ? "edge"
+                                                                   : NULL;
+    return name == NULL ? PROGRAM_DONE
+                        : program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to bench %s", name,
+                                       given->subject);
+}
+
+static void print_tables(const result_set *results)
+{
+    result_print_machine(results);
+    for (size_t i = 0; i < results->table_count; ++i) {
+        table_gap();
+        result_print(results->tables[i]);
+    }
+}
+
+static int run_subjects(program *state)
+{
+    result_set *results = result_create();
+    if (results == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    int exit_code = bench_collect(state, state->options.subject, results);
+    cJSON *document = exit_code == PROGRAM_DONE ? result_to_json(results) : NULL;
+    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
+        exit_code = json_save(state, state->options.output_path, document);
+    }
+    if (exit_code == PROGRAM_DONE && state->options.json) {
+        exit_code = json_print(state, document);
+        document = NULL;
+    } else if (exit_code == PROGRAM_DONE) {
+        print_tables(results);
+    }
+    cJSON_Delete(document);
     result_destroy(&results);
     return exit_code;
 }
 
 int command_bench(program *state)
 {
-    const char *wanted = state->options.subject;
-    if (wanted == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "what to measure is missing: rays");
+    int exit_code = check_subject(state);
+    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
+        exit_code = output_check(state, state->options.output_path);
     }
-    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; ++i) {
-        if (strcmp(subjects[i].name, wanted) == 0) {
-            return subjects[i].run(state);
-        }
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (bench_errors_know(wanted)) {
-        return bench_errors(state);
+    if (strcmp(state->options.subject, "rays") == 0 && state->options.scenes == NULL && state->options.depths == NULL) {
+        return bench_rays_alone(state);
     }
-    return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' cannot be measured, only: rays", wanted);
+    exit_code = check_options(state);
+    return exit_code == PROGRAM_DONE ? run_subjects(state) : exit_code;
 }

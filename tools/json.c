@@ -3,6 +3,9 @@
 #include "json.h"
 
 #include <stdio.h>
+#include <string.h>
+
+#include "output.h"
 
 void json_add_count(cJSON *object, const char *name, uint64_t count)
 {
@@ -21,6 +24,23 @@ void json_add_text(cJSON *object, const char *name, const char *text)
 void json_add_vector(cJSON *object, const char *name, const double vector[3])
 {
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(vector, 3));
+}
+
+int json_save(program *state, const char *path, const cJSON *document)
+{
+    char *text = cJSON_Print(document);
+    if (text == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory for the JSON text");
+    }
+    output_file file;
+    int exit_code = output_open(state, path, &file);
+    if (exit_code == PROGRAM_DONE) {
+        output_write(&file, text, strlen(text));
+        output_write(&file, "\n", 1);
+        exit_code = output_commit(state, &file);
+    }
+    cJSON_free(text);
+    return exit_code;
 }
 
 int json_print(program *state, cJSON *document)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Figures as JSON on standard output. */
+/* Figures as JSON on standard output or in a file. */
 #ifndef SVOCL_JSON_H
 #define SVOCL_JSON_H
 
@@ -12,6 +12,9 @@ void json_add_count(cJSON *object, const char *name, uint64_t count);
 /* text: NULL becomes null. */
 void json_add_text(cJSON *object, const char *name, const char *text);
 void json_add_vector(cJSON *object, const char *name, const double vector[3]);
+
+/* Writes the document to a file, whole or not at all. Returns the exit code. */
+int json_save(program *state, const char *path, const cJSON *document);
 
 /* Prints and releases the document. Returns the exit code. */
 int json_print(program *state, cJSON *document);

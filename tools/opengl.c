@@ -7,12 +7,18 @@
 
 #include "svocl/gl.h"
 
+#define FURTHER_MAX 8
+
 struct opengl {
     svo_device *device;
     svo_gl_context *context;
     svo_gl_context_info info;
     svo_gl *gl;
-    svo_gl *copying; /* NULL until asked for */
+    struct {
+        int frontend, share; /* as asked for */
+        svo_gl *gl;
+    } further[FURTHER_MAX];
+    size_t further_count;
 };
 
 static svo_status create_context(const options *given, svo_gl_context_kind kind, svo_gl_context **out,
@@ -48,11 +54,11 @@ static bool open_context(const options *given, opengl *out, svo_message *reason)
     return false;
 }
 
-static svo_gl_raster raster_of(const options *given)
+static svo_gl_raster raster_of(int frontend)
 {
-    return given->frontend == OPTION_FRONTEND_GL_EXPAND ? SVO_GL_RASTER_EXPAND
-           : given->frontend == OPTION_FRONTEND_GL_HW   ? SVO_GL_RASTER_HW
-                                                        : SVO_GL_RASTER_AUTO;
+    return frontend == OPTION_FRONTEND_GL_EXPAND ? SVO_GL_RASTER_EXPAND
+           : frontend == OPTION_FRONTEND_GL_HW   ? SVO_GL_RASTER_HW
+                                                 : SVO_GL_RASTER_AUTO;
 }
 
 static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, svo_message *reason)
@@ -88,7 +94,7 @@ opengl *opengl_open(const options *given, svo_message *reason)
 bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
 {
     opened->device = device;
-    opened->gl = create(opened, raster_of(given), (svo_gl_share)given->share, reason);
+    opened->gl = create(opened, raster_of(given->frontend), (svo_gl_share)given->share, reason);
     return opened->gl != NULL;
 }
 
@@ -97,7 +103,9 @@ void opengl_close(opengl **opened)
     if (*opened == NULL) {
         return;
     }
-    svo_gl_destroy(&(*opened)->copying);
+    for (size_t i = 0; i < (*opened)->further_count; ++i) {
+        svo_gl_destroy(&(*opened)->further[i].gl);
+    }
     svo_gl_destroy(&(*opened)->gl);
     svo_gl_context_destroy(&(*opened)->context);
     free(*opened);
@@ -130,10 +138,23 @@ svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reaso
     return svo_gl_prefer(opened->gl, cl, reason);
 }
 
-svo_frontend *opengl_copying_frontend(opengl *opened, svo_message *reason)
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
 {
-    if (opened->copying == NULL) {
-        opened->copying = create(opened, SVO_GL_RASTER_AUTO, SVO_GL_SHARE_COPY, reason);
+    for (size_t i = 0; i < opened->further_count; ++i) {
+        if (opened->further[i].frontend == frontend && opened->further[i].share == share) {
+            return svo_gl_frontend(opened->further[i].gl);
+        }
     }
-    return opened->copying != NULL ? svo_gl_frontend(opened->copying) : NULL;
+    if (opened->further_count == FURTHER_MAX) {
+        snprintf(reason->text, sizeof reason->text, "more than %d front ends on one context", FURTHER_MAX);
+        return NULL;
+    }
+    svo_gl *gl = create(opened, raster_of(frontend), (svo_gl_share)share, reason);
+    if (gl == NULL) {
+        return NULL;
+    }
+    opened->further[opened->further_count].frontend = frontend;
+    opened->further[opened->further_count].share = share;
+    opened->further[opened->further_count++].gl = gl;
+    return svo_gl_frontend(gl);
 }

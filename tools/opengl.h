@@ -30,8 +30,9 @@ svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reaso
 /* A build by OpenGL's compute shaders. */
 svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
                         svo_build_report *report);
-/* One more front end on the same context, whose list goes to OpenCL as a copy. NULL with the reason. */
-svo_frontend *opengl_copying_frontend(opengl *opened, svo_message *reason);
+/* One more front end on the same context, made at the first call for its raster and share (option_frontend,
+   svo_gl_share) and kept. NULL with the reason. */
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason);
 
 /* Adds "renderers", and "pairs": what works with each of the devices. */
 void opengl_describe(cJSON *document, svo_device *const *devices, size_t device_count);

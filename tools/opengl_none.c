@@ -73,9 +73,11 @@ svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reaso
     return cl;
 }
 
-svo_frontend *opengl_copying_frontend(opengl *opened, svo_message *reason)
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
 {
     (void)opened;
+    (void)frontend;
+    (void)share;
     snprintf(reason->text, sizeof reason->text, WITHOUT);
     return NULL;
 }

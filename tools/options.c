@@ -210,6 +210,12 @@ static int read_depth(program *state, const rule *option, const char *value)
     return read_count(state, option, value);
 }
 
+static int read_repeat(program *state, const rule *option, const char *value)
+{
+    state->options.has_repeat = true;
+    return read_count(state, option, value);
+}
+
 static int read_triangles(program *state, const rule *option, const char *value)
 {
     state->options.has_triangles = true;
@@ -283,8 +289,14 @@ static const rule rules[] = {
      "a ray per pixel: auto, or eye, target, up, degrees as numbers (6, 9 or 10)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
-    {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_BENCH_COMMAND, "N", read_count, FIELD(repeat), 1, 10000, NULL,
-     "do it N times; times are medians, of builds without the first (1)"},
+    {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_MEASURE, "N", read_repeat, FIELD(repeat), 1, 10000, NULL,
+     "do it N times; times are medians, of builds without the first (1; measurements: 11 after the first)"},
+    {"scenes", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(scenes), 0, 0, NULL,
+     "what is built: INPUTs with commas between, without their scene: (each measurement's own)"},
+    {"depths", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(depths), 0, 0, NULL,
+     "at which depths, with commas between (each measurement's own)"},
+    {"quick", '\0', OPTION_MEASURE, NULL, read_flag, FIELD(quick), 0, 0, NULL,
+     "smaller scenes, fewer depths, 3 repeats: to see that it works"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
@@ -293,8 +305,6 @@ static const rule rules[] = {
      "measure this beside it, in turns: embree (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays of each set (1000000)"},
-    {"quick", '\0', OPTION_BENCH_COMMAND, NULL, read_flag, FIELD(quick), 0, 0, NULL,
-     "smaller sizes and fewer rounds: the same tables in minutes"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
     {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
     {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this"},

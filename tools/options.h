@@ -26,9 +26,10 @@ enum option_group {
     OPTION_RENDER_COMMAND = 256,
     OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
-    OPTION_BENCH_COMMAND = 2048, /* what is measured, against what, with how much */
+    OPTION_BENCH_COMMAND = 2048, /* what is measured, against what */
     OPTION_TRACE_COMMAND = 4096, /* rays, camera */
-    OPTION_PICTURE_SIZE = 8192
+    OPTION_PICTURE_SIZE = 8192,
+    OPTION_MEASURE = 16384 /* on how much work, how often */
 };
 
 enum option_frontend {
@@ -70,6 +71,7 @@ typedef struct options {
 
     const char *output_path; /* NULL: not given */
     uint64_t repeat, compress;
+    bool has_repeat;
     uint64_t nodes; /* hash: nodes only */
     uint64_t triangles, seed;
     bool has_triangles, has_seed;
@@ -78,7 +80,8 @@ typedef struct options {
     uint64_t count; /* stress: how much work */
     int versus; /* bench: 0 nothing, 1 Embree */
     uint64_t ray_count; /* bench: of a set */
-    uint64_t quick; /* bench, report: a flag */
+    const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
+    uint64_t quick; /* measurements: a flag */
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 

@@ -21,6 +21,7 @@ struct progress {
     unsigned steps_begun;
     double started_s;
     bool shown;
+    bool held;
     bool ending;
     pthread_mutex_t lock;
     pthread_cond_t changed;
@@ -112,9 +113,21 @@ void progress_step(progress *bar, const char *what)
         return;
     }
     pthread_mutex_lock(&bar->lock);
-    bar->what = what;
-    ++bar->steps_begun;
-    draw(bar);
+    if (!bar->held) {
+        bar->what = what;
+        ++bar->steps_begun;
+        draw(bar);
+    }
+    pthread_mutex_unlock(&bar->lock);
+}
+
+void progress_hold(progress *bar, bool held)
+{
+    if (bar == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&bar->lock);
+    bar->held = held;
     pthread_mutex_unlock(&bar->lock);
 }
 

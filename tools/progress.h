@@ -8,6 +8,8 @@
 #ifndef SVOCL_PROGRESS_H
 #define SVOCL_PROGRESS_H
 
+#include <stdbool.h>
+
 typedef struct progress progress;
 
 /* title: a static string. step_count: how often progress_step will be called. NULL without a terminal. */
@@ -15,6 +17,9 @@ progress *progress_create(const char *title, unsigned step_count);
 
 /* The next step begins. what: a static string, "reading the mesh". */
 void progress_step(progress *bar, const char *what);
+
+/* While held, steps that begin are part of the present one. */
+void progress_hold(progress *bar, bool held);
 
 /* Takes the bar away for now, so that a line can be printed; it comes back by itself. */
 void progress_hide(progress *bar);

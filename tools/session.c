@@ -132,6 +132,29 @@ int session_open(program *state, session *opened)
     return result;
 }
 
+int session_open_both(program *state, session *opened)
+{
+    int result = session_open_device(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl != NULL) {
+        result = join_opengl(state, opened);
+    }
+    if (result == PROGRAM_DONE && opened->gl != NULL &&
+        !opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        opengl_close(&opened->gl);
+    }
+    if (result == PROGRAM_DONE && svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        result = program_fail_library(state, svo_device_message(opened->device));
+    }
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
+}
+
 void session_choose(program *state, session *opened, const svo_plan *plan)
 {
     if (opened->frontend != NULL) {

@@ -23,6 +23,9 @@ typedef struct session {
 int session_open_device(program *state, session *opened);
 /* The same, and the front end where --frontend, --share or --context name one; else it is left to be chosen. */
 int session_open(program *state, session *opened);
+/* Device, queue and the front end of OpenCL alone, and OpenGL beside it wherever there is one, on an OpenCL context that
+   shares with it where the two can; gl is NULL without one, and the reason says why. No front end is chosen. */
+int session_open_both(program *state, session *opened);
 /* Chooses the front end that should be fastest for the plan, unless there is one. */
 void session_choose(program *state, session *opened, const svo_plan *plan);
 /* Chooses that of OpenGL wherever there is one. */

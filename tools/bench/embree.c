@@ -22,6 +22,7 @@
 struct embree {
     RTCDevice device;
     RTCScene scene;
+    double build_ms;
     char version[VERSION_BYTES];
 };
 
@@ -42,9 +43,11 @@ static bool add_mesh(embree *made, const float *vertices, size_t vertex_count, c
     if (there) {
         memcpy(points, vertices, vertex_count * 3 * sizeof(float));
         memcpy(corners, indices, triangle_count * 3 * sizeof(uint32_t));
+        const double start_ms = input_now_ms();
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(made->scene, geometry);
         rtcCommitScene(made->scene);
+        made->build_ms = input_now_ms() - start_ms;
     }
     rtcReleaseGeometry(geometry);
     return there && rtcGetDeviceError(made->device) == RTC_ERROR_NONE;
@@ -85,6 +88,11 @@ void embree_destroy(embree **rival)
     }
     free(*rival);
     *rival = NULL;
+}
+
+double embree_build_ms(const embree *rival)
+{
+    return rival->build_ms;
 }
 
 const char *embree_version(const embree *rival)
@@ -176,6 +184,12 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
 void embree_destroy(embree **rival)
 {
     *rival = NULL;
+}
+
+double embree_build_ms(const embree *rival)
+{
+    (void)rival;
+    return -1.0;
 }
 
 const char *embree_version(const embree *rival)

@@ -13,19 +13,24 @@
 #include "bench.h"
 #include "embree.h"
 #include "job.h"
+#include "json.h"
 #include "lattice.h"
 #include "ray_judge.h"
 #include "ray_sets.h"
+#include "spread.h"
 #include "table.h"
 
 #define DEFAULT_INPUT   "scene:statue:120000"
+#define QUICK_INPUT     "scene:knot:8000"
 #define DEFAULT_REPEATS 7u
+#define QUICK_REPEATS   3u
+#define QUICK_RAYS      100000u
 
 /* One set of rays, and what came of it. */
 typedef struct ray_set {
     const char *name;
     svo_ray *rays;
-    double ours_ms, theirs_ms; /* medians; theirs 0 without Embree */
+    spread ours_ms, theirs_ms, ratio; /* ratio: theirs to ours, turn by turn; none without Embree */
     ray_verdict verdict;
 } ray_set;
 
@@ -121,19 +126,6 @@ static int make_rays(ray_bench *bench)
 
 /* ---- measuring ---- */
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double left = *(const double *)a;
-    const double right = *(const double *)b;
-    return (left > right) - (left < right);
-}
-
-static double median(double *values, size_t count)
-{
-    qsort(values, count, sizeof *values, compare_doubles);
-    return values[count / 2];
-}
-
 /* One pass of ours, from the call to its end; below 0 when it fails. */
 static double trace_ours(ray_bench *bench)
 {
@@ -155,7 +147,7 @@ static int measure_set(ray_bench *bench, ray_set *set)
 {
     const size_t bytes = bench->ray_count * sizeof(svo_ray);
     cl_command_queue queue = bench->work.opened.queue;
-    double *times = calloc(2 * bench->repeats, sizeof *times);
+    double *times = calloc(3 * bench->repeats, sizeof *times);
     bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
                                                         NULL, NULL) == CL_SUCCESS;
     for (size_t turn = 0; turn <= bench->repeats && worked; ++turn) {
@@ -167,13 +159,16 @@ static int measure_set(ray_bench *bench, ray_set *set)
         if (turn > 0) {
             times[turn - 1] = ours;
             times[bench->repeats + turn - 1] = theirs;
+            times[2 * bench->repeats + turn - 1] = theirs / ours;
         }
     }
     worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
                                            bench->ours, 0, NULL, NULL) == CL_SUCCESS;
     if (worked) {
-        set->ours_ms = median(times, bench->repeats);
-        set->theirs_ms = median(times + bench->repeats, bench->repeats);
+        const bool rivalled = bench->rival != NULL;
+        set->ours_ms = spread_of(times, bench->repeats);
+        set->theirs_ms = rivalled ? spread_of(times + bench->repeats, bench->repeats) : spread_none();
+        set->ratio = rivalled ? spread_of(times + 2 * bench->repeats, bench->repeats) : spread_none();
     }
     free(times);
     return worked ? PROGRAM_DONE : program_fail_library(bench->state, svo_device_message(bench->work.opened.device));
@@ -206,7 +201,7 @@ static double mrays(const ray_bench *bench, double ms)
     return ms > 0 ? (double)bench->ray_count / ms * 1e-3 : 0.0;
 }
 
-static int print_json(const ray_bench *bench)
+static cJSON *to_json(const ray_bench *bench)
 {
     cJSON *document = cJSON_CreateObject();
     json_add_text(document, "input", bench->work.source.name);
@@ -224,10 +219,10 @@ static int print_json(const ray_bench *bench)
         json_add_count(one, "rays", bench->ray_count);
         json_add_count(one, "hits", set->verdict.hits);
         cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
-        cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms));
+        cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms.median));
         if (bench->rival != NULL) {
-            cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms));
-            cJSON_AddNumberToObject(one, "ratio", set->theirs_ms / set->ours_ms);
+            cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms.median));
+            cJSON_AddNumberToObject(one, "ratio", set->ratio.median);
             json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
             json_add_count(one, "missed", set->verdict.missed);
             json_add_count(one, "differing", set->verdict.differing);
@@ -237,10 +232,10 @@ static int print_json(const ray_bench *bench)
         }
         cJSON_AddItemToArray(sets, one);
     }
-    return json_print(bench->state, document);
+    return document;
 }
 
-static int print_table(const ray_bench *bench)
+static void print_table(const ray_bench *bench)
 {
     progress_hide(bench->state->progress);
     table_line("%s: %s triangles at depth %u, %s rays a set, medians of %zu turns", bench->work.source.name,
@@ -255,10 +250,10 @@ static int print_table(const ray_bench *bench)
         const ray_set *set = &bench->sets[k];
         const bool rivalled = bench->rival != NULL;
         table_cell(rows, "%s", set->name);
-        table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms) * 1e6).text);
-        table_cell(rows, "%s", rivalled ? figure_rate(mrays(bench, set->theirs_ms) * 1e6).text : "");
+        table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms.median) * 1e6).text);
+        table_cell(rows, "%s", rivalled ? figure_rate(mrays(bench, set->theirs_ms.median) * 1e6).text : "");
         if (rivalled) {
-            table_cell(rows, "%.2f", set->theirs_ms / set->ours_ms);
+            table_cell(rows, "%.2f", set->ratio.median);
         } else {
             table_cell(rows, "%s", "");
         }
@@ -268,7 +263,6 @@ static int print_table(const ray_bench *bench)
         table_cell(rows, "%zu", set->verdict.their_wrong_ids + set->verdict.their_missed);
     }
     table_print(rows);
-    return PROGRAM_DONE;
 }
 
 /* ---- all of it ---- */
@@ -305,9 +299,6 @@ static int run_bench(ray_bench *bench)
             judge_set(bench, &bench->sets[k]);
         }
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = state->options.json ? print_json(bench) : print_table(bench);
-    }
     return exit_code;
 }
 
@@ -329,21 +320,118 @@ static void release(ray_bench *bench)
     free(bench->positions);
 }
 
-int bench_rays(program *state)
+int bench_rays_alone(program *state)
 {
     options *given = &state->options;
     if (given->versus != 0 && !embree_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
     }
-    given->input = given->input != NULL ? given->input : DEFAULT_INPUT;
+    given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
     ray_bench bench = {.state = state,
                        .threads = count_threads(given),
                        .ray_count = (size_t)given->ray_count,
-                       .repeats = given->repeat > 1 ? (size_t)given->repeat : DEFAULT_REPEATS};
+                       .repeats = given->has_repeat ? (size_t)given->repeat
+                                  : given->quick    ? QUICK_REPEATS
+                                                    : DEFAULT_REPEATS};
     given->repeat = 1; /* builds */
     given->depth_for_rays = !given->has_depth;
     program_begin_progress(state, 3 + SET_COUNT);
-    const int exit_code = run_bench(&bench);
+    int exit_code = run_bench(&bench);
+    cJSON *document = exit_code == PROGRAM_DONE ? to_json(&bench) : NULL;
+    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
+        exit_code = json_save(state, given->output_path, document);
+    }
+    if (exit_code == PROGRAM_DONE && given->json) {
+        exit_code = json_print(state, document);
+        document = NULL;
+    } else if (exit_code == PROGRAM_DONE) {
+        print_table(&bench);
+    }
+    cJSON_Delete(document);
     release(&bench);
     return exit_code;
 }
+
+/* ---- as one table among others ---- */
+
+static const char table_id[] = "rays";
+
+static int begin(bench_suite *all)
+{
+    result_table *results = result_add_table(all->results, table_id, "Rays against triangles, closest hit", "");
+    result_set_note(
+        results,
+        "%s, wall clock, on the snapped mesh; %s; ratio: our rays per second to Embree's, turn by turn; wrong: "
+        "another triangle than the reference's, or none",
+        bench_repeats(all).text,
+        embree_is_there() ? "ours and Embree's rtcIntersect1 in turns, on as many threads"
+                          : "Embree: this program was built without libembree-dev");
+    result_add_column(results, "scene", "");
+    result_add_column(results, "triangles", "");
+    result_add_column(results, "depth", "");
+    result_add_column(results, "rays", "");
+    result_add_column(results, "count", "");
+    result_add_column(results, "hits", "");
+    spread_add_columns(results, "svocl time", "ms");
+    result_add_column(results, "svocl", "M/s");
+    spread_add_columns(results, "Embree time", "ms");
+    result_add_column(results, "Embree", "M/s");
+    spread_add_columns(results, "ratio", "");
+    result_add_column(results, "wrong", "");
+    result_add_column(results, "Embree wrong", "");
+    return PROGRAM_DONE;
+}
+
+static void add_row(result_table *results, const ray_bench *bench, const ray_set *set)
+{
+    const bool rivalled = bench->rival != NULL;
+    result_add_text(results, "%s", bench_scene_name(&bench->work.source));
+    result_add_number(results, (double)bench->work.result.info.list_triangle_count);
+    result_add_number(results, bench->work.result.info.depth);
+    result_add_text(results, "%s", set->name);
+    result_add_number(results, (double)bench->ray_count);
+    result_add_number(results, (double)set->verdict.hits);
+    spread_add(results, set->ours_ms);
+    result_add_number(results, mrays(bench, set->ours_ms.median));
+    spread_add(results, set->theirs_ms);
+    result_add_number(results, rivalled ? mrays(bench, set->theirs_ms.median) : (double)NAN);
+    spread_add(results, set->ratio);
+    result_add_number(results, rivalled ? (double)(set->verdict.wrong_ids + set->verdict.missed) : (double)NAN);
+    result_add_number(results,
+                      rivalled ? (double)(set->verdict.their_wrong_ids + set->verdict.their_missed) : (double)NAN);
+}
+
+/* With a device handle of its own, and the input read again, since the mesh is snapped. */
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    options *given = &all->state->options;
+    const options before = *given;
+    given->input = source->name;
+    given->frontend = options_ask_for_gl(given) ? given->frontend : OPTION_FRONTEND_CL;
+    given->repeat = 1; /* builds */
+    given->depth_for_rays = depth == BENCH_DEPTH_FOR_RAYS;
+    given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
+    given->versus = embree_is_there();
+    ray_bench bench = {.state = all->state,
+                       .threads = count_threads(given),
+                       .ray_count = all->quick && given->ray_count > QUICK_RAYS ? QUICK_RAYS : (size_t)given->ray_count,
+                       .repeats = all->repeats};
+    progress_hold(all->state->progress, true);
+    const int exit_code = run_bench(&bench);
+    progress_hold(all->state->progress, false);
+    for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
+        add_row(result_find(all->results, table_id), &bench, &bench.sets[k]);
+    }
+    release(&bench);
+    *given = before;
+    return exit_code;
+}
+
+const bench_subject bench_rays = {
+    .name = "rays",
+    .summary = "rays against triangles, beside Embree",
+    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .begin = begin,
+    .run = run,
+};

@@ -210,6 +210,19 @@ size_t result_find_column(const result_table *table, const char *name)
     return i;
 }
 
+static bool is_suffixed(const char *name, const char *stem, const char *suffix)
+{
+    const size_t length = strlen(stem);
+    return strncmp(name, stem, length) == 0 && strcmp(name + length, suffix) == 0;
+}
+
+bool result_has_quartiles(const result_table *table, size_t column)
+{
+    const result_column *columns = table->columns + column;
+    return column + 2 < table->column_count && is_suffixed(columns[1].name, columns[0].name, " q1") &&
+           is_suffixed(columns[2].name, columns[0].name, " q3");
+}
+
 const result_cell *result_cell_at(const result_table *table, size_t row, size_t column)
 {
     const size_t i = row * table->column_count + column;

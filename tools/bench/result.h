@@ -94,6 +94,8 @@ result_table *result_find(const result_set *set, const char *id);
 size_t result_row_count(const result_table *table);
 /* The column of that name: its index, or column_count where there is none. */
 size_t result_find_column(const result_table *table, const char *name);
+/* Whether the two columns after this one are its quartiles: "NAME q1" and "NAME q3". */
+bool result_has_quartiles(const result_table *table, size_t column);
 /* NULL outside the table. */
 const result_cell *result_cell_at(const result_table *table, size_t row, size_t column);
 

@@ -23,19 +23,21 @@ void result_print_machine(const result_set *set)
     table_print(rows);
 }
 
-/* Counts whole with separators, other figures with four significant digits and no exponent where they are moderate. */
-static void print_number(table *rows, double number)
+/* Counts whole with separators, other figures with a few significant digits and no exponent where they are moderate. */
+static figure figure_of(double number)
 {
     const double size = fabs(number);
+    figure result;
     if (number >= 0.0 && size < 1e15 && number == floor(number)) {
-        table_cell(rows, "%s", figure_count((uint64_t)number).text);
-    } else if (size >= 1000.0 && size < 1e15) {
-        table_cell(rows, "%.0f", number);
-    } else if (size >= 1e-3 && size < 1000.0) {
-        table_cell(rows, "%.*f", size >= 100.0 ? 1 : size >= 1.0 ? 2 : 4, number);
-    } else {
-        table_cell(rows, "%.3g", number);
+        return figure_count((uint64_t)number);
     }
+    if (size >= 1e-3 && size < 1e15) {
+        const int decimals = size >= 1000.0 ? 0 : size >= 100.0 ? 1 : size >= 1.0 ? 2 : 4;
+        snprintf(result.text, sizeof result.text, "%.*f", decimals, number);
+    } else {
+        snprintf(result.text, sizeof result.text, "%.3g", number);
+    }
+    return result;
 }
 
 /* Numbers to the right; a column counts as numbers when one of its cells is. */
@@ -49,27 +51,52 @@ static char alignment_of(const result_table *results, size_t column)
     return 'l';
 }
 
+/* Quartiles stand in the cell of their median: the columns that follow it in the text. */
+static size_t next_shown(const result_table *results, size_t column)
+{
+    return column + (result_has_quartiles(results, column) ? 3 : 1);
+}
+
+static void print_heading(table *rows, const result_table *results, size_t column)
+{
+    const result_column *head = &results->columns[column];
+    table_cell(rows, "%s%s%s%s", head->name, head->unit[0] != '\0' ? ", " : "", head->unit,
+               result_has_quartiles(results, column) ? " (q1-q3)" : "");
+}
+
+static void print_cell(table *rows, const result_table *results, size_t row, size_t column)
+{
+    const result_cell *cell = result_cell_at(results, row, column);
+    const bool ranged =
+        result_has_quartiles(results, column) && cell[1].kind == RESULT_NUMBER && cell[2].kind == RESULT_NUMBER;
+    if (cell->kind == RESULT_NUMBER && ranged) {
+        table_cell(rows, "%s (%s-%s)", figure_of(cell->number).text, figure_of(cell[1].number).text,
+                   figure_of(cell[2].number).text);
+    } else if (cell->kind == RESULT_NUMBER) {
+        table_cell(rows, "%s", figure_of(cell->number).text);
+    } else {
+        table_cell(rows, "%s", cell->kind == RESULT_TEXT ? cell->text : "-");
+    }
+}
+
 void result_print(const result_table *results)
 {
     char alignment[TABLE_COLUMNS_MAX + 1] = "";
-    const size_t shown = results->column_count < TABLE_COLUMNS_MAX ? results->column_count : TABLE_COLUMNS_MAX;
-    for (size_t column = 0; column < shown; ++column) {
-        alignment[column] = alignment_of(results, column);
+    size_t shown[TABLE_COLUMNS_MAX];
+    size_t count = 0;
+    for (size_t column = 0; column < results->column_count && count < TABLE_COLUMNS_MAX;
+         column = next_shown(results, column)) {
+        shown[count] = column;
+        alignment[count++] = alignment_of(results, column);
     }
     table_heading("%s: %s", results->id, results->title);
     table *rows = table_create(alignment);
-    for (size_t column = 0; column < shown; ++column) {
-        const result_column *head = &results->columns[column];
-        table_cell(rows, "%s%s%s", head->name, head->unit[0] != '\0' ? ", " : "", head->unit);
+    for (size_t i = 0; i < count; ++i) {
+        print_heading(rows, results, shown[i]);
     }
     for (size_t row = 0; row < result_row_count(results); ++row) {
-        for (size_t column = 0; column < shown; ++column) {
-            const result_cell *cell = result_cell_at(results, row, column);
-            if (cell->kind == RESULT_NUMBER) {
-                print_number(rows, cell->number);
-            } else {
-                table_cell(rows, "%s", cell->kind == RESULT_TEXT ? cell->text : "-");
-            }
+        for (size_t i = 0; i < count; ++i) {
+            print_cell(rows, results, row, shown[i]);
         }
     }
     table_print(rows);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/spread.h"
 #include "errors/averages.h"
 #include "errors/turns.h"
 #include "scenes/maths.h"
@@ -185,13 +186,6 @@ static bool run_orders(attribute_bench *bench, attribute_way *way)
     return worked;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double left = *(const double *)a;
-    const double right = *(const double *)b;
-    return (left > right) - (left < right);
-}
-
 static void summarise(attribute_bench *bench, attribute_way_result *result)
 {
     size_t count = 0;
@@ -204,11 +198,13 @@ static void summarise(attribute_bench *bench, attribute_way_result *result)
             result->order_largest = fmax(result->order_largest, bench->differences[leaf]);
         }
     }
-    qsort(bench->errors, count, sizeof *bench->errors, compare_doubles);
-    result->mean /= count > 0 ? (double)count : 1.0;
-    result->order_mean /= count > 0 ? (double)count : 1.0;
-    result->most = quantile_of_sorted(bench->errors, count, 0.99);
-    result->largest = quantile_of_sorted(bench->errors, count, 1.0);
+    if (count > 0) {
+        (void)spread_of(bench->errors, count); /* sorts them */
+        result->mean /= (double)count;
+        result->order_mean /= (double)count;
+        result->most = spread_quantile(bench->errors, count, 0.99);
+        result->largest = bench->errors[count - 1];
+    }
 }
 
 /* ---- all of it ---- */

@@ -3,16 +3,13 @@
 #ifndef SVOCL_BENCH_ERRORS_H
 #define SVOCL_BENCH_ERRORS_H
 
-#include <stdbool.h>
-
-#include "bench/result.h"
-#include "program.h"
+#include "bench/bench.h"
 
 /* Whether which is "errors" (all of them) or one of "e1" to "e5". */
 bool bench_errors_know(const char *which);
-/* How many steps of the progress bar it makes. */
+/* How many steps of the progress bar it makes; "all" means all of them here too. */
 unsigned bench_errors_step_count(const char *which);
-/* Opens a session by the options and adds a table per experiment. Returns the exit code. */
-int bench_errors_fill(program *state, const char *which, bool quick, result_set *results);
+/* Adds a table per experiment to the suite's results. Returns the exit code. */
+int bench_errors_fill(const bench_suite *all, const char *which);
 
 #endif

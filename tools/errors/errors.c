@@ -3,7 +3,6 @@
 #include "errors.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "errors/bench_errors.h"
 #include "errors/crew.h"
@@ -43,7 +42,8 @@ scene *errors_scene(error_run *run, const char *spec)
 
 static bool is_wanted(const char *which, size_t experiment)
 {
-    return strcmp(which, "errors") == 0 || strcmp(which, experiments[experiment].name) == 0;
+    return strcmp(which, "all") == 0 || strcmp(which, "errors") == 0 ||
+           strcmp(which, experiments[experiment].name) == 0;
 }
 
 bool bench_errors_know(const char *which)
@@ -65,27 +65,24 @@ unsigned bench_errors_step_count(const char *which)
     return count;
 }
 
-int bench_errors_fill(program *state, const char *which, bool quick, result_set *results)
+int bench_errors_fill(const bench_suite *all, const char *which)
 {
-    const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    error_run run = {.state = state,
-                     .quick = quick,
-                     .threads = state->options.threads != 0 ? (unsigned)state->options.threads
-                                : online > 0                ? (unsigned)online
-                                                            : 1,
-                     .rounds = quick ? QUICK_ROUNDS : FULL_ROUNDS,
-                     .results = results};
-    run.threads = run.threads < CREW_MAX ? run.threads : CREW_MAX;
-    int exit_code = session_open(state, &run.opened);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    session_choose_opengl(state, &run.opened);
+    const unsigned threads = all->results->machine.cpu_threads;
+    const bool asked = all->state->options.has_repeat;
+    error_run run = {.state = all->state,
+                     .opened = all->opened,
+                     .quick = all->quick,
+                     .threads = threads < CREW_MAX ? threads : CREW_MAX,
+                     .rounds = asked        ? all->repeats
+                               : all->quick ? QUICK_ROUNDS
+                                            : FULL_ROUNDS,
+                     .results = all->results};
+    run.opened.frontend = run.opened.gl != NULL ? opengl_frontend(run.opened.gl) : run.opened.cl;
+    int exit_code = PROGRAM_DONE;
     for (size_t i = 0; i < EXPERIMENT_COUNT && exit_code == PROGRAM_DONE; ++i) {
         if (is_wanted(which, i)) {
             exit_code = experiments[i].measure(&run);
         }
     }
-    session_close(&run.opened);
     return exit_code;
 }

@@ -16,7 +16,7 @@
 /* What the experiments share. */
 typedef struct error_run {
     program *state;
-    session opened;
+    session opened; /* borrowed; frontend: OpenGL's where there is one */
     bool quick; /* smaller sizes, fewer rounds: the same ways and columns */
     unsigned threads; /* of ways that run on the host: as many as the device's */
     size_t rounds; /* times are medians of so many, after one that does not count */

@@ -15,9 +15,4 @@ typedef struct turn {
 /* The first round warms up and does not count. Returns false when a way fails or memory runs out; then no median is set. */
 bool turns_measure(turn *ways, size_t way_count, size_t round_count);
 
-/* Sorts the values. 0 of none. */
-double median_of(double *values, size_t count);
-/* The value below which the share lies, 0 .. 1, of sorted values. 0 of none. */
-double quantile_of_sorted(const double *values, size_t count, double share);
-
 #endif

@@ -174,7 +174,9 @@ static void repeatability(stress *run)
     stress_case one = stress_begin("T15 repeatability");
     one.unit = "hashes";
     svo_message reason = {""};
-    svo_frontend *copying = run->opened.gl != NULL ? opengl_copying_frontend(run->opened.gl, &reason) : NULL;
+    svo_frontend *copying = run->opened.gl != NULL ? opengl_further_frontend(run->opened.gl, OPTION_FRONTEND_AUTO,
+                                                                             SVO_GL_SHARE_COPY, &reason)
+                                                   : NULL;
     if (run->opened.gl != NULL && copying == NULL) {
         stress_fail(&one, "share copy: %s", reason.text);
     }

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+/* Goes through the subjects: opens the session and each scene, calls the subject for each depth. */
+#include "bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "errors/bench_errors.h"
+#include "svocl/version.h"
+
+#define REPEATS       11
+#define QUICK_REPEATS 3
+
+static const bench_subject *const subjects[] = {
+    &bench_voxelize,    &bench_builders, &bench_filter,          &bench_startup,      &bench_rays,  &bench_leaving_out,
+    &bench_scene_sizes, &bench_memory,   &bench_older_structure, &bench_older_memory, &bench_peers,
+};
+#define SUBJECT_COUNT (sizeof subjects / sizeof subjects[0])
+
+const bench_subject *bench_describe(size_t index)
+{
+    return index < SUBJECT_COUNT ? subjects[index] : NULL;
+}
+
+/* ---- what the options ask for ---- */
+
+static int read_scenes(bench_suite *all, const char *list)
+{
+    size_t count = 0;
+    all->scene_text = strdup(list);
+    if (all->scene_text == NULL) {
+        return program_fail(all->state, PROGRAM_FAILED, "out of memory");
+    }
+    for (char *name = all->scene_text; name != NULL;) {
+        char *comma = strchr(name, ',');
+        if (comma != NULL) {
+            *comma++ = '\0';
+        }
+        if (*name == '\0' || count + 1 == BENCH_LIST_MAX) {
+            return program_fail(all->state, PROGRAM_WRONG_USAGE, "--scenes '%s' is not a list of 1 to %d names", list,
+                                BENCH_LIST_MAX - 1);
+        }
+        all->scenes[count++] = name;
+        name = comma;
+    }
+    return PROGRAM_DONE;
+}
+
+static int read_depths(bench_suite *all, const char *list)
+{
+    size_t count = 0;
+    for (const char *text = list; *text != '\0';) {
+        char *end = NULL;
+        const unsigned long depth = *text >= '0' && *text <= '9' ? strtoul(text, &end, 10) : 0;
+        const bool more = end != NULL && *end == ',' && end[1] != '\0';
+        if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX || (*end != '\0' && !more) || count + 1 == BENCH_LIST_MAX) {
+            return program_fail(all->state, PROGRAM_WRONG_USAGE,
+                                "--depths '%s' is not a list of 1 to %d depths, %d to %d", list, BENCH_LIST_MAX - 1,
+                                SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+        }
+        all->depths[count++] = (unsigned)depth;
+        text = more ? end + 1 : end;
+    }
+    return PROGRAM_DONE;
+}
+
+static int read_options(bench_suite *all)
+{
+    const options *given = &all->state->options;
+    all->quick = given->quick != 0;
+    all->repeats = given->has_repeat ? (size_t)given->repeat : all->quick ? QUICK_REPEATS : REPEATS;
+    int exit_code = given->scenes != NULL ? read_scenes(all, given->scenes) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && given->depths != NULL) {
+        exit_code = read_depths(all, given->depths);
+    }
+    return exit_code;
+}
+
+static bench_work work_of(const bench_suite *all, const bench_subject *subject)
+{
+    bench_work work = all->quick ? subject->quick : subject->full;
+    if (all->scenes[0] != NULL && !subject->fixed) {
+        memcpy(work.scenes, all->scenes, sizeof work.scenes);
+    }
+    if (all->depths[0] != 0 && !subject->fixed) {
+        memcpy(work.depths, all->depths, sizeof work.depths);
+    }
+    return work;
+}
+
+const char *bench_scene_name(const input *source)
+{
+    const char *slash = strrchr(source->name, '/');
+    return slash != NULL ? slash + 1 : strncmp(source->name, "scene:", 6) == 0 ? source->name + 6 : source->name;
+}
+
+bench_text bench_repeats(const bench_suite *all)
+{
+    bench_text words;
+    snprintf(words.text, sizeof words.text, "medians and quartiles (q1, q3) of %zu runs after the first", all->repeats);
+    return words;
+}
+
+/* ---- the machine ---- */
+
+static void keep_device_fact(cl_device_id device, cl_device_info which, char fact[RESULT_FACT_BYTES])
+{
+    if (clGetDeviceInfo(device, which, RESULT_FACT_BYTES, fact, NULL) != CL_SUCCESS) {
+        fact[0] = '\0';
+    }
+}
+
+static void describe_machine(const bench_suite *all)
+{
+    result_machine *machine = &all->results->machine;
+    const cl_device_id device = svo_device_cl_device(all->opened.device);
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    const options *given = &all->state->options;
+    snprintf(machine->device, sizeof machine->device, "%s", svo_device_name(all->opened.device));
+    keep_device_fact(device, CL_DRIVER_VERSION, machine->driver);
+    keep_device_fact(device, CL_DEVICE_VERSION, machine->platform);
+    snprintf(machine->renderer, sizeof machine->renderer, "%s",
+             all->opened.gl != NULL ? opengl_renderer(all->opened.gl) : "none");
+    snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
+    machine->cpu_threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
+}
+
+/* ---- the run ---- */
+
+/* "scene:" before what begins with the name of one. */
+static void complete_name(const char *name, char *text, size_t text_bytes)
+{
+    bool is_scene = false;
+    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+        const char *known = scene_describe(i)->name;
+        const size_t length = strlen(known);
+        is_scene = is_scene || (strncmp(name, known, length) == 0 && (name[length] == '\0' || name[length] == ':'));
+    }
+    snprintf(text, text_bytes, "%s%s", is_scene ? "scene:" : "", name);
+}
+
+/* One scene at every depth. */
+static int run_scene(bench_suite *all, const bench_subject *subject, const char *name, const unsigned *depths)
+{
+    char text[1024];
+    input source;
+    complete_name(name, text, sizeof text);
+    all->state->options.input = text;
+    progress_hold(all->state->progress, true);
+    int exit_code = input_open(all->state, &source);
+    progress_hold(all->state->progress, false);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    for (size_t i = 0; depths[i] != 0 && exit_code == PROGRAM_DONE; ++i) {
+        progress_step(all->state->progress, subject->name);
+        exit_code = subject->run(all, &source, depths[i]);
+    }
+    input_close(&source);
+    return exit_code;
+}
+
+static int run_subject(bench_suite *all, const bench_subject *subject)
+{
+    const bench_work work = work_of(all, subject);
+    int exit_code = subject->begin(all);
+    for (size_t i = 0; work.scenes[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = run_scene(all, subject, work.scenes[i], work.depths);
+    }
+    return exit_code;
+}
+
+static unsigned count_steps(const bench_suite *all, const bench_subject *subject)
+{
+    const bench_work work = work_of(all, subject);
+    unsigned scenes = 0;
+    unsigned depths = 0;
+    while (work.scenes[scenes] != NULL) {
+        ++scenes;
+    }
+    while (work.depths[depths] != 0) {
+        ++depths;
+    }
+    return scenes * depths;
+}
+
+static bool is_meant(const bench_subject *subject, const char *wanted)
+{
+    return strcmp(wanted, "all") == 0 || strcmp(wanted, subject->name) == 0;
+}
+
+static int run_all(bench_suite *all, const char *wanted)
+{
+    unsigned steps = 0;
+    for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
+        steps += is_meant(subjects[i], wanted) ? count_steps(all, subjects[i]) : 0;
+    }
+    program_begin_progress(all->state, steps + bench_errors_step_count(wanted));
+    int exit_code = session_open_both(all->state, &all->opened);
+    if (exit_code == PROGRAM_DONE) {
+        describe_machine(all);
+    }
+    for (size_t i = 0; i < SUBJECT_COUNT && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = is_meant(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = bench_errors_fill(all, wanted);
+    }
+    if (exit_code == PROGRAM_DONE && !result_is_whole(all->results)) {
+        exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for the tables");
+    }
+    session_close(&all->opened);
+    return exit_code;
+}
+
+int bench_collect(program *state, const char *subject, result_set *results)
+{
+    bench_suite all = {.state = state, .results = results};
+    const options given = state->options; /* a subject may change them for its own work */
+    int exit_code = read_options(&all);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = run_all(&all, subject);
+    }
+    progress_destroy(&state->progress);
+    state->options = given;
+    free(all.scene_text);
+    return exit_code;
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute shaders;
+ * and what it costs to bring a list from OpenGL to OpenCL, by every share path.
+ */
+#include <math.h>
+#include <stdio.h>
+
+#include "series.h"
+
+static const char builders_id[] = "builders";
+static const char share_id[] = "share";
+
+/* The columns of both tables: stages in the order of the pipeline. */
+static const struct {
+    const char *name;
+    unsigned clocks;
+} builder_stages[] = {{"voxelize", SERIES_BIT(SVO_STAGE_VOXELIZE)},
+                      {"subdivide", SERIES_BIT(SVO_STAGE_SUBDIVIDE)},
+                      {"link", SERIES_BIT(SVO_STAGE_LINK)},
+                      {"pack", SERIES_BIT(SVO_STAGE_PACK)},
+                      {"filter", SERIES_BIT(SVO_STAGE_FILTER)},
+                      {"transfer", SERIES_BIT(SVO_STAGE_TRANSFER)},
+                      {"list to tree", SERIES_TREE},
+                      {"total", SERIES_BUILD}},
+  share_stages[] = {{"voxelize", SERIES_BIT(SVO_STAGE_VOXELIZE)},
+                    {"transfer", SERIES_BIT(SVO_STAGE_TRANSFER)},
+                    {"both", SERIES_BIT(SVO_STAGE_VOXELIZE) | SERIES_BIT(SVO_STAGE_TRANSFER)}};
+#define BUILDER_STAGES (sizeof builder_stages / sizeof builder_stages[0])
+#define SHARE_STAGES   (sizeof share_stages / sizeof share_stages[0])
+
+static void begin_builders(bench_suite *all)
+{
+    result_table *table =
+        result_add_table(all->results, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", "");
+    result_set_note(
+        table,
+        "%s, builders in turns; colours, normals and rays, uniform weights (tables of filter and leaving-out "
+        "have others); transfer: the mesh to the device, the list from OpenGL to OpenCL or the finished "
+        "arrays, counts back; list to tree: subdivide, link, pack and filter; total: with grid, voxelize and "
+        "transfer, without compiling; first: total with compiling, in the first run; ratio: list to tree, to "
+        "cl, turn by turn",
+        bench_repeats(all).text);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "fragments", "");
+    result_add_column(table, "nodes", "");
+    result_add_column(table, "builder", "");
+    result_add_column(table, "frontend", "");
+    result_add_column(table, "clock", "");
+    for (size_t i = 0; i < BUILDER_STAGES; ++i) {
+        spread_add_columns(table, builder_stages[i].name, "ms");
+    }
+    result_add_column(table, "first", "ms");
+    spread_add_columns(table, "ratio", "");
+}
+
+static void begin_share(bench_suite *all)
+{
+    result_table *table =
+        result_add_table(all->results, share_id, "What it costs to bring a list from OpenGL to OpenCL", "");
+    result_set_note(
+        table,
+        "%s, in turns; occupancy alone; none: OpenCL makes the list where it is used; ratio: of voxelize and "
+        "transfer, to cl, turn by turn",
+        bench_repeats(all).text);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "list", "B");
+    result_add_column(table, "frontend", "");
+    result_add_column(table, "share", "");
+    for (size_t i = 0; i < SHARE_STAGES; ++i) {
+        spread_add_columns(table, share_stages[i].name, "ms");
+    }
+    spread_add_columns(table, "ratio", "");
+}
+
+static int begin(bench_suite *all)
+{
+    begin_builders(all);
+    begin_share(all);
+    return PROGRAM_DONE;
+}
+
+static void add_builder(result_table *table, const input *source, unsigned depth, const series_way *way,
+                        const series_way *other)
+{
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->report.fragments);
+    result_add_number(table, (double)way->info.node_count);
+    result_add_text(table, "%s", way->report.builder);
+    result_add_text(table, "%s", way->report.frontend);
+    result_add_text(table, "%s", series_clock(way, SVO_STAGE_SUBDIVIDE));
+    for (size_t i = 0; i < BUILDER_STAGES; ++i) {
+        spread_add(table, series_ms(way, builder_stages[i].clocks));
+    }
+    result_add_number(table, series_first_ms(way, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
+    spread_add(table, series_ratio(way, other, SERIES_TREE));
+}
+
+static int run_builders(bench_suite *all, const input *source, unsigned depth)
+{
+    enum { WAYS = 3 };
+    const svo_plan_options plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS,
+                                   .weights = SVO_WEIGHTS_UNIFORM};
+    series_way ways[WAYS] = {
+        {.name = "cl", .plan = plan}, {.name = "sorted", .plan = plan}, {.name = "gl-compute", .plan = plan}};
+    ways[1].plan.builder = SVO_BUILDER_SORTED;
+    series_use_cl(all, &ways[0]);
+    series_use_cl(all, &ways[1]);
+    series_use_gl_compute(all, &ways[2]);
+    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
+    result_table *table = result_find(all->results, builders_id);
+    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_builder(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    series_add_reasons(table, ways, WAYS);
+    series_release(ways, WAYS);
+    return exit_code;
+}
+
+static void add_share(result_table *table, const input *source, unsigned depth, const series_way *way,
+                      const series_way *other)
+{
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->list_bytes);
+    result_add_text(table, "%s", way->report.frontend);
+    result_add_text(table, "%s", way->report.share);
+    for (size_t i = 0; i < SHARE_STAGES; ++i) {
+        spread_add(table, series_ms(way, share_stages[i].clocks));
+    }
+    spread_add(table, series_ratio(way, other, share_stages[SHARE_STAGES - 1].clocks));
+}
+
+static int run_share(bench_suite *all, const input *source, unsigned depth)
+{
+    enum { WAYS = 4 };
+    const svo_plan_options plan = {.need = SVO_NEED_NONE};
+    series_way ways[WAYS] = {{.name = "none", .plan = plan},
+                             {.name = "sharing", .plan = plan},
+                             {.name = "host", .plan = plan},
+                             {.name = "copy", .plan = plan}};
+    const int shares[WAYS] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_SHARING, SVO_GL_SHARE_HOST, SVO_GL_SHARE_COPY};
+    series_use_cl(all, &ways[0]);
+    for (size_t i = 1; i < WAYS; ++i) {
+        series_use_gl(all, OPTION_FRONTEND_AUTO, shares[i], &ways[i]);
+    }
+    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
+    result_table *table = result_find(all->results, share_id);
+    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_share(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    series_add_reasons(table, ways, WAYS);
+    series_release(ways, WAYS);
+    return exit_code;
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    const int exit_code = run_builders(all, source, depth);
+    return exit_code == PROGRAM_DONE ? run_share(all, source, depth) : exit_code;
+}
+
+const bench_subject bench_builders = {
+    .name = "build",
+    .summary = "OpenGL's compute shaders beside OpenCL, stage by stage, and the share paths",
+    .full = {.scenes = {"statue", "atrium"}, .depths = {6, 7, 8, 9, 10}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {6, 7, 8}},
+    .begin = begin,
+    .run = run,
+};

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/* What payload costs: by the weights of its means, and each kind of it alone. */
+#include <string.h>
+
+#include "series.h"
+
+static const char table_id[] = "filter";
+
+/* What is built in turns; the first is what the others are compared with. */
+static const struct {
+    const char *payload;
+    uint32_t need;
+    svo_weights weights;
+} forms[] = {
+    {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_AREA},
+    {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_CENTRE},
+    {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_UNIFORM},
+    {"color", SVO_NEED_COLOR, SVO_WEIGHTS_AREA},
+    {"normal", SVO_NEED_NORMAL, SVO_WEIGHTS_AREA},
+    {"material", SVO_NEED_MATERIAL, SVO_WEIGHTS_AREA},
+    {"fill", SVO_NEED_FILL, SVO_WEIGHTS_AREA},
+    {"color", SVO_NEED_COLOR, SVO_WEIGHTS_UNIFORM},
+    {"normal", SVO_NEED_NORMAL, SVO_WEIGHTS_UNIFORM},
+    {"material", SVO_NEED_MATERIAL, SVO_WEIGHTS_UNIFORM},
+};
+#define FORM_COUNT (sizeof forms / sizeof forms[0])
+
+static int begin(bench_suite *all)
+{
+    result_table *table = result_add_table(all->results, table_id, "Payload: by weights, and each kind alone", "");
+    result_set_note(
+        table,
+        "%s, in turns, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; "
+        "first: list to tree with compiling, in the first run; ratio: of filter, to colours and normals weighed by "
+        "area, turn by turn",
+        bench_repeats(all).text);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "nodes", "");
+    result_add_column(table, "payload", "");
+    result_add_column(table, "weights", "");
+    result_add_column(table, "clock", "");
+    spread_add_columns(table, "filter", "ms");
+    spread_add_columns(table, "list to tree", "ms");
+    result_add_column(table, "first", "ms");
+    spread_add_columns(table, "ratio", "");
+    return PROGRAM_DONE;
+}
+
+static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
+                    const series_way *other)
+{
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->info.node_count);
+    result_add_text(table, "%s", way->name);
+    result_add_text(table, "%s", svo_weights_name(way->plan.weights));
+    result_add_text(table, "%s", series_clock(way, SVO_STAGE_FILTER));
+    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_FILTER)));
+    spread_add(table, series_ms(way, SERIES_TREE));
+    result_add_number(table, series_first_ms(way, SERIES_TREE | SERIES_BIT(SVO_STAGE_COMPILE)));
+    spread_add(table, series_ratio(way, other, SERIES_BIT(SVO_STAGE_FILTER)));
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    series_way ways[FORM_COUNT];
+    memset(ways, 0, sizeof ways);
+    for (size_t i = 0; i < FORM_COUNT; ++i) {
+        ways[i].name = forms[i].payload;
+        ways[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
+        series_use_cl(all, &ways[i]);
+    }
+    const int exit_code = series_run(all, source->mesh, depth, ways, FORM_COUNT);
+    result_table *table = result_find(all->results, table_id);
+    for (size_t i = 0; i < FORM_COUNT && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_row(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    series_add_reasons(table, ways, FORM_COUNT);
+    series_release(ways, FORM_COUNT);
+    return exit_code;
+}
+
+const bench_subject bench_filter = {
+    .name = "filter",
+    .summary = "payload by weights, and each kind of it alone",
+    .full = {.scenes = {"atrium", "statue"}, .depths = {7, 8, 9}},
+    .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
+    .begin = begin,
+    .run = run,
+};

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* What the plan saves by leaving out what nobody reads: the same scene with each need, weight and builder in turn. */
+#include <string.h>
+
+#include "series.h"
+
+static const char table_id[] = "e6-leaving-out";
+
+#define NEED_PAYLOAD (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL | SVO_NEED_FILL)
+
+/* The first is everything, which the others are compared with. */
+static const struct {
+    const char *name;
+    const char *left_out;
+    svo_plan_options plan;
+} forms[] = {
+    {"all", "nothing", {.need = SVO_NEED_ALL}},
+    {"all but rays", "rays", {.need = NEED_PAYLOAD}},
+    {"all but color", "color", {.need = SVO_NEED_ALL & ~SVO_NEED_COLOR}},
+    {"all but normal", "normal", {.need = SVO_NEED_ALL & ~SVO_NEED_NORMAL}},
+    {"all but material", "material", {.need = SVO_NEED_ALL & ~SVO_NEED_MATERIAL}},
+    {"all but fill", "fill", {.need = SVO_NEED_ALL & ~SVO_NEED_FILL}},
+    {"color", "all but color", {.need = SVO_NEED_COLOR}},
+    {"normal", "all but normal", {.need = SVO_NEED_NORMAL}},
+    {"rays", "all but rays", {.need = SVO_NEED_RAYS}},
+    {"material", "all but material", {.need = SVO_NEED_MATERIAL}},
+    {"fill", "all but fill", {.need = SVO_NEED_FILL}},
+    {"none", "all but occupancy", {.need = SVO_NEED_NONE}},
+    {"color,normal by area", "rays, material, fill", {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}},
+    {"color,normal by centre",
+     "rays, material, fill, areas",
+     {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_CENTRE}},
+    {"color,normal uniform",
+     "rays, material, fill, clipping",
+     {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_UNIFORM}},
+    {"none, sorted", "all but occupancy", {.need = SVO_NEED_NONE, .builder = SVO_BUILDER_SORTED}},
+    {"rays, sorted", "all but rays", {.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED}},
+};
+#define FORM_COUNT (sizeof forms / sizeof forms[0])
+
+static int begin(bench_suite *all)
+{
+    result_table *table =
+        result_add_table(all->results, table_id, "Leaving out: time and bytes of what is asked for", "");
+    result_set_note(
+        table,
+        "%s, in turns, by the front end cl; build: from the mesh on the host to the finished tree without "
+        "compiling; first: with compiling, in the first run; peak: the largest sum of OpenCL buffers at one "
+        "time; tree: what remains of them; ratio: of build, to all, turn by turn",
+        bench_repeats(all).text);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "leaves", "");
+    result_add_column(table, "need", "");
+    result_add_column(table, "left out", "");
+    result_add_column(table, "builder", "");
+    spread_add_columns(table, "build", "ms");
+    result_add_column(table, "first", "ms");
+    result_add_column(table, "peak", "B");
+    result_add_column(table, "tree", "B");
+    result_add_column(table, "tree per leaf", "B");
+    spread_add_columns(table, "ratio", "");
+    return PROGRAM_DONE;
+}
+
+static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
+                    const series_way *other)
+{
+    const size_t form = (size_t)(way - other);
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->info.leaf_count);
+    result_add_text(table, "%s", way->name);
+    result_add_text(table, "%s", forms[form].left_out);
+    result_add_text(table, "%s", way->report.builder);
+    spread_add(table, series_ms(way, SERIES_BUILD));
+    result_add_number(table, series_first_ms(way, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
+    result_add_number(table, (double)way->peak_bytes);
+    result_add_number(table, (double)way->tree_bytes);
+    result_add_number(table, (double)way->tree_bytes / (double)way->info.leaf_count);
+    spread_add(table, series_ratio(way, other, SERIES_BUILD));
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    series_way ways[FORM_COUNT];
+    memset(ways, 0, sizeof ways);
+    for (size_t i = 0; i < FORM_COUNT; ++i) {
+        ways[i].name = forms[i].name;
+        ways[i].plan = forms[i].plan;
+        series_use_cl(all, &ways[i]);
+    }
+    const int exit_code = series_run(all, source->mesh, depth, ways, FORM_COUNT);
+    result_table *table = result_find(all->results, table_id);
+    for (size_t i = 0; i < FORM_COUNT && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_row(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    series_add_reasons(table, ways, FORM_COUNT);
+    series_release(ways, FORM_COUNT);
+    return exit_code;
+}
+
+const bench_subject bench_leaving_out = {
+    .name = "leaving-out",
+    .summary = "time and bytes of each need, weight and builder",
+    .full = {.scenes = {"atrium"}, .depths = {9}},
+    .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
+    .begin = begin,
+    .run = run,
+};

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* OpenVDB (https://www.openvdb.org) beside svocl: the same triangles at the same resolution through tools::meshToVolume. */
+#ifndef SVOCL_OPENVDB_H
+#define SVOCL_OPENVDB_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Whether this program was built with OpenVDB. */
+bool openvdb_is_there(void);
+/* "10.0.1"; "" without it. */
+const char *openvdb_version(void);
+
+/*
+ * The narrow band of unsigned distances, one voxel wide, around the triangles.
+ *
+ * points: three floats each, in voxels. indices: three per triangle. active_voxels: receives how many hold a distance;
+ * memory_bytes: receives what the tree of them takes.
+ * Returns the milliseconds it took, on all cores, below 0 on failure.
+ */
+double openvdb_voxelize(const float *points, size_t point_count, const uint32_t *indices, size_t triangle_count,
+                        uint64_t *active_voxels, uint64_t *memory_bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* In place of openvdb.cpp where libopenvdb-dev is not there. */
+#include "openvdb.h"
+
+bool openvdb_is_there(void)
+{
+    return false;
+}
+
+const char *openvdb_version(void)
+{
+    return "";
+}
+
+double openvdb_voxelize(const float *points, size_t point_count, const uint32_t *indices, size_t triangle_count,
+                        uint64_t *active_voxels, uint64_t *memory_bytes)
+{
+    (void)points;
+    (void)point_count;
+    (void)indices;
+    (void)triangle_count;
+    (void)active_voxels;
+    (void)memory_bytes;
+    return -1.0;
+}

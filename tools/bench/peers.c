@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Others that make something of the same triangles, where their Debian packages are present: Embree its hierarchy for rays,
+ * OpenVDB a sparse volume of the same resolution. Each in turns with ours.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "embree.h"
+#include "openvdb.h"
+#include "series.h"
+
+static const char embree_id[] = "peer-embree";
+static const char openvdb_id[] = "peer-openvdb";
+
+/* Their runs beside ours, and what they made. */
+typedef struct peer_runs {
+    double *times, *ratios; /* after the first run */
+    size_t count;
+    double first_ms;
+    uint64_t active_voxels, memory_bytes;
+} peer_runs;
+
+/* The triangles as floats in voxels, for both peers. */
+typedef struct peer_mesh {
+    float *points;
+    const svo_mesh *mesh;
+    uint32_t *indices;
+} peer_mesh;
+
+/* ---- the mesh ---- */
+
+static double position_of(const svo_mesh *mesh, size_t index)
+{
+    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
+}
+
+/* In units of voxels from the middle of the first one, on the grid that a plan would fit. Peers get no more care than that:
+   a mesh with refused triangles is not for them. */
+static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    double edge = 0.0;
+    *out = (peer_mesh){.points = calloc(mesh->vertex_count * 3, sizeof(float)),
+                       .mesh = mesh,
+                       .indices = calloc(mesh->triangle_count * 3, sizeof(uint32_t))};
+    if (out->points == NULL || out->indices == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        low[i % 3] = fmin(low[i % 3], position_of(mesh, i));
+    }
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        edge = fmax(edge, position_of(mesh, i) - low[i % 3]);
+    }
+    const double scale = edge > 0.0 ? (double)(1u << depth) / edge : 1.0;
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        out->points[i] = (float)((position_of(mesh, i) - low[i % 3]) * scale - 0.5);
+    }
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+        out->indices[i] = mesh->indices != NULL ? mesh->indices[i] : (uint32_t)i;
+    }
+    return true;
+}
+
+static void release_peer_mesh(peer_mesh *made)
+{
+    free(made->points);
+    free(made->indices);
+}
+
+/* ---- the runs ---- */
+
+static double run_embree(const peer_mesh *made)
+{
+    embree *rival =
+        embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count, false);
+    const double ms = rival != NULL ? embree_build_ms(rival) : -1.0;
+    embree_destroy(&rival);
+    return ms;
+}
+
+static double run_openvdb(const peer_mesh *made, peer_runs *runs)
+{
+    return openvdb_voxelize(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count,
+                            &runs->active_voxels, &runs->memory_bytes);
+}
+
+/* Ours and theirs in turns; one turn of ours is a series of one build. */
+static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, series_way *way, peer_runs *runs,
+                     bool with_embree)
+{
+    runs->times = calloc(all->repeats + 1, sizeof *runs->times);
+    runs->ratios = calloc(all->repeats + 1, sizeof *runs->ratios);
+    int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, way, 1)
+                        ? PROGRAM_DONE
+                        : program_fail(all->state, PROGRAM_FAILED, "out of memory");
+    for (size_t turn = 0; turn <= all->repeats && exit_code == PROGRAM_DONE; ++turn) {
+        exit_code = series_turn(all, made->mesh, depth, way, turn);
+        const double ms = with_embree ? run_embree(made) : run_openvdb(made, runs);
+        if (ms < 0.0 && exit_code == PROGRAM_DONE) {
+            return program_fail(all->state, PROGRAM_FAILED, "%s cannot take the triangles",
+                                with_embree ? "Embree" : "OpenVDB");
+        }
+        if (turn == 0) {
+            runs->first_ms = ms;
+        } else if (exit_code == PROGRAM_DONE && way->reason[0] == '\0') {
+            runs->ratios[runs->count] = series_turn_ms(way, turn, SERIES_BUILD) / ms;
+            runs->times[runs->count++] = ms;
+        }
+    }
+    return exit_code;
+}
+
+static void release_runs(peer_runs *runs)
+{
+    free(runs->times);
+    free(runs->ratios);
+}
+
+/* ---- tables ---- */
+
+static void begin_embree(bench_suite *all)
+{
+    result_table *table =
+        result_add_table(all->results, embree_id, "Structures for rays: the octree beside Embree's hierarchy", "");
+    result_set_note(
+        table,
+        "%s, in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays; "
+        "Embree%s: geometry and scene committed, on all cores, without the copy of the triangles; ratio: our time "
+        "to Embree's, turn by turn",
+        bench_repeats(all).text, embree_is_there() ? "" : " (this program was built without libembree-dev)");
+    result_add_column(table, "scene", "");
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "svocl tree", "B");
+    spread_add_columns(table, "svocl", "ms");
+    spread_add_columns(table, "Embree", "ms");
+    spread_add_columns(table, "ratio", "");
+}
+
+static void begin_openvdb(bench_suite *all)
+{
+    result_table *table = result_add_table(all->results, openvdb_id,
+                                           "Occupancy: the octree beside OpenVDB's volume of the same resolution", "");
+    result_set_note(
+        table,
+        "%s, in turns; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB%s%s: "
+        "tools::meshToVolume, unsigned distances in a band of one voxel to each side, on all cores: it computes "
+        "distances, and its active voxels are those near a surface, touched by it or not; ratio: our time to "
+        "OpenVDB's, turn by turn",
+        bench_repeats(all).text, openvdb_is_there() ? " " : " (this program was built without libopenvdb-dev)",
+        openvdb_version());
+    result_add_column(table, "scene", "");
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "svocl leaves", "");
+    result_add_column(table, "svocl tree", "B");
+    spread_add_columns(table, "svocl", "ms");
+    result_add_column(table, "OpenVDB active voxels", "");
+    result_add_column(table, "OpenVDB volume", "B");
+    spread_add_columns(table, "OpenVDB", "ms");
+    spread_add_columns(table, "ratio", "");
+}
+
+static int begin(bench_suite *all)
+{
+    begin_embree(all);
+    begin_openvdb(all);
+    return PROGRAM_DONE;
+}
+
+static void add_runs(result_table *table, peer_runs *runs)
+{
+    spread_add(table, spread_of(runs->times, runs->count));
+    spread_add(table, spread_of(runs->ratios, runs->count));
+}
+
+/* The depth that svo_plan_ray_depth finds. */
+static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *depth)
+{
+    svo_plan *plan = NULL;
+    if (svo_plan_create(all->opened.device, mesh, OPTION_DEFAULT_DEPTH, NULL, &plan) != SVO_OK) {
+        return program_fail_library(all->state, svo_device_message(all->opened.device));
+    }
+    *depth = svo_plan_ray_depth(plan);
+    svo_plan_destroy(&plan);
+    return PROGRAM_DONE;
+}
+
+static int compare_embree(bench_suite *all, const input *source, const peer_mesh *made)
+{
+    series_way way = {.name = "svocl", .plan = {.need = SVO_NEED_RAYS}};
+    peer_runs runs = {0};
+    unsigned depth = 0;
+    series_use_cl(all, &way);
+    int exit_code = find_ray_depth(all, source->mesh, &depth);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = run_turns(all, made, depth, &way, &runs, true);
+    }
+    result_table *table = result_find(all->results, embree_id);
+    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
+        result_add_text(table, "%s", bench_scene_name(source));
+        result_add_number(table, (double)source->mesh->triangle_count);
+        result_add_number(table, depth);
+        result_add_number(table, (double)way.tree_bytes);
+        spread_add(table, series_ms(&way, SERIES_BUILD));
+        add_runs(table, &runs);
+    }
+    release_runs(&runs);
+    series_release(&way, 1);
+    return exit_code;
+}
+
+static int compare_openvdb(bench_suite *all, const input *source, const peer_mesh *made, unsigned depth)
+{
+    series_way way = {.name = "svocl", .plan = {.need = SVO_NEED_NONE}};
+    peer_runs runs = {0};
+    series_use_cl(all, &way);
+    const int exit_code = run_turns(all, made, depth, &way, &runs, false);
+    result_table *table = result_find(all->results, openvdb_id);
+    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
+        result_add_text(table, "%s", bench_scene_name(source));
+        result_add_number(table, (double)source->mesh->triangle_count);
+        result_add_number(table, depth);
+        result_add_number(table, (double)way.info.leaf_count);
+        result_add_number(table, (double)way.tree_bytes);
+        spread_add(table, series_ms(&way, SERIES_BUILD));
+        result_add_number(table, (double)runs.active_voxels);
+        result_add_number(table, (double)runs.memory_bytes);
+        add_runs(table, &runs);
+    }
+    release_runs(&runs);
+    series_release(&way, 1);
+    return exit_code;
+}
+
+/* Embree's table does not depend on the depth: a row at the first one. */
+static bool is_first_row(const bench_suite *all, const input *source)
+{
+    const result_table *table = result_find(all->results, embree_id);
+    const result_cell *last =
+        table != NULL && table->cell_count > 0 ? result_cell_at(table, result_row_count(table) - 1, 0) : NULL;
+    return last == NULL || strcmp(last->text, bench_scene_name(source)) != 0;
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    peer_mesh made;
+    int exit_code = make_peer_mesh(source->mesh, depth, &made)
+                        ? PROGRAM_DONE
+                        : program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
+    if (exit_code == PROGRAM_DONE && embree_is_there() && is_first_row(all, source)) {
+        exit_code = compare_embree(all, source, &made);
+    }
+    if (exit_code == PROGRAM_DONE && openvdb_is_there()) {
+        exit_code = compare_openvdb(all, source, &made, depth);
+    }
+    release_peer_mesh(&made);
+    return exit_code;
+}
+
+const bench_subject bench_peers = {
+    .name = "peers",
+    .summary = "Embree's and OpenVDB's structures of the same triangles, where they are installed",
+    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {7, 8, 9}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {7}},
+    .begin = begin,
+    .run = run,
+};

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The same mesh built by several ways in turns: one build by each, then again, so that what disturbs the machine disturbs
+ * all of them, and ratios are taken turn by turn.
+ */
+#ifndef SVOCL_SERIES_H
+#define SVOCL_SERIES_H
+
+#include "bench.h"
+#include "spread.h"
+
+/* One way from the mesh to the tree, and what came of it. */
+typedef struct series_way {
+    const char *name;
+    svo_frontend *frontend; /* NULL: there is none, and the reason says why */
+    bool in_gl; /* by OpenGL's compute shaders */
+    svo_plan_options plan;
+    const svo_mesh *mesh; /* NULL: the series' */
+
+    char reason[256]; /* not "": this way does not work here, or not at this size */
+    double *times; /* [turn][SERIES_CLOCKS], the first turn apart at the front */
+    size_t turns; /* after the first */
+    svo_build_report report; /* of the last build */
+    svo_tree_info info;
+    uint64_t peak_bytes, list_bytes, tree_bytes; /* of device memory: at most at one time; the list; what remains */
+} series_way;
+
+/* Times of a build: the stages of the report, and the wall clock around plan and build together. */
+#define SERIES_WALL       SVO_STAGE_COUNT
+#define SERIES_CLOCKS     (SVO_STAGE_COUNT + 1)
+#define SERIES_BIT(stage) (1u << (stage))
+/* From the mesh on the host to the finished tree, without the compiler. */
+#define SERIES_BUILD \
+    (SERIES_BIT(SVO_STAGE_GRID) | SERIES_BIT(SVO_STAGE_VOXELIZE) | SERIES_BIT(SVO_STAGE_TRANSFER) | SERIES_TREE)
+/* From the fragment list to the finished tree. */
+#define SERIES_TREE                                                                              \
+    (SERIES_BIT(SVO_STAGE_SUBDIVIDE) | SERIES_BIT(SVO_STAGE_LINK) | SERIES_BIT(SVO_STAGE_PACK) | \
+     SERIES_BIT(SVO_STAGE_FILTER))
+
+/* Builds by every way, the first turn and all->repeats more. A way that cannot gets its reason, any other failure ends the
+   series. Returns the exit code, its line printed. */
+int series_run(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *ways, size_t way_count);
+/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a way. */
+bool series_begin(const bench_suite *all, series_way *ways, size_t way_count);
+int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *way, size_t turn);
+void series_release(series_way *ways, size_t way_count);
+
+/* Milliseconds of the clocks in a set of SERIES_BITs, added up turn by turn. */
+spread series_ms(const series_way *way, unsigned clocks);
+/* In one turn of those that worked. */
+double series_turn_ms(const series_way *way, size_t turn, unsigned clocks);
+/* In the first turn. NAN where the way does not work. */
+double series_first_ms(const series_way *way, unsigned clocks);
+/* How many times as long as another way, turn by turn. */
+spread series_ratio(const series_way *way, const series_way *other, unsigned clocks);
+/* "cl-event", "gl-timer" or "wall"; "" where the stage did not run. */
+const char *series_clock(const series_way *way, svo_stage stage);
+
+/* The front ends of the session: NULL with the reason in the way. */
+void series_use_cl(bench_suite *all, series_way *way);
+void series_use_gl(bench_suite *all, int frontend, int share, series_way *way);
+/* The builder of OpenGL's compute shaders in place of OpenCL. */
+void series_use_gl_compute(bench_suite *all, series_way *way);
+
+/* A note that ends with why ways do not work: "; gl-hw: reason". Adds only what the text has not yet. */
+void series_add_reasons(result_table *table, const series_way *ways, size_t way_count);
+
+/* What 4 bytes for every node of a full octree are. */
+double bench_full_octree_bytes(unsigned depth);
+
+#endif

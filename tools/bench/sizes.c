@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* What scenes of no triangle, of one and of a million take; and memory per leaf beside ways that leave nothing out. */
+#include "series.h"
+
+/* ---- scene-sizes ---- */
+
+static const char sizes_id[] = "scene-sizes";
+
+static const svo_mesh no_triangles = {.struct_size = sizeof(svo_mesh)};
+static const unsigned sizes_depth = 8;
+
+static int add_size(bench_suite *all, const svo_mesh *mesh, unsigned depth)
+{
+    enum { WAYS = 2 };
+    series_way ways[WAYS] = {{.name = "default"}, {.name = "none", .plan = {.need = SVO_NEED_NONE}}};
+    series_use_cl(all, &ways[0]);
+    series_use_cl(all, &ways[1]);
+    const int exit_code = series_run(all, mesh, depth, ways, WAYS);
+    result_table *table = result_find(all->results, sizes_id);
+    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            result_add_number(table, (double)mesh->triangle_count);
+            result_add_number(table, depth);
+            result_add_text(table, "%s", ways[i].name);
+            result_add_number(table, (double)ways[i].report.fragments);
+            result_add_number(table, (double)ways[i].info.leaf_count);
+            result_add_number(table, (double)ways[i].peak_bytes);
+            result_add_number(table, (double)ways[i].tree_bytes);
+            spread_add(table, series_ms(&ways[i], SERIES_BIT(SERIES_WALL)));
+            result_add_number(table, series_first_ms(&ways[i], SERIES_BIT(SERIES_WALL)));
+        }
+    }
+    series_add_reasons(table, ways, WAYS);
+    series_release(ways, WAYS);
+    return exit_code;
+}
+
+static int begin_sizes(bench_suite *all)
+{
+    result_table *table = result_add_table(all->results, sizes_id, "From no triangle to a million: bytes and time", "");
+    result_set_note(
+        table,
+        "%s, needs in turns, front end cl, a terrain of exactly so many triangles; default: the colours and "
+        "normals of the mesh; peak: the largest sum of OpenCL buffers at one time; tree: what remains of "
+        "them; build: wall clock from the call of the plan to the finished tree; first: the first run with "
+        "compiling",
+        bench_repeats(all).text);
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "need", "");
+    result_add_column(table, "fragments", "");
+    result_add_column(table, "leaves", "");
+    result_add_column(table, "peak", "B");
+    result_add_column(table, "tree", "B");
+    spread_add_columns(table, "build", "ms");
+    result_add_column(table, "first", "ms");
+    return add_size(all, &no_triangles, sizes_depth);
+}
+
+static int run_sizes(bench_suite *all, const input *source, unsigned depth)
+{
+    return add_size(all, source->mesh, depth);
+}
+
+const bench_subject bench_scene_sizes = {
+    .name = "sizes",
+    .summary = "bytes and milliseconds from no triangle to a million",
+    .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"}, .depths = {8}},
+    .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {8}},
+    .fixed = true,
+    .begin = begin_sizes,
+    .run = run_sizes,
+};
+
+/* ---- memory ---- */
+
+static const char memory_id[] = "memory";
+
+static int begin_memory(bench_suite *all)
+{
+    result_table *table = result_add_table(all->results, memory_id,
+                                           "Bytes of an octree of occupancy alone, beside ways that keep all", "");
+    result_set_note(table,
+                    "bytes of OpenCL buffers after a build with --need none; full octree: 4 bytes for each node that "
+                    "could be there, computed; list of 36 bytes: what a fragment took in an older system, "
+                    "computed from the fragments");
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "fragments", "");
+    result_add_column(table, "nodes", "");
+    result_add_column(table, "leaves", "");
+    result_add_column(table, "tree", "B");
+    result_add_column(table, "tree per leaf", "B");
+    result_add_column(table, "fragment list", "B");
+    result_add_column(table, "peak", "B");
+    result_add_column(table, "full octree", "B");
+    result_add_column(table, "list of 36 bytes", "B");
+    return PROGRAM_DONE;
+}
+
+double bench_full_octree_bytes(unsigned depth)
+{
+    double nodes = 0.0;
+    double level = 1.0;
+    for (unsigned i = 0; i <= depth; ++i, level *= 8.0) {
+        nodes += level;
+    }
+    return nodes * 4.0;
+}
+
+static int run_memory(bench_suite *all, const input *source, unsigned depth)
+{
+    series_way way = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
+    const size_t repeats = all->repeats;
+    series_use_cl(all, &way);
+    all->repeats = 0; /* bytes are the same every time */
+    const int exit_code = series_run(all, source->mesh, depth, &way, 1);
+    all->repeats = repeats;
+    result_table *table = result_find(all->results, memory_id);
+    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
+        result_add_text(table, "%s", bench_scene_name(source));
+        result_add_number(table, depth);
+        result_add_number(table, (double)way.report.fragments);
+        result_add_number(table, (double)way.info.node_count);
+        result_add_number(table, (double)way.info.leaf_count);
+        result_add_number(table, (double)way.tree_bytes);
+        result_add_number(table, (double)way.tree_bytes / (double)way.info.leaf_count);
+        result_add_number(table, (double)way.list_bytes);
+        result_add_number(table, (double)way.peak_bytes);
+        result_add_number(table, bench_full_octree_bytes(depth));
+        result_add_number(table, (double)way.report.fragments * 36.0);
+    }
+    series_add_reasons(table, &way, 1);
+    series_release(&way, 1);
+    return exit_code;
+}
+
+const bench_subject bench_memory = {
+    .name = "memory",
+    .summary = "bytes per leaf beside a full octree and a list of 36 bytes a fragment",
+    .full = {.scenes = {"statue", "atrium"}, .depths = {7, 8, 9, 10}},
+    .quick = {.scenes = {"statue"}, .depths = {7, 9}},
+    .begin = begin_memory,
+    .run = run_memory,
+};

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * From nothing to the first tree: this program started anew for each run, with the drivers' caches of compiled kernels and
+ * shaders empty, then with what that run left in them.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "child.h"
+#include "series.h"
+
+static const char table_id[] = "startup";
+
+/* The ways and what asks for them. */
+static const struct {
+    const char *name, *option, *value;
+} forms[] = {
+    {"cl", "--frontend", "cl"},
+    {"gl-expand", "--frontend", "gl-expand"},
+    {"gl-compute", "--builder", "gl-compute"},
+};
+#define FORM_COUNT (sizeof forms / sizeof forms[0])
+
+#define COLD_TURNS_MAX       101
+#define WARM_PER_TURN        1
+#define QUICK_WARM_PER_TURN  3
+#define WARM_TURNS_MAX       (COLD_TURNS_MAX * QUICK_WARM_PER_TURN)
+#define COMMAND_ARGUMENT_MAX 20
+
+/* Milliseconds of one way's processes, and of compiling in them. */
+typedef struct start_times {
+    double cold[COLD_TURNS_MAX], cold_compile[COLD_TURNS_MAX];
+    double warm[WARM_TURNS_MAX], warm_compile[WARM_TURNS_MAX];
+    size_t cold_count, warm_count;
+    bool failed;
+} start_times;
+
+static int begin(bench_suite *all)
+{
+    result_table *table =
+        result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", "");
+    result_set_note(
+        table,
+        "wall clock of `svocl build`, medians and quartiles (q1, q3), ways in turns; cold: the drivers' caches of "
+        "kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and "
+        "shaders, as the build reports it");
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "way", "");
+    result_add_column(table, "cold runs", "");
+    spread_add_columns(table, "cold", "ms");
+    spread_add_columns(table, "cold compile", "ms");
+    result_add_column(table, "warm runs", "");
+    spread_add_columns(table, "warm", "ms");
+    spread_add_columns(table, "warm compile", "ms");
+    return PROGRAM_DONE;
+}
+
+/* The command line of one build: the device and the context are the bench's. */
+static void make_arguments(const bench_suite *all, const input *source, const char *depth, size_t form,
+                           const char *arguments[COMMAND_ARGUMENT_MAX])
+{
+    static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
+    const options *given = &all->state->options;
+    size_t count = 0;
+    arguments[count++] = "build";
+    arguments[count++] = source->name;
+    arguments[count++] = "--json";
+    arguments[count++] = "-d";
+    arguments[count++] = depth;
+    arguments[count++] = forms[form].option;
+    arguments[count++] = forms[form].value;
+    if (given->device_name != NULL) {
+        arguments[count++] = "--device";
+        arguments[count++] = given->device_name;
+    }
+    if (form > 0 && given->gl_device != NULL) {
+        arguments[count++] = "--gl-device";
+        arguments[count++] = given->gl_device;
+    } else if (form > 0 && given->context != OPTION_CONTEXT_AUTO) {
+        arguments[count++] = "--context";
+        arguments[count++] = contexts[given->context];
+    }
+    arguments[count] = NULL;
+}
+
+/* One process. Returns its milliseconds, below 0 on failure. */
+static double start_once(const char *const arguments[], const child_cache *cache, double *compile_ms)
+{
+    cJSON *document = NULL;
+    const double ms = child_run(arguments, cache, &document);
+    const cJSON *compile = cJSON_GetObjectItemCaseSensitive(document, "first_compile_ms");
+    *compile_ms = cJSON_IsNumber(compile) ? compile->valuedouble : 0.0;
+    const bool told = cJSON_IsNumber(compile);
+    cJSON_Delete(document);
+    return told ? ms : -1.0;
+}
+
+static void take_turn(const bench_suite *all, const char *const arguments[], start_times *times)
+{
+    child_cache cache;
+    const size_t warm = all->quick ? QUICK_WARM_PER_TURN : WARM_PER_TURN;
+    if (!child_cache_create(&cache)) {
+        times->failed = true;
+        return;
+    }
+    double compile_ms = 0.0;
+    double ms = start_once(arguments, &cache, &compile_ms);
+    if (ms >= 0.0) {
+        times->cold[times->cold_count] = ms;
+        times->cold_compile[times->cold_count++] = compile_ms;
+    }
+    for (size_t i = 0; i < warm && ms >= 0.0; ++i) {
+        ms = start_once(arguments, &cache, &compile_ms);
+        times->warm[times->warm_count] = ms;
+        times->warm_compile[times->warm_count++] = compile_ms;
+    }
+    times->failed = ms < 0.0;
+    child_cache_remove(&cache);
+}
+
+static void add_row(result_table *table, const input *source, unsigned depth, const char *way, start_times *times)
+{
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, depth);
+    result_add_text(table, "%s", way);
+    result_add_number(table, (double)times->cold_count);
+    spread_add(table, spread_of(times->cold, times->cold_count));
+    spread_add(table, spread_of(times->cold_compile, times->cold_count));
+    result_add_number(table, (double)times->warm_count);
+    spread_add(table, spread_of(times->warm, times->warm_count));
+    spread_add(table, spread_of(times->warm_compile, times->warm_count));
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    static start_times times[FORM_COUNT];
+    memset(times, 0, sizeof times);
+    const size_t asked = all->quick && !all->state->options.has_repeat ? 1 : all->repeats;
+    const size_t turns = asked < COLD_TURNS_MAX ? asked : COLD_TURNS_MAX;
+    char depth_text[16];
+    snprintf(depth_text, sizeof depth_text, "%u", depth);
+    for (size_t turn = 0; turn < turns; ++turn) {
+        for (size_t form = 0; form < FORM_COUNT; ++form) {
+            const char *arguments[COMMAND_ARGUMENT_MAX];
+            make_arguments(all, source, depth_text, form, arguments);
+            if (!times[form].failed) {
+                take_turn(all, arguments, &times[form]);
+            }
+        }
+    }
+    result_table *table = result_find(all->results, table_id);
+    for (size_t form = 0; form < FORM_COUNT; ++form) {
+        if (!times[form].failed) {
+            add_row(table, source, depth, forms[form].name, &times[form]);
+        } else if (form == 0) {
+            return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s --frontend cl' failed as a child",
+                                source->name);
+        } else if (table != NULL) {
+            result_set_note(table, "%s; %s does not work here", table->note, forms[form].name);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+const bench_subject bench_startup = {
+    .name = "startup",
+    .summary = "from the start of a process to its first tree, with compiler caches empty and full",
+    .full = {.scenes = {"knot:8000"}, .depths = {8}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {7}},
+    .begin = begin,
+    .run = run,
+};

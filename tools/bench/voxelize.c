@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/* The front ends beside each other: triangles to exact fragments, by OpenCL alone and by OpenGL's rasterizer. */
+#include <math.h>
+
+#include "series.h"
+
+static const char table_id[] = "voxelize";
+
+static int begin(bench_suite *all)
+{
+    result_table *table = result_add_table(all->results, table_id, "Front ends: triangles to exact fragments", "");
+    result_set_note(
+        table,
+        "%s, front ends in turns; transfer: the mesh to the device, the list to OpenCL, counts back; first: "
+        "voxelize with compiling, in the first run; ratio: to cl, turn by turn",
+        bench_repeats(all).text);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "fragments", "");
+    result_add_column(table, "frontend", "");
+    result_add_column(table, "share", "");
+    result_add_column(table, "clock", "");
+    result_add_column(table, "first", "ms");
+    spread_add_columns(table, "voxelize", "ms");
+    spread_add_columns(table, "transfer", "ms");
+    result_add_column(table, "rate", "M/s");
+    spread_add_columns(table, "ratio", "");
+    return PROGRAM_DONE;
+}
+
+static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
+                    const series_way *other)
+{
+    const unsigned clock = SERIES_BIT(SVO_STAGE_VOXELIZE);
+    const spread ms = series_ms(way, clock);
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->report.fragments);
+    result_add_text(table, "%s", way->report.frontend);
+    result_add_text(table, "%s", way->report.share);
+    result_add_text(table, "%s", series_clock(way, SVO_STAGE_VOXELIZE));
+    result_add_number(table, series_first_ms(way, clock | SERIES_BIT(SVO_STAGE_COMPILE)));
+    spread_add(table, ms);
+    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_TRANSFER)));
+    result_add_number(table, (double)way->report.fragments / ms.median * 1e-3);
+    spread_add(table, series_ratio(way, other, clock));
+}
+
+static int run(bench_suite *all, const input *source, unsigned depth)
+{
+    enum { WAYS = 3 };
+    const svo_plan_options plan = {.need = SVO_NEED_NONE};
+    series_way ways[WAYS] = {
+        {.name = "cl", .plan = plan}, {.name = "gl-expand", .plan = plan}, {.name = "gl-hw", .plan = plan}};
+    series_use_cl(all, &ways[0]);
+    series_use_gl(all, OPTION_FRONTEND_GL_EXPAND, SVO_GL_SHARE_AUTO, &ways[1]);
+    series_use_gl(all, OPTION_FRONTEND_GL_HW, SVO_GL_SHARE_AUTO, &ways[2]);
+    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
+    result_table *table = result_find(all->results, table_id);
+    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_row(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    series_add_reasons(table, ways, WAYS);
+    series_release(ways, WAYS);
+    return exit_code;
+}
+
+const bench_subject bench_voxelize = {
+    .name = "voxelize",
+    .summary = "the front ends, fragments per second",
+    .full = {.scenes = {"atrium", "statue", "knot", "terrain", "needles", "dust"}, .depths = {6, 7, 8, 9, 10}},
+    .quick = {.scenes = {"knot:8000", "atrium:17000"}, .depths = {6, 8}},
+    .begin = begin,
+    .run = run,
+};
