@@ -30,8 +30,9 @@ static const command commands[] = {
      "Traces rays from a file or a camera against the triangles of a mesh or of a .svo file."},
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
-    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT", false,
-     "Measures times: svocl bench lists the subjects; bench all; bench rays [INPUT] [--vs embree]."},
+    {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
+     "Measures times of voxelize, build, filter, startup, rays [INPUT], leaving-out, sizes, memory, older-a, older-b, "
+     "peer-embree, peer-openvdb or all."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])

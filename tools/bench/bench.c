@@ -14,8 +14,9 @@
 #define QUICK_REPEATS 3
 
 static const bench_subject *const subjects[] = {
-    &bench_voxelize,    &bench_builders, &bench_filter,          &bench_startup,      &bench_rays,  &bench_leaving_out,
-    &bench_scene_sizes, &bench_memory,   &bench_older_structure, &bench_older_memory, &bench_peers,
+    &bench_voxelize,    &bench_builders,     &bench_filter, &bench_startup,         &bench_rays,
+    &bench_leaving_out, &bench_scene_sizes,  &bench_memory, &bench_older_structure, &bench_older_memory,
+    &bench_peer_embree, &bench_peer_openvdb,
 };
 #define SUBJECT_COUNT (sizeof subjects / sizeof subjects[0])
 
@@ -96,11 +97,12 @@ const char *bench_scene_name(const input *source)
     return slash != NULL ? slash + 1 : strncmp(source->name, "scene:", 6) == 0 ? source->name + 6 : source->name;
 }
 
-bench_text bench_repeats(const bench_suite *all)
+result_table *bench_add_table(bench_suite *all, const char *id, const char *title, const char *note)
 {
-    bench_text words;
-    snprintf(words.text, sizeof words.text, "medians and quartiles (q1, q3) of %zu runs after the first", all->repeats);
-    return words;
+    result_table *table = result_add_table(all->results, id, title, note);
+    result_set_note(table, "medians and quartiles (q1, q3) of %zu run%s after the first, %s", all->repeats,
+                    all->repeats == 1 ? "" : "s", note);
+    return table;
 }
 
 /* ---- the machine ---- */

@@ -57,13 +57,11 @@ int bench_rays_alone(program *state);
 /* The scene's name for tables: the input's without "scene:", or a file's without its folders. */
 const char *bench_scene_name(const input *source);
 
-/* "medians and quartiles of 11 runs after the first": for notes. */
-typedef struct bench_text {
-    char text[160];
-} bench_text;
-bench_text bench_repeats(const bench_suite *all);
+/* A table for repeated runs, without columns: the note begins with how often, "medians and quartiles of 11 runs". */
+result_table *bench_add_table(bench_suite *all, const char *id, const char *title, const char *note);
 
 extern const bench_subject bench_voxelize, bench_builders, bench_filter, bench_startup, bench_leaving_out,
-    bench_scene_sizes, bench_memory, bench_older_structure, bench_older_memory, bench_peers, bench_rays;
+    bench_scene_sizes, bench_memory, bench_older_structure, bench_older_memory, bench_peer_embree, bench_peer_openvdb,
+    bench_rays;
 
 #endif

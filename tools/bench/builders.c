@@ -29,18 +29,16 @@ static const struct {
 #define BUILDER_STAGES (sizeof builder_stages / sizeof builder_stages[0])
 #define SHARE_STAGES   (sizeof share_stages / sizeof share_stages[0])
 
+static const char builders_note[] =
+    "builders in turns; colours, normals and rays, uniform weights (the table filter has others); transfer: the mesh"
+    " to the device, the list from OpenGL to OpenCL or the finished arrays, counts back; list to tree: subdivide, "
+    "link, pack and filter; total: with grid, voxelize and transfer, without compiling; first: total of the first "
+    "run, with what was left to compile; ratio: list to tree, to cl, turn by turn";
+
 static void begin_builders(bench_suite *all)
 {
     result_table *table =
-        result_add_table(all->results, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", "");
-    result_set_note(
-        table,
-        "%s, builders in turns; colours, normals and rays, uniform weights (tables of filter and leaving-out "
-        "have others); transfer: the mesh to the device, the list from OpenGL to OpenCL or the finished "
-        "arrays, counts back; list to tree: subdivide, link, pack and filter; total: with grid, voxelize and "
-        "transfer, without compiling; first: total with compiling, in the first run; ratio: list to tree, to "
-        "cl, turn by turn",
-        bench_repeats(all).text);
+        bench_add_table(all, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", builders_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -56,15 +54,14 @@ static void begin_builders(bench_suite *all)
     spread_add_columns(table, "ratio", "");
 }
 
+static const char share_note[] =
+    "in turns; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
+    " to that, turn by turn";
+
 static void begin_share(bench_suite *all)
 {
     result_table *table =
-        result_add_table(all->results, share_id, "What it costs to bring a list from OpenGL to OpenCL", "");
-    result_set_note(
-        table,
-        "%s, in turns; occupancy alone; none: OpenCL makes the list where it is used; ratio: of voxelize and "
-        "transfer, to cl, turn by turn",
-        bench_repeats(all).text);
+        bench_add_table(all, share_id, "What it costs to bring a list from OpenGL to OpenCL", share_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "list", "B");
@@ -84,7 +81,7 @@ static int begin(bench_suite *all)
 }
 
 static void add_builder(result_table *table, const input *source, unsigned depth, const series_way *way,
-                        const series_way *other)
+                        const series_way *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
@@ -98,7 +95,7 @@ static void add_builder(result_table *table, const input *source, unsigned depth
         spread_add(table, series_ms(way, builder_stages[i].clocks));
     }
     result_add_number(table, series_first_ms(way, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
-    spread_add(table, series_ratio(way, other, SERIES_TREE));
+    spread_add(table, series_ratio(way, first, SERIES_TREE));
 }
 
 static int run_builders(bench_suite *all, const input *source, unsigned depth)
@@ -112,20 +109,11 @@ static int run_builders(bench_suite *all, const input *source, unsigned depth)
     series_use_cl(all, &ways[0]);
     series_use_cl(all, &ways[1]);
     series_use_gl_compute(all, &ways[2]);
-    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
-    result_table *table = result_find(all->results, builders_id);
-    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_builder(table, source, depth, &ways[i], &ways[0]);
-        }
-    }
-    series_add_reasons(table, ways, WAYS);
-    series_release(ways, WAYS);
-    return exit_code;
+    return series_run(all, builders_id, source, depth, ways, WAYS, add_builder);
 }
 
 static void add_share(result_table *table, const input *source, unsigned depth, const series_way *way,
-                      const series_way *other)
+                      const series_way *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
@@ -135,7 +123,7 @@ static void add_share(result_table *table, const input *source, unsigned depth, 
     for (size_t i = 0; i < SHARE_STAGES; ++i) {
         spread_add(table, series_ms(way, share_stages[i].clocks));
     }
-    spread_add(table, series_ratio(way, other, share_stages[SHARE_STAGES - 1].clocks));
+    spread_add(table, series_ratio(way, first, share_stages[SHARE_STAGES - 1].clocks));
 }
 
 static int run_share(bench_suite *all, const input *source, unsigned depth)
@@ -151,16 +139,7 @@ static int run_share(bench_suite *all, const input *source, unsigned depth)
     for (size_t i = 1; i < WAYS; ++i) {
         series_use_gl(all, OPTION_FRONTEND_AUTO, shares[i], &ways[i]);
     }
-    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
-    result_table *table = result_find(all->results, share_id);
-    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_share(table, source, depth, &ways[i], &ways[0]);
-        }
-    }
-    series_add_reasons(table, ways, WAYS);
-    series_release(ways, WAYS);
-    return exit_code;
+    return series_run(all, share_id, source, depth, ways, WAYS, add_share);
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)

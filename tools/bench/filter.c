@@ -25,15 +25,14 @@ static const struct {
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
+static const char note[] =
+    "in turns, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; first: that of "
+    "the first run, with what was left to compile; ratio: of filter, to colours and normals weighed by area, turn by"
+    " turn";
+
 static int begin(bench_suite *all)
 {
-    result_table *table = result_add_table(all->results, table_id, "Payload: by weights, and each kind alone", "");
-    result_set_note(
-        table,
-        "%s, in turns, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; "
-        "first: list to tree with compiling, in the first run; ratio: of filter, to colours and normals weighed by "
-        "area, turn by turn",
-        bench_repeats(all).text);
+    result_table *table = bench_add_table(all, table_id, "Payload: by weights, and each kind alone", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "nodes", "");
@@ -48,7 +47,7 @@ static int begin(bench_suite *all)
 }
 
 static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *other)
+                    const series_way *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
@@ -59,7 +58,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_FILTER)));
     spread_add(table, series_ms(way, SERIES_TREE));
     result_add_number(table, series_first_ms(way, SERIES_TREE | SERIES_BIT(SVO_STAGE_COMPILE)));
-    spread_add(table, series_ratio(way, other, SERIES_BIT(SVO_STAGE_FILTER)));
+    spread_add(table, series_ratio(way, first, SERIES_BIT(SVO_STAGE_FILTER)));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
@@ -71,16 +70,7 @@ static int run(bench_suite *all, const input *source, unsigned depth)
         ways[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
         series_use_cl(all, &ways[i]);
     }
-    const int exit_code = series_run(all, source->mesh, depth, ways, FORM_COUNT);
-    result_table *table = result_find(all->results, table_id);
-    for (size_t i = 0; i < FORM_COUNT && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_row(table, source, depth, &ways[i], &ways[0]);
-        }
-    }
-    series_add_reasons(table, ways, FORM_COUNT);
-    series_release(ways, FORM_COUNT);
-    return exit_code;
+    return series_run(all, table_id, source, depth, ways, FORM_COUNT, add_row);
 }
 
 const bench_subject bench_filter = {

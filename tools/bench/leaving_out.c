@@ -38,16 +38,14 @@ static const struct {
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
+static const char note[] =
+    "in turns, by the front end cl; build: from the mesh on the host to the finished tree, without compiling; first:"
+    " the first run, with what was left to compile; peak: the largest sum of OpenCL buffers at one time; tree: what "
+    "remains of them; ratio: of build, to all, turn by turn";
+
 static int begin(bench_suite *all)
 {
-    result_table *table =
-        result_add_table(all->results, table_id, "Leaving out: time and bytes of what is asked for", "");
-    result_set_note(
-        table,
-        "%s, in turns, by the front end cl; build: from the mesh on the host to the finished tree without "
-        "compiling; first: with compiling, in the first run; peak: the largest sum of OpenCL buffers at one "
-        "time; tree: what remains of them; ratio: of build, to all, turn by turn",
-        bench_repeats(all).text);
+    result_table *table = bench_add_table(all, table_id, "Leaving out: time and bytes of what is asked for", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "leaves", "");
@@ -64,9 +62,9 @@ static int begin(bench_suite *all)
 }
 
 static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *other)
+                    const series_way *first)
 {
-    const size_t form = (size_t)(way - other);
+    const size_t form = (size_t)(way - first);
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)way->info.leaf_count);
@@ -78,7 +76,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     result_add_number(table, (double)way->peak_bytes);
     result_add_number(table, (double)way->tree_bytes);
     result_add_number(table, (double)way->tree_bytes / (double)way->info.leaf_count);
-    spread_add(table, series_ratio(way, other, SERIES_BUILD));
+    spread_add(table, series_ratio(way, first, SERIES_BUILD));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
@@ -90,16 +88,7 @@ static int run(bench_suite *all, const input *source, unsigned depth)
         ways[i].plan = forms[i].plan;
         series_use_cl(all, &ways[i]);
     }
-    const int exit_code = series_run(all, source->mesh, depth, ways, FORM_COUNT);
-    result_table *table = result_find(all->results, table_id);
-    for (size_t i = 0; i < FORM_COUNT && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_row(table, source, depth, &ways[i], &ways[0]);
-        }
-    }
-    series_add_reasons(table, ways, FORM_COUNT);
-    series_release(ways, FORM_COUNT);
-    return exit_code;
+    return series_run(all, table_id, source, depth, ways, FORM_COUNT, add_row);
 }
 
 const bench_subject bench_leaving_out = {

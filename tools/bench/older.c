@@ -12,17 +12,17 @@
 
 static const char structure_id[] = "older-a";
 
+static const char structure_note[] =
+    "ours: terrains of as many triangles, front end and builder cl, colours and normals; structure: subdivide, link,"
+    " pack and filter; transfer: the mesh to the device, counts back; total: with grid and voxelize. Published for "
+    "these counts of triangles at depth 6: structure built in 163 to 1,182 s on a GTX 960 (which scene took how long"
+    " is not known here)";
+
 static int begin_structure(bench_suite *all)
 {
-    result_table *table = result_add_table(
-        all->results, structure_id, "The first older system's table: scenes of 3,538, 2,243 and 26,220 triangles", "");
-    result_set_note(
-        table,
-        "%s; ours: terrains of as many triangles, front end and builder cl, colours and normals; structure: "
-        "subdivide, link, pack and filter; transfer: the mesh to the device, counts back; total: with grid and "
-        "voxelize. Published for these counts of triangles at depth 6: structure built in 163 to 1,182 s on a GTX "
-        "960 (scene by scene only the range is known here)",
-        bench_repeats(all).text);
+    result_table *table =
+        bench_add_table(all, structure_id,
+                        "The first older system's table: scenes of 3,538, 2,243 and 26,220 triangles", structure_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -37,8 +37,10 @@ static int begin_structure(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_structure(result_table *table, const input *source, unsigned depth, const series_way *way)
+static void add_structure(result_table *table, const input *source, unsigned depth, const series_way *way,
+                          const series_way *first)
 {
+    (void)first;
     const bool published = depth == 6;
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
@@ -57,14 +59,7 @@ static int run_structure(bench_suite *all, const input *source, unsigned depth)
 {
     series_way way = {.name = "cl", .plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}};
     series_use_cl(all, &way);
-    const int exit_code = series_run(all, source->mesh, depth, &way, 1);
-    result_table *table = result_find(all->results, structure_id);
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        add_structure(table, source, depth, &way);
-    }
-    series_add_reasons(table, &way, 1);
-    series_release(&way, 1);
-    return exit_code;
+    return series_run(all, structure_id, source, depth, &way, 1, add_structure);
 }
 
 const bench_subject bench_older_structure = {
@@ -86,43 +81,27 @@ static const struct {
     double voxelize_ms, first_build_ms, second_build_ms, list_kib, full_kib, sparse_kib;
 } published = {110, 1944, 111, 51035, 599186, 4576};
 
+static const char memory_note[] =
+    "ours: an atrium of its own kind, front end and builder cl, occupancy alone; build: subdivide, link, pack and "
+    "filter; first build: the first run, with what was left to compile; second build: the runs after it; sparse "
+    "octree: OpenCL buffers; full octree: 4 bytes for each node that could be there, computed. Published: an atrium "
+    "at 512^3 on a Radeon HD 5850, 36 bytes a fragment in its list, its two builds as it names them";
+
 static int begin_memory(bench_suite *all)
 {
-    result_table *table = result_add_table(
-        all->results, memory_id, "The second older system's table: 128^3, 256^3 and 512^3, memory and two builds", "");
-    result_set_note(
-        table,
-        "ours: %s, of the first build and its compiling that run; an atrium of its own kind, front end and "
-        "builder cl, occupancy alone; build: subdivide, link, pack and filter; sparse octree: OpenCL buffers; full "
-        "octree: 4 bytes for each node that could be there, computed. Published: an atrium at 512^3 on a "
-        "Radeon HD 5850, its list with 36 bytes a fragment",
-        bench_repeats(all).text);
+    result_table *table = bench_add_table(
+        all, memory_id, "The second older system's table: 128^3, 256^3 and 512^3, memory and two builds", memory_note);
     result_add_column(table, "whose", "");
     result_add_column(table, "hardware", "");
     result_add_column(table, "voxels per axis", "");
     result_add_column(table, "fragments", "");
-    result_add_column(table, "fragment list", "kB");
-    result_add_column(table, "full octree", "kB");
-    result_add_column(table, "sparse octree", "kB");
+    result_add_column(table, "fragment list", "KiB");
+    result_add_column(table, "full octree", "KiB");
+    result_add_column(table, "sparse octree", "KiB");
     result_add_column(table, "voxelize", "ms");
     result_add_column(table, "first build", "ms");
     result_add_column(table, "second build", "ms");
     return PROGRAM_DONE;
-}
-
-static void add_ours(bench_suite *all, result_table *table, unsigned depth, const series_way *way)
-{
-    const unsigned compile = SERIES_BIT(SVO_STAGE_COMPILE);
-    result_add_text(table, "svocl");
-    result_add_text(table, "%s", all->results->machine.device);
-    result_add_number(table, (double)(1u << depth));
-    result_add_number(table, (double)way->report.fragments);
-    result_add_number(table, (double)way->list_bytes / 1024.0);
-    result_add_number(table, bench_full_octree_bytes(depth) / 1024.0);
-    result_add_number(table, (double)way->tree_bytes / 1024.0);
-    result_add_number(table, series_ms(way, SERIES_BIT(SVO_STAGE_VOXELIZE)).median);
-    result_add_number(table, series_first_ms(way, SERIES_TREE | compile));
-    result_add_number(table, series_ms(way, SERIES_TREE).median);
 }
 
 static void add_published(result_table *table)
@@ -139,21 +118,32 @@ static void add_published(result_table *table)
     result_add_number(table, published.second_build_ms);
 }
 
+static void add_memory(result_table *table, const input *source, unsigned depth, const series_way *way,
+                       const series_way *first)
+{
+    const unsigned compile = SERIES_BIT(SVO_STAGE_COMPILE);
+    (void)source;
+    (void)first;
+    result_add_text(table, "svocl");
+    result_add_text(table, "%s", table->owner->machine.device);
+    result_add_number(table, (double)(1u << depth));
+    result_add_number(table, (double)way->report.fragments);
+    result_add_number(table, (double)way->list_bytes / 1024.0);
+    result_add_number(table, bench_full_octree_bytes(depth) / 1024.0);
+    result_add_number(table, (double)way->tree_bytes / 1024.0);
+    result_add_number(table, series_ms(way, SERIES_BIT(SVO_STAGE_VOXELIZE)).median);
+    result_add_number(table, series_first_ms(way, SERIES_TREE | compile));
+    result_add_number(table, series_ms(way, SERIES_TREE).median);
+    if (depth == 9) {
+        add_published(table);
+    }
+}
+
 static int run_memory(bench_suite *all, const input *source, unsigned depth)
 {
     series_way way = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
     series_use_cl(all, &way);
-    const int exit_code = series_run(all, source->mesh, depth, &way, 1);
-    result_table *table = result_find(all->results, memory_id);
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        add_ours(all, table, depth, &way);
-    }
-    if (exit_code == PROGRAM_DONE && depth == 9) {
-        add_published(table);
-    }
-    series_add_reasons(table, &way, 1);
-    series_release(&way, 1);
-    return exit_code;
+    return series_run(all, memory_id, source, depth, &way, 1, add_memory);
 }
 
 const bench_subject bench_older_memory = {

@@ -5,7 +5,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "embree.h"
 #include "openvdb.h"
@@ -64,12 +63,6 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
     return true;
 }
 
-static void release_peer_mesh(peer_mesh *made)
-{
-    free(made->points);
-    free(made->indices);
-}
-
 /* ---- the runs ---- */
 
 static double run_embree(const peer_mesh *made)
@@ -113,24 +106,19 @@ static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, se
     return exit_code;
 }
 
-static void release_runs(peer_runs *runs)
-{
-    free(runs->times);
-    free(runs->ratios);
-}
-
 /* ---- tables ---- */
 
-static void begin_embree(bench_suite *all)
+static const char embree_note[] =
+    "in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays; Embree: geometry "
+    "and scene committed, on all cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
+
+static int begin_embree(bench_suite *all)
 {
     result_table *table =
-        result_add_table(all->results, embree_id, "Structures for rays: the octree beside Embree's hierarchy", "");
-    result_set_note(
-        table,
-        "%s, in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays; "
-        "Embree%s: geometry and scene committed, on all cores, without the copy of the triangles; ratio: our time "
-        "to Embree's, turn by turn",
-        bench_repeats(all).text, embree_is_there() ? "" : " (this program was built without libembree-dev)");
+        bench_add_table(all, embree_id, "Structures for rays: the octree beside Embree's hierarchy", embree_note);
+    if (!embree_is_there()) {
+        result_set_note(table, "%s; empty: this program was built without libembree-dev", table->note);
+    }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -138,20 +126,23 @@ static void begin_embree(bench_suite *all)
     spread_add_columns(table, "svocl", "ms");
     spread_add_columns(table, "Embree", "ms");
     spread_add_columns(table, "ratio", "");
+    return PROGRAM_DONE;
 }
 
-static void begin_openvdb(bench_suite *all)
+static const char openvdb_note[] =
+    "in turns; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB: tools::meshToVolume, unsigned "
+    "distances in a band of one voxel to each side, on all cores: it computes distances, and its active voxels are "
+    "those near a surface, touched by it or not; ratio: our time to OpenVDB's, turn by turn";
+
+static int begin_openvdb(bench_suite *all)
 {
-    result_table *table = result_add_table(all->results, openvdb_id,
-                                           "Occupancy: the octree beside OpenVDB's volume of the same resolution", "");
-    result_set_note(
-        table,
-        "%s, in turns; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB%s%s: "
-        "tools::meshToVolume, unsigned distances in a band of one voxel to each side, on all cores: it computes "
-        "distances, and its active voxels are those near a surface, touched by it or not; ratio: our time to "
-        "OpenVDB's, turn by turn",
-        bench_repeats(all).text, openvdb_is_there() ? " " : " (this program was built without libopenvdb-dev)",
-        openvdb_version());
+    result_table *table = bench_add_table(
+        all, openvdb_id, "Occupancy: the octree beside OpenVDB's volume of the same resolution", openvdb_note);
+    if (openvdb_is_there()) {
+        result_set_note(table, "%s; OpenVDB %s", table->note, openvdb_version());
+    } else {
+        result_set_note(table, "%s; empty: this program was built without libopenvdb-dev", table->note);
+    }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -162,12 +153,6 @@ static void begin_openvdb(bench_suite *all)
     result_add_column(table, "OpenVDB volume", "B");
     spread_add_columns(table, "OpenVDB", "ms");
     spread_add_columns(table, "ratio", "");
-}
-
-static int begin(bench_suite *all)
-{
-    begin_embree(all);
-    begin_openvdb(all);
     return PROGRAM_DONE;
 }
 
@@ -189,83 +174,82 @@ static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *dept
     return PROGRAM_DONE;
 }
 
-static int compare_embree(bench_suite *all, const input *source, const peer_mesh *made)
+static void add_embree(bench_suite *all, const input *source, unsigned depth, const series_way *way, peer_runs *runs)
 {
-    series_way way = {.name = "svocl", .plan = {.need = SVO_NEED_RAYS}};
-    peer_runs runs = {0};
-    unsigned depth = 0;
-    series_use_cl(all, &way);
-    int exit_code = find_ray_depth(all, source->mesh, &depth);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = run_turns(all, made, depth, &way, &runs, true);
-    }
     result_table *table = result_find(all->results, embree_id);
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        result_add_text(table, "%s", bench_scene_name(source));
-        result_add_number(table, (double)source->mesh->triangle_count);
-        result_add_number(table, depth);
-        result_add_number(table, (double)way.tree_bytes);
-        spread_add(table, series_ms(&way, SERIES_BUILD));
-        add_runs(table, &runs);
-    }
-    release_runs(&runs);
-    series_release(&way, 1);
-    return exit_code;
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->tree_bytes);
+    spread_add(table, series_ms(way, SERIES_BUILD));
+    add_runs(table, runs);
 }
 
-static int compare_openvdb(bench_suite *all, const input *source, const peer_mesh *made, unsigned depth)
+static void add_openvdb(bench_suite *all, const input *source, unsigned depth, const series_way *way, peer_runs *runs)
 {
-    series_way way = {.name = "svocl", .plan = {.need = SVO_NEED_NONE}};
-    peer_runs runs = {0};
-    series_use_cl(all, &way);
-    const int exit_code = run_turns(all, made, depth, &way, &runs, false);
     result_table *table = result_find(all->results, openvdb_id);
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        result_add_text(table, "%s", bench_scene_name(source));
-        result_add_number(table, (double)source->mesh->triangle_count);
-        result_add_number(table, depth);
-        result_add_number(table, (double)way.info.leaf_count);
-        result_add_number(table, (double)way.tree_bytes);
-        spread_add(table, series_ms(&way, SERIES_BUILD));
-        result_add_number(table, (double)runs.active_voxels);
-        result_add_number(table, (double)runs.memory_bytes);
-        add_runs(table, &runs);
-    }
-    release_runs(&runs);
-    series_release(&way, 1);
-    return exit_code;
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->info.leaf_count);
+    result_add_number(table, (double)way->tree_bytes);
+    spread_add(table, series_ms(way, SERIES_BUILD));
+    result_add_number(table, (double)runs->active_voxels);
+    result_add_number(table, (double)runs->memory_bytes);
+    add_runs(table, runs);
 }
 
-/* Embree's table does not depend on the depth: a row at the first one. */
-static bool is_first_row(const bench_suite *all, const input *source)
+static int compare(bench_suite *all, const input *source, unsigned depth, bool with_embree)
 {
-    const result_table *table = result_find(all->results, embree_id);
-    const result_cell *last =
-        table != NULL && table->cell_count > 0 ? result_cell_at(table, result_row_count(table) - 1, 0) : NULL;
-    return last == NULL || strcmp(last->text, bench_scene_name(source)) != 0;
-}
-
-static int run(bench_suite *all, const input *source, unsigned depth)
-{
+    series_way way = {.name = "svocl", .plan = {.need = with_embree ? SVO_NEED_RAYS : SVO_NEED_NONE}};
+    peer_runs runs = {0};
     peer_mesh made;
+    series_use_cl(all, &way);
     int exit_code = make_peer_mesh(source->mesh, depth, &made)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
-    if (exit_code == PROGRAM_DONE && embree_is_there() && is_first_row(all, source)) {
-        exit_code = compare_embree(all, source, &made);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = run_turns(all, &made, depth, &way, &runs, with_embree);
     }
-    if (exit_code == PROGRAM_DONE && openvdb_is_there()) {
-        exit_code = compare_openvdb(all, source, &made, depth);
+    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
+        (with_embree ? add_embree : add_openvdb)(all, source, depth, &way, &runs);
     }
-    release_peer_mesh(&made);
+    free(runs.times);
+    free(runs.ratios);
+    series_release(&way, 1);
+    free(made.points);
+    free(made.indices);
     return exit_code;
 }
 
-const bench_subject bench_peers = {
-    .name = "peers",
-    .summary = "Embree's and OpenVDB's structures of the same triangles, where they are installed",
+static int run_beside_embree(bench_suite *all, const input *source, unsigned depth)
+{
+    if (!embree_is_there()) {
+        return PROGRAM_DONE;
+    }
+    const int exit_code = depth == BENCH_DEPTH_FOR_RAYS ? find_ray_depth(all, source->mesh, &depth) : PROGRAM_DONE;
+    return exit_code == PROGRAM_DONE ? compare(all, source, depth, true) : exit_code;
+}
+
+static int run_beside_openvdb(bench_suite *all, const input *source, unsigned depth)
+{
+    return openvdb_is_there() ? compare(all, source, depth, false) : PROGRAM_DONE;
+}
+
+const bench_subject bench_peer_embree = {
+    .name = "peer-embree",
+    .summary = "Embree's hierarchy over the same triangles, where it is installed",
+    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .begin = begin_embree,
+    .run = run_beside_embree,
+};
+
+const bench_subject bench_peer_openvdb = {
+    .name = "peer-openvdb",
+    .summary = "OpenVDB's volume of the same triangles, where it is installed",
     .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},
-    .begin = begin,
-    .run = run,
+    .begin = begin_openvdb,
+    .run = run_beside_openvdb,
 };

@@ -273,6 +273,11 @@ static unsigned count_threads(const options *given)
     return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
+static size_t count_rays(const options *given)
+{
+    return given->quick && given->ray_count > QUICK_RAYS ? QUICK_RAYS : (size_t)given->ray_count;
+}
+
 static int run_bench(ray_bench *bench)
 {
     program *state = bench->state;
@@ -329,7 +334,7 @@ int bench_rays_alone(program *state)
     given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
     ray_bench bench = {.state = state,
                        .threads = count_threads(given),
-                       .ray_count = (size_t)given->ray_count,
+                       .ray_count = count_rays(given),
                        .repeats = given->has_repeat ? (size_t)given->repeat
                                   : given->quick    ? QUICK_REPEATS
                                                     : DEFAULT_REPEATS};
@@ -356,16 +361,16 @@ int bench_rays_alone(program *state)
 
 static const char table_id[] = "rays";
 
+static const char note[] =
+    "wall clock, on the snapped mesh; Embree: rtcIntersect1 in turns with ours, on as many threads; ratio: our rays "
+    "per second to Embree's, turn by turn; wrong: another triangle than the reference's, or none";
+
 static int begin(bench_suite *all)
 {
-    result_table *results = result_add_table(all->results, table_id, "Rays against triangles, closest hit", "");
-    result_set_note(
-        results,
-        "%s, wall clock, on the snapped mesh; %s; ratio: our rays per second to Embree's, turn by turn; wrong: "
-        "another triangle than the reference's, or none",
-        bench_repeats(all).text,
-        embree_is_there() ? "ours and Embree's rtcIntersect1 in turns, on as many threads"
-                          : "Embree: this program was built without libembree-dev");
+    result_table *results = bench_add_table(all, table_id, "Rays against triangles, closest hit", note);
+    if (!embree_is_there()) {
+        result_set_note(results, "%s; without Embree: this program was built without libembree-dev", note);
+    }
     result_add_column(results, "scene", "");
     result_add_column(results, "triangles", "");
     result_add_column(results, "depth", "");
@@ -412,10 +417,8 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     given->depth_for_rays = depth == BENCH_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
     given->versus = embree_is_there();
-    ray_bench bench = {.state = all->state,
-                       .threads = count_threads(given),
-                       .ray_count = all->quick && given->ray_count > QUICK_RAYS ? QUICK_RAYS : (size_t)given->ray_count,
-                       .repeats = all->repeats};
+    ray_bench bench = {
+        .state = all->state, .threads = count_threads(given), .ray_count = count_rays(given), .repeats = all->repeats};
     progress_hold(all->state->progress, true);
     const int exit_code = run_bench(&bench);
     progress_hold(all->state->progress, false);

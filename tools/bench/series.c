@@ -2,6 +2,7 @@
 /* Builds in turns, and the order statistics of their stages. */
 #include "series.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,7 +99,7 @@ static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, 
     return status;
 }
 
-/* ---- the series ---- */
+/* ---- one turn ---- */
 
 /* What a way may lack without the series being at fault. */
 static bool is_limit(svo_status status)
@@ -111,8 +112,7 @@ int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_w
     if (way->reason[0] != '\0') {
         return PROGRAM_DONE;
     }
-    const svo_status status =
-        build(all, way->mesh != NULL ? way->mesh : mesh, depth, way, way->times + turn * SERIES_CLOCKS);
+    const svo_status status = build(all, mesh, depth, way, way->times + turn * SERIES_CLOCKS);
     if (is_limit(status)) {
         explain(way, program_words(svo_device_message(all->opened.device)));
         return PROGRAM_DONE;
@@ -129,20 +129,6 @@ bool series_begin(const bench_suite *all, series_way *ways, size_t way_count)
         there = there && ways[i].times != NULL;
     }
     return there;
-}
-
-int series_run(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *ways, size_t way_count)
-{
-    if (!series_begin(all, ways, way_count)) {
-        return program_fail(all->state, PROGRAM_FAILED, "out of memory");
-    }
-    int exit_code = PROGRAM_DONE;
-    for (size_t turn = 0; turn <= all->repeats; ++turn) {
-        for (size_t i = 0; i < way_count && exit_code == PROGRAM_DONE; ++i) {
-            exit_code = series_turn(all, mesh, depth, &ways[i], turn);
-        }
-    }
-    return exit_code;
 }
 
 void series_release(series_way *ways, size_t way_count)
@@ -204,7 +190,28 @@ const char *series_clock(const series_way *way, svo_stage stage)
     return clock != NULL ? clock : "";
 }
 
-void series_add_reasons(result_table *table, const series_way *ways, size_t way_count)
+/* ---- the series ---- */
+
+static int check(bench_suite *all, const input *source, const series_way *ways, size_t way_count)
+{
+    const series_way *first = NULL;
+    for (size_t i = 0; i < way_count; ++i) {
+        if (ways[i].reason[0] != '\0') {
+            continue;
+        }
+        first = first != NULL ? first : &ways[i];
+        if (ways[i].report.fragments != first->report.fragments || ways[i].info.node_count != first->info.node_count) {
+            return program_fail(all->state, PROGRAM_FAILED,
+                                "%s: %s made %" PRIu64 " fragments and %" PRIu64 " nodes, %s %" PRIu64 " and %" PRIu64,
+                                source->name, first->name, first->report.fragments, first->info.node_count,
+                                ways[i].name, ways[i].report.fragments, ways[i].info.node_count);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+/* "; gl-hw: reason" to the end of the note, unless it is there already. */
+static void add_reasons(result_table *table, const series_way *ways, size_t way_count)
 {
     for (size_t i = 0; i < way_count && table != NULL; ++i) {
         char text[320];
@@ -213,4 +220,36 @@ void series_add_reasons(result_table *table, const series_way *ways, size_t way_
             result_set_note(table, "%s; %s", table->note, text);
         }
     }
+}
+
+static int take_turns(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *ways, size_t way_count)
+{
+    if (!series_begin(all, ways, way_count)) {
+        return program_fail(all->state, PROGRAM_FAILED, "out of memory");
+    }
+    int exit_code = PROGRAM_DONE;
+    for (size_t turn = 0; turn <= all->repeats; ++turn) {
+        for (size_t i = 0; i < way_count && exit_code == PROGRAM_DONE; ++i) {
+            exit_code = series_turn(all, mesh, depth, &ways[i], turn);
+        }
+    }
+    return exit_code;
+}
+
+int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_way *ways,
+               size_t way_count, series_row add_row)
+{
+    result_table *table = result_find(all->results, table_id);
+    int exit_code = take_turns(all, source->mesh, depth, ways, way_count);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = check(all, source, ways, way_count);
+    }
+    for (size_t i = 0; i < way_count && exit_code == PROGRAM_DONE; ++i) {
+        if (ways[i].reason[0] == '\0') {
+            add_row(table, source, depth, &ways[i], &ways[0]);
+        }
+    }
+    add_reasons(table, ways, way_count);
+    series_release(ways, way_count);
+    return exit_code;
 }

@@ -15,7 +15,6 @@ typedef struct series_way {
     svo_frontend *frontend; /* NULL: there is none, and the reason says why */
     bool in_gl; /* by OpenGL's compute shaders */
     svo_plan_options plan;
-    const svo_mesh *mesh; /* NULL: the series' */
 
     char reason[256]; /* not "": this way does not work here, or not at this size */
     double *times; /* [turn][SERIES_CLOCKS], the first turn apart at the front */
@@ -37,10 +36,21 @@ typedef struct series_way {
     (SERIES_BIT(SVO_STAGE_SUBDIVIDE) | SERIES_BIT(SVO_STAGE_LINK) | SERIES_BIT(SVO_STAGE_PACK) | \
      SERIES_BIT(SVO_STAGE_FILTER))
 
-/* Builds by every way, the first turn and all->repeats more. A way that cannot gets its reason, any other failure ends the
-   series. Returns the exit code, its line printed. */
-int series_run(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *ways, size_t way_count);
-/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a way. */
+/* Adds a row for a way that works; first: the first way, which others are compared with. */
+typedef void (*series_row)(result_table *table, const input *source, unsigned depth, const series_way *way,
+                           const series_way *first);
+
+/*
+ * Builds the mesh by every way, the first turn and all->repeats more, and adds a row for each to the table of that id. Why
+ * a way does not work goes into the table's note. Any other failure ends the bench, and so do ways that make different
+ * numbers of fragments or nodes: one that makes something else is no faster way to the same tree.
+ * Returns the exit code, its line printed. Nothing of the ways stays allocated.
+ */
+int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_way *ways,
+               size_t way_count, series_row add_row);
+
+/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a way;
+   the end of it. */
 bool series_begin(const bench_suite *all, series_way *ways, size_t way_count);
 int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *way, size_t turn);
 void series_release(series_way *ways, size_t way_count);
@@ -61,9 +71,6 @@ void series_use_cl(bench_suite *all, series_way *way);
 void series_use_gl(bench_suite *all, int frontend, int share, series_way *way);
 /* The builder of OpenGL's compute shaders in place of OpenCL. */
 void series_use_gl_compute(bench_suite *all, series_way *way);
-
-/* A note that ends with why ways do not work: "; gl-hw: reason". Adds only what the text has not yet. */
-void series_add_reasons(result_table *table, const series_way *ways, size_t way_count);
 
 /* What 4 bytes for every node of a full octree are. */
 double bench_full_octree_bytes(unsigned depth);

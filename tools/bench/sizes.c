@@ -7,44 +7,41 @@
 static const char sizes_id[] = "scene-sizes";
 
 static const svo_mesh no_triangles = {.struct_size = sizeof(svo_mesh)};
-static const unsigned sizes_depth = 8;
+#define SIZES_DEPTH 8
 
-static int add_size(bench_suite *all, const svo_mesh *mesh, unsigned depth)
+static void add_size(result_table *table, const input *source, unsigned depth, const series_way *way,
+                     const series_way *first)
+{
+    (void)first;
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_text(table, "%s", way->name);
+    result_add_number(table, (double)way->report.fragments);
+    result_add_number(table, (double)way->info.leaf_count);
+    result_add_number(table, (double)way->peak_bytes);
+    result_add_number(table, (double)way->tree_bytes);
+    spread_add(table, series_ms(way, SERIES_BIT(SERIES_WALL)));
+    result_add_number(table, series_first_ms(way, SERIES_BIT(SERIES_WALL)));
+}
+
+static int run_sizes(bench_suite *all, const input *source, unsigned depth)
 {
     enum { WAYS = 2 };
     series_way ways[WAYS] = {{.name = "default"}, {.name = "none", .plan = {.need = SVO_NEED_NONE}}};
     series_use_cl(all, &ways[0]);
     series_use_cl(all, &ways[1]);
-    const int exit_code = series_run(all, mesh, depth, ways, WAYS);
-    result_table *table = result_find(all->results, sizes_id);
-    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            result_add_number(table, (double)mesh->triangle_count);
-            result_add_number(table, depth);
-            result_add_text(table, "%s", ways[i].name);
-            result_add_number(table, (double)ways[i].report.fragments);
-            result_add_number(table, (double)ways[i].info.leaf_count);
-            result_add_number(table, (double)ways[i].peak_bytes);
-            result_add_number(table, (double)ways[i].tree_bytes);
-            spread_add(table, series_ms(&ways[i], SERIES_BIT(SERIES_WALL)));
-            result_add_number(table, series_first_ms(&ways[i], SERIES_BIT(SERIES_WALL)));
-        }
-    }
-    series_add_reasons(table, ways, WAYS);
-    series_release(ways, WAYS);
-    return exit_code;
+    return series_run(all, sizes_id, source, depth, ways, WAYS, add_size);
 }
+
+static const char sizes_note[] =
+    "needs in turns, front end cl, a terrain of exactly so many triangles, to which the grid is fitted: one alone "
+    "fills it; default: the colours and normals of the mesh; peak: the largest sum of OpenCL buffers at one time; "
+    "tree: what remains of them; build: wall clock from the call of the plan to the finished tree; first: the first "
+    "run, with what was left to compile";
 
 static int begin_sizes(bench_suite *all)
 {
-    result_table *table = result_add_table(all->results, sizes_id, "From no triangle to a million: bytes and time", "");
-    result_set_note(
-        table,
-        "%s, needs in turns, front end cl, a terrain of exactly so many triangles; default: the colours and "
-        "normals of the mesh; peak: the largest sum of OpenCL buffers at one time; tree: what remains of "
-        "them; build: wall clock from the call of the plan to the finished tree; first: the first run with "
-        "compiling",
-        bench_repeats(all).text);
+    result_table *table = bench_add_table(all, sizes_id, "From no triangle to a million: bytes and time", sizes_note);
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "need", "");
@@ -54,19 +51,16 @@ static int begin_sizes(bench_suite *all)
     result_add_column(table, "tree", "B");
     spread_add_columns(table, "build", "ms");
     result_add_column(table, "first", "ms");
-    return add_size(all, &no_triangles, sizes_depth);
-}
-
-static int run_sizes(bench_suite *all, const input *source, unsigned depth)
-{
-    return add_size(all, source->mesh, depth);
+    const input nothing = {.name = "no triangles", .mesh = &no_triangles};
+    return run_sizes(all, &nothing, SIZES_DEPTH);
 }
 
 const bench_subject bench_scene_sizes = {
     .name = "sizes",
     .summary = "bytes and milliseconds from no triangle to a million",
-    .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"}, .depths = {8}},
-    .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {8}},
+    .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"},
+             .depths = {SIZES_DEPTH}},
+    .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {SIZES_DEPTH}},
     .fixed = true,
     .begin = begin_sizes,
     .run = run_sizes,
@@ -76,14 +70,14 @@ const bench_subject bench_scene_sizes = {
 
 static const char memory_id[] = "memory";
 
+static const char memory_note[] =
+    "bytes of OpenCL buffers after a build with --need none; full octree: 4 bytes for each node that could be there,"
+    " computed; list of 36 bytes: what a fragment took in an older system, computed from the fragments";
+
 static int begin_memory(bench_suite *all)
 {
-    result_table *table = result_add_table(all->results, memory_id,
-                                           "Bytes of an octree of occupancy alone, beside ways that keep all", "");
-    result_set_note(table,
-                    "bytes of OpenCL buffers after a build with --need none; full octree: 4 bytes for each node that "
-                    "could be there, computed; list of 36 bytes: what a fragment took in an older system, "
-                    "computed from the fragments");
+    result_table *table = result_add_table(
+        all->results, memory_id, "Bytes of an octree of occupancy alone, beside ways that keep all", memory_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "fragments", "");
@@ -108,30 +102,31 @@ double bench_full_octree_bytes(unsigned depth)
     return nodes * 4.0;
 }
 
+static void add_memory(result_table *table, const input *source, unsigned depth, const series_way *way,
+                       const series_way *first)
+{
+    (void)first;
+    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_number(table, depth);
+    result_add_number(table, (double)way->report.fragments);
+    result_add_number(table, (double)way->info.node_count);
+    result_add_number(table, (double)way->info.leaf_count);
+    result_add_number(table, (double)way->tree_bytes);
+    result_add_number(table, (double)way->tree_bytes / (double)way->info.leaf_count);
+    result_add_number(table, (double)way->list_bytes);
+    result_add_number(table, (double)way->peak_bytes);
+    result_add_number(table, bench_full_octree_bytes(depth));
+    result_add_number(table, (double)way->report.fragments * 36.0);
+}
+
 static int run_memory(bench_suite *all, const input *source, unsigned depth)
 {
     series_way way = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
     const size_t repeats = all->repeats;
     series_use_cl(all, &way);
     all->repeats = 0; /* bytes are the same every time */
-    const int exit_code = series_run(all, source->mesh, depth, &way, 1);
+    const int exit_code = series_run(all, memory_id, source, depth, &way, 1, add_memory);
     all->repeats = repeats;
-    result_table *table = result_find(all->results, memory_id);
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        result_add_text(table, "%s", bench_scene_name(source));
-        result_add_number(table, depth);
-        result_add_number(table, (double)way.report.fragments);
-        result_add_number(table, (double)way.info.node_count);
-        result_add_number(table, (double)way.info.leaf_count);
-        result_add_number(table, (double)way.tree_bytes);
-        result_add_number(table, (double)way.tree_bytes / (double)way.info.leaf_count);
-        result_add_number(table, (double)way.list_bytes);
-        result_add_number(table, (double)way.peak_bytes);
-        result_add_number(table, bench_full_octree_bytes(depth));
-        result_add_number(table, (double)way.report.fragments * 36.0);
-    }
-    series_add_reasons(table, &way, 1);
-    series_release(&way, 1);
     return exit_code;
 }
 

@@ -35,15 +35,15 @@ typedef struct start_times {
     bool failed;
 } start_times;
 
+static const char note[] =
+    "wall clock of `svocl build --weights uniform`, medians and quartiles (q1, q3), ways in turns; cold: the "
+    "drivers' caches of kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and"
+    " shaders, as the build reports it";
+
 static int begin(bench_suite *all)
 {
     result_table *table =
-        result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", "");
-    result_set_note(
-        table,
-        "wall clock of `svocl build`, medians and quartiles (q1, q3), ways in turns; cold: the drivers' caches of "
-        "kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and "
-        "shaders, as the build reports it");
+        result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "way", "");
@@ -68,6 +68,8 @@ static void make_arguments(const bench_suite *all, const input *source, const ch
     arguments[count++] = "--json";
     arguments[count++] = "-d";
     arguments[count++] = depth;
+    arguments[count++] = "--weights";
+    arguments[count++] = "uniform";
     arguments[count++] = forms[form].option;
     arguments[count++] = forms[form].value;
     if (given->device_name != NULL) {
@@ -134,7 +136,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
 
 static int run(bench_suite *all, const input *source, unsigned depth)
 {
-    static start_times times[FORM_COUNT];
+    start_times times[FORM_COUNT];
     memset(times, 0, sizeof times);
     const size_t asked = all->quick && !all->state->options.has_repeat ? 1 : all->repeats;
     const size_t turns = asked < COLD_TURNS_MAX ? asked : COLD_TURNS_MAX;

@@ -6,14 +6,13 @@
 
 static const char table_id[] = "voxelize";
 
+static const char note[] =
+    "front ends in turns; transfer: the mesh to the device, the list to OpenCL, counts back; first: voxelize in the "
+    "first run, with what was left to compile; ratio: to cl, turn by turn";
+
 static int begin(bench_suite *all)
 {
-    result_table *table = result_add_table(all->results, table_id, "Front ends: triangles to exact fragments", "");
-    result_set_note(
-        table,
-        "%s, front ends in turns; transfer: the mesh to the device, the list to OpenCL, counts back; first: "
-        "voxelize with compiling, in the first run; ratio: to cl, turn by turn",
-        bench_repeats(all).text);
+    result_table *table = bench_add_table(all, table_id, "Front ends: triangles to exact fragments", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -30,7 +29,7 @@ static int begin(bench_suite *all)
 }
 
 static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *other)
+                    const series_way *first)
 {
     const unsigned clock = SERIES_BIT(SVO_STAGE_VOXELIZE);
     const spread ms = series_ms(way, clock);
@@ -45,7 +44,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, ms);
     spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_TRANSFER)));
     result_add_number(table, (double)way->report.fragments / ms.median * 1e-3);
-    spread_add(table, series_ratio(way, other, clock));
+    spread_add(table, series_ratio(way, first, clock));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
@@ -57,16 +56,7 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     series_use_cl(all, &ways[0]);
     series_use_gl(all, OPTION_FRONTEND_GL_EXPAND, SVO_GL_SHARE_AUTO, &ways[1]);
     series_use_gl(all, OPTION_FRONTEND_GL_HW, SVO_GL_SHARE_AUTO, &ways[2]);
-    const int exit_code = series_run(all, source->mesh, depth, ways, WAYS);
-    result_table *table = result_find(all->results, table_id);
-    for (size_t i = 0; i < WAYS && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_row(table, source, depth, &ways[i], &ways[0]);
-        }
-    }
-    series_add_reasons(table, ways, WAYS);
-    series_release(ways, WAYS);
-    return exit_code;
+    return series_run(all, table_id, source, depth, ways, WAYS, add_row);
 }
 
 const bench_subject bench_voxelize = {
