@@ -15,5 +15,6 @@ int command_render(program *state);
 int command_trace(program *state);
 int command_stress(program *state);
 int command_bench(program *state);
+int command_report(program *state);
 
 #endif

@@ -33,6 +33,8 @@ static const command commands[] = {
     {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
      "Measures times of voxelize, build, filter, startup, rays [INPUT], leaving-out, sizes, memory, older-a, older-b, "
      "peer-embree, peer-openvdb or all."},
+    {"report", command_report, OPTION_DEVICE | OPTION_MEASURE | OPTION_REPORT_COMMAND | OPTION_OUTPUT, NULL, false,
+     "Makes a page of every measurement, with charts, tables and pictures, in the folder -o DIR."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
