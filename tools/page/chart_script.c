@@ -106,6 +106,16 @@ static void write_tic(double at, const char *label, bool first, FILE *script)
     fprintf(script, "%s'%s' %.9g", first ? "" : ", ", label, at);
 }
 
+static void write_tic_label(double at, int power, char label[64])
+{
+    if (power >= -3 && power < 0) {
+        snprintf(label, 64, "%g", at);
+    } else {
+        snprintf(label, 64, "%s",
+                 power >= 0 && power <= 4 ? text_format_number(at).text : text_format_power(power).text);
+    }
+}
+
 /* Powers of ten; where there are few of them, twice and five times those too. Written by hand: gnuplot's own need a markup
    that names must not fall under. */
 static void write_log_tics(const axis *of, bool is_y, FILE *script)
@@ -129,8 +139,7 @@ static void write_log_tics(const axis *of, bool is_y, FILE *script)
                 continue;
             }
             if ((last - power) % skip == 0) {
-                snprintf(label, sizeof label, "%s",
-                         power >= -2 && power <= 3 ? text_format_number(at).text : text_format_power(power).text);
+                write_tic_label(at, power, label);
             }
             write_tic(at, label, !begun, script);
             begun = true;
@@ -254,10 +263,11 @@ void chart_points_legend(const chart_points *points, FILE *page)
 
 /* ---- bars ---- */
 
-/* The unit that keeps the longest bar below a thousand. */
+/* Bytes in the unit that keeps the longest bar short; other figures as they are. */
 static double bar_unit(const chart_figure *figure, double most, const char **unit)
 {
-    const bool bytes = strcmp(figure->x_label, "bytes") == 0;
+    const size_t length = strlen(figure->x_label);
+    const bool bytes = length > 3 && strcmp(figure->x_label + length - 3, ", B") == 0;
     *unit = !bytes ? figure->x_label : most >= 0x1p20 ? "MiB" : most >= 0x1p10 ? "KiB" : "bytes";
     return !bytes ? 1.0 : most >= 0x1p20 ? 0x1p20 : most >= 0x1p10 ? 0x1p10 : 1.0;
 }

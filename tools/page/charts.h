@@ -21,12 +21,15 @@ typedef struct chart_figure {
     const char *table_id;
     const char *name; /* the charts' ids begin with it */
     const char *caption;
+    const char *only[2]; /* rows whose column has that text; NULL: all */
+    const char *without; /* curves whose names begin so are left out; NULL: none are */
     const char *panels[2]; /* columns of text; NULL: none */
     const char *curves; /* the column that names the curve; of bars: the bar. NULL: each of ys is one */
     const char *x; /* of curves; NULL: bars of ys[0] */
     const char *ys[CHART_YS_MAX]; /* columns; ends with NULL */
     const char *x_label, *y_label;
     chart_front front;
+    bool apart; /* each of ys has charts of its own */
     const char *size; /* FRONT_ALL: the column of numbers that says what is the same size of work */
 } chart_figure;
 

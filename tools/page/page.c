@@ -2,6 +2,7 @@
 /* The order of the page, its words, and everything that is not a table or a chart. */
 #include "page.h"
 
+#include <ctype.h>
 #include <string.h>
 
 #include "page/charts.h"
@@ -151,6 +152,17 @@ static void write_pictures(const pictures *drawn, FILE *page)
     fputs("</div>\n</section>\n", page);
 }
 
+/* As a sentence. */
+static void write_note(const char *note, FILE *page)
+{
+    const size_t length = strlen(note);
+    if (length > 0) {
+        fprintf(page, "<p class=\"note\">%c", toupper((unsigned char)note[0]));
+        text_escape(note + 1, page);
+        fputs(note[length - 1] == '.' ? "</p>\n" : ".</p>\n", page);
+    }
+}
+
 static int write_table(program *state, const result_table *table, FILE *page)
 {
     int exit_code = PROGRAM_DONE;
@@ -159,11 +171,7 @@ static int write_table(program *state, const result_table *table, FILE *page)
         exit_code = charts_draw(state, figure, table, page);
     }
     table_html_write(table, page);
-    if (table->note[0] != '\0') {
-        fputs("<p class=\"note\">", page);
-        text_escape(table->note, page);
-        fputs("</p>\n", page);
-    }
+    write_note(table->note, page);
     return exit_code;
 }
 

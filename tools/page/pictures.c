@@ -11,7 +11,8 @@
 #include "scenes/scenes.h"
 #include "session.h"
 
-#define WIDEST_ANGLE 1.9f
+#define WIDEST_ANGLE 1.6f
+#define FALL         0.3f
 
 typedef struct view {
     const char *scene, *quick_scene;
@@ -71,12 +72,16 @@ static int build(studio *at, const char *spec, unsigned depth)
     return worked ? PROGRAM_DONE : fail(at, spec);
 }
 
-/* Moves the camera towards what it looks at, and sees as much of it by a wider angle. */
+/* Moves the camera towards what it looks at and down, and sees as much of it by a wider angle. */
 static void approach(svo_camera *camera, float nearness)
 {
+    const float away[3] = {camera->eye[0] - camera->target[0], camera->eye[1] - camera->target[1],
+                           camera->eye[2] - camera->target[2]};
+    const float distance = sqrtf(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
     for (int k = 0; k < 3; ++k) {
-        camera->eye[k] += nearness * (camera->target[k] - camera->eye[k]);
+        camera->eye[k] -= nearness * away[k];
     }
+    camera->eye[1] -= nearness * FALL * distance;
     camera->vertical_fov = fminf(WIDEST_ANGLE, 2.0f * atanf(tanf(0.5f * camera->vertical_fov) / (1.0f - nearness)));
 }
 

@@ -116,6 +116,9 @@ static void write_line(const char *line, const char *name, FILE *page)
             text += strlen("xlink:");
         } else if (begins(text, " color=\"black\"") || begins(text, " color=\"white\"")) {
             text += strlen(" color=\"black\"");
+        } else if (begins(text, "fill=\"black\"")) {
+            fputs("fill=\"currentColor\"", page);
+            text += strlen("fill=\"black\"");
         } else if (begins(text, "gpPt") || begins(text, "gpDot")) {
             fputs(name, page);
             text += strlen("gp");

@@ -99,12 +99,8 @@ text_number text_format_number(double number)
         snprintf(result.text, sizeof result.text, "%s%s", number < 0.0 ? "-" : "",
                  figure_count((uint64_t)rint(size)).text);
     } else {
-        snprintf(result.text, sizeof result.text, "%.*f",
-                 size >= 100.0  ? 0
-                 : size >= 10.0 ? 1
-                 : size >= 1.0  ? 2
-                                : 3,
-                 number);
+        const int decimals = 2 - (int)floor(log10(size));
+        snprintf(result.text, sizeof result.text, "%.*f", decimals, number);
     }
     return result;
 }
