@@ -1,201 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or absent.
- *
- * Every test runs the built program through the shell in a fresh folder of its own; $SVOCL is its path. What needs a
- * device or a GL context is probed with `svocl devices` and skipped, visibly, where the machine has none.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include <cjson/cJSON.h>
-#include <dirent.h>
-#include <stdbool.h>
+/* The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or absent. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#ifndef SVOCL_PROGRAM
-#error "SVOCL_PROGRAM must be the path of the program"
-#endif
-
-#define TEXT_BYTES 262144
-
-typedef struct outcome {
-    int exit_code; /* -1: ended by a signal */
-    char output[TEXT_BYTES];
-    char errors[4096];
-} outcome;
-
-static outcome last; /* of the last run */
-
-static void read_text(const char *path, char *text, size_t text_bytes)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    const size_t length = fread(text, 1, text_bytes - 1, file);
-    text[length] = '\0';
-    fclose(file);
-}
-
-static void write_text(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
-    assert_int_equal(fclose(file), 0);
-}
-
-/* Runs a shell line and keeps what it did in last. */
-static void run(const char *line)
-{
-    char all[2048];
-    snprintf(all, sizeof all, "( %s ) >.output 2>.errors", line);
-    const int status = system(all);
-    last.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    read_text(".output", last.output, sizeof last.output);
-    read_text(".errors", last.errors, sizeof last.errors);
-}
-
-static void run_well(const char *line)
-{
-    run(line);
-    if (last.exit_code != 0) {
-        fail_msg("%s: exit code %d: %s", line, last.exit_code, last.errors);
-    }
-}
-
-/* The line must fail with the exit code, nothing but one line on standard error, and words in that line. */
-static void run_badly(const char *line, int exit_code, const char *words)
-{
-    run(line);
-    if (last.exit_code != exit_code) {
-        fail_msg("%s: exit code %d instead of %d: %s", line, last.exit_code, exit_code, last.errors);
-    }
-    const char *newline = strchr(last.errors, '\n');
-    if (strncmp(last.errors, "svocl: ", 7) != 0 || newline == NULL || newline[1] != '\0') {
-        fail_msg("%s: not one line of the program: '%s'", line, last.errors);
-    }
-    if (strstr(last.errors, words) == NULL) {
-        fail_msg("%s: '%s' is not in '%s'", line, words, last.errors);
-    }
-    assert_string_equal(last.output, "");
-}
-
-static cJSON *run_json(const char *line)
-{
-    run_well(line);
-    cJSON *document = cJSON_Parse(last.output);
-    if (document == NULL) {
-        fail_msg("%s: not JSON: %s", line, last.output);
-    }
-    return document;
-}
-
-/* The program is the only one that writes here: every other file is one that was left behind. */
-static void expect_files(const char *const names[], size_t count)
-{
-    DIR *folder = opendir(".");
-    assert_non_null(folder);
-    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
-        bool known = entry->d_name[0] == '.';
-        for (size_t i = 0; i < count; ++i) {
-            known = known || strcmp(entry->d_name, names[i]) == 0;
-        }
-        if (!known) {
-            fail_msg("%s was left behind", entry->d_name);
-        }
-    }
-    closedir(folder);
-}
-
-static double number_of(const cJSON *document, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(document, name);
-    if (!cJSON_IsNumber(item)) {
-        fail_msg("%s is not a number", name);
-    }
-    return item->valuedouble;
-}
-
-static const char *text_of(const cJSON *document, const char *name)
-{
-    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(document, name));
-    if (text == NULL) {
-        fail_msg("%s is not a text", name);
-    }
-    return text;
-}
-
-static const cJSON *array_of(const cJSON *document, const char *name)
-{
-    const cJSON *array = cJSON_GetObjectItemCaseSensitive(document, name);
-    if (!cJSON_IsArray(array)) {
-        fail_msg("%s is not an array", name);
-    }
-    return array;
-}
-
-/* Whether a way (a front end or a share path) works on the first pair that uses the context; NULL: on any pair. */
-static bool way_works(const char *context, const char *kind, const char *name)
-{
-    run("$SVOCL devices --json");
-    cJSON *document = cJSON_Parse(last.output);
-    const cJSON *pair = NULL;
-    bool found = false;
-    cJSON_ArrayForEach(pair, cJSON_GetObjectItem(document, "pairs"))
-    {
-        const cJSON *way = NULL;
-        cJSON_ArrayForEach(way, array_of(pair, kind))
-        {
-            found =
-                found || ((context == NULL || strcmp(text_of(pair, "context"), context) == 0) &&
-                          strcmp(text_of(way, "name"), name) == 0 && cJSON_IsTrue(cJSON_GetObjectItem(way, "works")));
-        }
-    }
-    cJSON_Delete(document);
-    return found;
-}
-
-/* Whether there is a device on which OpenCL alone makes trees. */
-static bool cl_works(void)
-{
-    run("$SVOCL devices --json");
-    cJSON *document = cJSON_Parse(last.output);
-    const cJSON *platform = NULL;
-    bool found = false;
-    cJSON_ArrayForEach(platform, cJSON_GetObjectItem(document, "platforms"))
-    {
-        const cJSON *device = NULL;
-        cJSON_ArrayForEach(device, array_of(platform, "devices"))
-        {
-            const cJSON *way = cJSON_GetArrayItem(cJSON_GetObjectItem(device, "frontends"), 0);
-            found =
-                found || (cJSON_IsTrue(cJSON_GetObjectItem(way, "works")) && strcmp(text_of(way, "name"), "cl") == 0);
-        }
-    }
-    cJSON_Delete(document);
-    return found;
-}
-
-static void need_builds(void)
-{
-    if (!cl_works()) {
-        print_message("skipped: no OpenCL device that works\n");
-        skip();
-    }
-}
-
-static bool gl_works(void)
-{
-    return way_works(NULL, "frontends", "gl-expand");
-}
+#include "run_program.h"
 
 static void wrong_usage_is_exit_code_2(void **state)
 {
@@ -239,7 +49,7 @@ static void help_goes_to_standard_output(void **state)
     (void)state;
     static const char *const lines[] = {"--help",      "help",         "devices --help", "scene --help",  "help build",
                                         "info --help", "hash --help",  "verify --help",  "render --help", "--version",
-                                        "scene",       "scene --json", "build -h"};
+                                        "scene",       "scene --json", "build -h",       "bench --help"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[64];
         snprintf(line, sizeof line, "$SVOCL %s", lines[i]);
@@ -690,29 +500,8 @@ static void a_picture_is_written(void **state)
     assert_int_equal(header[23], 30);
 }
 
-/* Each test gets an empty folder and leaves it behind empty. */
-static int enter_folder(void **state)
-{
-    char *folder = strdup("/tmp/svocl_test_program_XXXXXX");
-    *state = folder;
-    return folder == NULL || mkdtemp(folder) == NULL || chdir(folder) != 0;
-}
-
-static int leave_folder(void **state)
-{
-    char line[128];
-    snprintf(line, sizeof line, "rm -r '%s'", (const char *)*state);
-    free(*state);
-    return chdir("/") != 0 || system(line) != 0;
-}
-
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
-
 int main(void)
 {
-    if (setenv("SVOCL", SVOCL_PROGRAM, 1) != 0) {
-        return 1;
-    }
     const struct CMUnitTest tests[] = {IN_FOLDER(wrong_usage_is_exit_code_2),
                                        IN_FOLDER(names_without_meaning_are_refused),
                                        IN_FOLDER(help_goes_to_standard_output),

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "bench/result.h"
+#include "bench/spread.h"
 
 /* Two tables: one with every kind of cell, one without rows. */
 static result_set *make_set(void)
@@ -52,6 +53,7 @@ static void test_round_trip(void **state)
     result_set *again = result_parse(text, &message);
     if (again == NULL) {
         fail_msg("refused: %s", message.text);
+        return;
     }
     char *text_again = text_of_set(again);
     assert_string_equal(text_again, text);
@@ -85,7 +87,7 @@ static void test_csv_quotes_what_must_be(void **state)
     result_write_csv(result_find(set, "voxelize"), file);
     rewind(file);
     char text[512] = "";
-    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    assert_true(fread(text, 1, sizeof text - 1, file) > 0);
     fclose(file);
     assert_string_equal(text,
                         "scene,median [ms]\r\nknot:3000,0.1\r\n\"comma, and \"\"quotes\"\"\",\r\nnot finite,\r\n");
@@ -116,6 +118,34 @@ static void test_take_replaces_by_id(void **state)
     assert_string_equal(set->tables[0]->title, "Newer");
     assert_string_equal(set->tables[2]->id, "rays");
     assert_ptr_equal(set->tables[2]->owner, set);
+    assert_true(result_is_whole(set));
+    result_destroy(&set);
+}
+
+static void test_quartiles_by_hand(void **state)
+{
+    (void)state;
+    double five[] = {40, 10, 30, 20, 50};
+    const spread odd = spread_of(five, 5);
+    assert_true(odd.low == 20 && odd.median == 30 && odd.high == 40);
+    double four[] = {4, 2, 1, 3};
+    const spread even = spread_of(four, 4);
+    assert_true(even.low == 1.75 && even.median == 2.5 && even.high == 3.25);
+    const spread one = spread_of(four, 1);
+    assert_true(one.low == 1 && one.median == 1 && one.high == 1);
+    assert_true(isnan(spread_of(four, 0).median));
+
+    result_set *set = result_create();
+    assert_non_null(set);
+    result_table *table = result_add_table(set, "t", "", "");
+    result_add_column(table, "scene", "");
+    spread_add_columns(table, "time", "ms");
+    result_add_text(table, "cube");
+    spread_add(table, even);
+    assert_false(result_has_quartiles(table, 0));
+    assert_true(result_has_quartiles(table, 1));
+    assert_false(result_has_quartiles(table, 2));
+    assert_true(result_cell_at(table, 0, 2)->number == 1.75);
     assert_true(result_is_whole(set));
     result_destroy(&set);
 }
@@ -171,6 +201,7 @@ int main(void)
         cmocka_unit_test(test_unfinished_row_is_not_written),
         cmocka_unit_test(test_take_replaces_by_id),
         cmocka_unit_test(test_what_is_no_result_is_refused),
+        cmocka_unit_test(test_quartiles_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

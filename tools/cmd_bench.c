@@ -9,6 +9,27 @@
 #include "output.h"
 #include "table.h"
 
+void command_bench_print_subjects(void)
+{
+    table *rows = table_create("ll");
+    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
+        table_cell(rows, "%s", bench_describe(i)->name);
+        table_cell(rows, "%s", bench_describe(i)->summary);
+    }
+    const char *summary = NULL;
+    table_cell(rows, "all");
+    table_cell(rows, "all of these; rays alone takes INPUT and the options of a build");
+    for (size_t i = 0; bench_errors_describe(i, &summary) != NULL; ++i) {
+        table_cell(rows, "%s", bench_errors_describe(i, &summary));
+        table_cell(rows, "%s", summary);
+    }
+    table_cell(rows, "errors");
+    table_cell(rows, "e1 to e5");
+    table_gap();
+    table_heading("SUBJECT");
+    table_print(rows);
+}
+
 static bool is_known(const char *wanted)
 {
     for (size_t i = 0; bench_describe(i) != NULL; ++i) {
@@ -27,7 +48,7 @@ static void list_subjects(char *text, size_t text_bytes)
         used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", bench_describe(i)->name);
     }
     if (used < text_bytes) {
-        snprintf(text + used, text_bytes - used, "errors, e1 to e5, all");
+        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5");
     }
 }
 

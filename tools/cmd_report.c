@@ -73,7 +73,8 @@ static result_set *measure(program *state)
     result_set *results = result_create();
     if (results == NULL) {
         program_fail(state, PROGRAM_FAILED, "out of memory");
-    } else if (bench_collect(state, "all", results) != PROGRAM_DONE) {
+    } else if (bench_collect(state, "errors", results) != PROGRAM_DONE ||
+               bench_collect(state, "all", results) != PROGRAM_DONE) {
         result_destroy(&results);
     }
     return results;

@@ -31,8 +31,7 @@ static const command commands[] = {
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
     {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
-     "Measures times of voxelize, build, filter, startup, rays [INPUT], leaving-out, sizes, memory, older-a, older-b, "
-     "peer-embree, peer-openvdb or all."},
+     "Measures times and errors, SUBJECT by subject or all; bench --help lists them."},
     {"report", command_report, OPTION_DEVICE | OPTION_MEASURE | OPTION_REPORT_COMMAND | OPTION_OUTPUT, NULL, false,
      "Makes a page of every measurement, with charts, tables and pictures, in the folder -o DIR."},
 };
@@ -68,6 +67,14 @@ static const command *find_command(const char *name)
     return NULL;
 }
 
+static void print_command_help(const command *which)
+{
+    options_print_help(which);
+    if (which->run == command_bench) {
+        command_bench_print_subjects();
+    }
+}
+
 static int run_command(program *state, const command *which, int argument_count, char **arguments)
 {
     state->command = which->name;
@@ -76,7 +83,7 @@ static int run_command(program *state, const command *which, int argument_count,
         return exit_code;
     }
     if (state->options.help) {
-        options_print_help(which);
+        print_command_help(which);
         return PROGRAM_DONE;
     }
     exit_code = which->run(state);
@@ -99,7 +106,7 @@ static int dispatch(program *state, int argument_count, char **arguments)
     if (strcmp(name, "help") == 0) {
         const command *which = find_command(arguments[2]);
         if (which != NULL) {
-            options_print_help(which);
+            print_command_help(which);
             return PROGRAM_DONE;
         }
         name = arguments[2];

@@ -54,9 +54,10 @@ static int read_depths(bench_suite *all, const char *list)
     size_t count = 0;
     for (const char *text = list; *text != '\0';) {
         char *end = NULL;
-        const unsigned long depth = *text >= '0' && *text <= '9' ? strtoul(text, &end, 10) : 0;
-        const bool more = end != NULL && *end == ',' && end[1] != '\0';
-        if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX || (*end != '\0' && !more) || count + 1 == BENCH_LIST_MAX) {
+        const unsigned long depth = strtoul(text, &end, 10);
+        const bool is_number = *text >= '0' && *text <= '9' && depth >= SVO_DEPTH_MIN && depth <= SVO_DEPTH_MAX;
+        const bool more = *end == ',' && end[1] != '\0';
+        if (!is_number || (*end != '\0' && !more) || count + 1 == BENCH_LIST_MAX) {
             return program_fail(all->state, PROGRAM_WRONG_USAGE,
                                 "--depths '%s' is not a list of 1 to %d depths, %d to %d", list, BENCH_LIST_MAX - 1,
                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);

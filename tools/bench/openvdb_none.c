@@ -19,7 +19,7 @@ double openvdb_voxelize(const float *points, size_t point_count, const uint32_t 
     (void)point_count;
     (void)indices;
     (void)triangle_count;
-    (void)active_voxels;
-    (void)memory_bytes;
+    *active_voxels = 0;
+    *memory_bytes = 0;
     return -1.0;
 }

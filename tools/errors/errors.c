@@ -11,14 +11,16 @@
 #define FULL_ROUNDS  11u
 
 static const struct {
-    const char *name;
+    const char *name, *summary;
     int (*measure)(error_run *run);
     unsigned step_count; /* of the progress bar */
-} experiments[] = {{"e1", errors_voxelization, 10},
-                   {"e2", errors_rays, 12},
-                   {"e3", errors_attributes, 2},
-                   {"e4", errors_detail, 2},
-                   {"e5", errors_stiffness, 6}};
+} experiments[] = {
+    {"e1", "error beside time: voxels missed and too many, by every way to voxelize", errors_voxelization, 10},
+    {"e2", "error beside time: rays missed and wrong, by every ray-triangle test", errors_rays, 12},
+    {"e3", "error beside time: colours and normals of voxels, and what the order does to them", errors_attributes, 2},
+    {"e4", "error beside time: what a level of detail loses", errors_detail, 2},
+    {"e5", "error beside time: where each way breaks as meshes get stiffer", errors_stiffness, 6},
+};
 
 #define EXPERIMENT_COUNT (sizeof experiments / sizeof experiments[0])
 
@@ -44,6 +46,12 @@ static bool is_wanted(const char *which, size_t experiment)
 {
     return strcmp(which, "all") == 0 || strcmp(which, "errors") == 0 ||
            strcmp(which, experiments[experiment].name) == 0;
+}
+
+const char *bench_errors_describe(size_t index, const char **summary)
+{
+    *summary = index < EXPERIMENT_COUNT ? experiments[index].summary : NULL;
+    return index < EXPERIMENT_COUNT ? experiments[index].name : NULL;
 }
 
 bool bench_errors_know(const char *which)
