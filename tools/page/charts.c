@@ -242,7 +242,7 @@ static int draw_panel(program *state, const chart_figure *figure, const result_t
     panel_name(figure, table, first_row, wanted, sizeof wanted);
     for (size_t row = first_row; row < result_row_count(table); ++row) {
         panel_name(figure, table, row, own, sizeof own);
-        if (strcmp(wanted, own) == 0) {
+        if (strcmp(wanted, own) == 0) { /* rows that are not shown add nothing */
             add_row(figure, table, row, &points);
         }
     }
@@ -270,7 +270,7 @@ static bool is_drawn(const chart_figure *figure, const result_table *table, size
     panel_name(figure, table, row, own, sizeof own);
     for (size_t before = 0; before < row; ++before) {
         panel_name(figure, table, before, other, sizeof other);
-        if (strcmp(own, other) == 0) {
+        if (is_shown(figure, table, before) && strcmp(own, other) == 0) {
             return true;
         }
     }
