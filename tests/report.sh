@@ -42,10 +42,10 @@ for name in e1_1 e2_1 e2t_2 e3_1 e3o_2 e4_2 e5v_3 e5r_1 e5vt_1 e5rt_3 builders_4
     expect "<svg class=\"chart\" id=\"$name\"" "$page"
 done
 # Tables: those of the file, also one that no section is for, its text escaped; others are named as missing.
-for id in $(sed -n 's/^ *{"id": "\([^"]*\)".*/\1/p' "$results"); do
+while read -r id; do
     expect "<table id=\"table-$id\"" "$page"
     [[ -s $work/page/$id.csv ]] || complain "no $id.csv"
-done
+done < <(sed -n 's/^ *{"id": "\([^"]*\)".*/\1/p' "$results")
 expect 'A table &lt;b&gt;that&lt;/b&gt; no section is for &amp; &quot;quotes&quot;' "$page"
 expect 'a device &lt;for tests&gt;' "$page"
 (($(grep -c 'class="missing"' "$page") == 10)) || complain "$(grep -c 'class="missing"' "$page") tables named as missing"
@@ -72,7 +72,9 @@ expect_failure()
     shift 2
     "$@" >"$work/out" 2>"$work/err" || code=$?
     ((code == wanted)) || complain "exit code $code of: $*"
-    (($(wc -l <"$work/err") == 1)) && grep -q -- "$words" "$work/err" || complain "not one line with '$words': $(cat "$work/err")"
+    if (($(wc -l <"$work/err") != 1)) || ! grep -q -- "$words" "$work/err"; then
+        complain "not one line with '$words': $(cat "$work/err")"
+    fi
 }
 expect_failure 2 '-o DIR is missing' "$program" report --quick
 expect_failure 1 'nowhere.json' "$program" report --from "$work/nowhere.json" -o "$work/other"

@@ -44,8 +44,7 @@ scene *errors_scene(error_run *run, const char *spec)
 
 static bool is_wanted(const char *which, size_t experiment)
 {
-    return strcmp(which, "all") == 0 || strcmp(which, "errors") == 0 ||
-           strcmp(which, experiments[experiment].name) == 0;
+    return strcmp(which, "errors") == 0 || strcmp(which, experiments[experiment].name) == 0;
 }
 
 const char *bench_errors_describe(size_t index, const char **summary)
