@@ -89,8 +89,10 @@ void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *bo
                            double weights[3])
 {
     double corners[3][3];
-    for (unsigned i = 0; i < 9; ++i) {
-        corners[i / 3][i % 3] = (double)(triangle->vertex[i / 3][i % 3] - box->corner[i % 3]);
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        for (unsigned k = 0; k < 3; ++k) {
+            corners[corner][k] = (double)(triangle->vertex[corner][k] - box->corner[k]);
+        }
     }
     unsigned axis = 0;
     for (unsigned other = 1; other < 3; ++other) {

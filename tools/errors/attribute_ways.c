@@ -130,7 +130,7 @@ static double distance(attribute kind, const double a[3], const double b[3])
     }
     const vector3 left = vector(a[0], a[1], a[2]);
     const vector3 right = vector(b[0], b[1], b[2]);
-    if (memcmp(a, b, 3 * sizeof *a) == 0) {
+    if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) {
         return 0.0;
     }
     return DEGREES * atan2(vector_length(vector_cross(left, right)), vector_dot(left, right));

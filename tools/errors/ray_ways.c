@@ -26,7 +26,7 @@ typedef struct ray_way {
     bvh_test *test; /* of a float way */
     embree *rival; /* of Embree's */
     voxel_cast *cast; /* of voxels alone */
-    svo_hit *hits;
+    svo_hit *hits; /* of the last round */
 } ray_way;
 
 struct ray_bench {
@@ -40,6 +40,7 @@ struct ray_bench {
     float *vertices; /* of the tree, in world coordinates */
     bvh *hierarchy;
     cl_mem rays, hits; /* on the device */
+    svo_hit *found; /* of all ways, one after the other */
     svo_hit *exact;
     double *exact_ts; /* infinity: nothing is met */
     ray_way ways[RAY_WAYS_MAX];
@@ -88,7 +89,7 @@ static ray_way *add_way(ray_bench *bench, const char *name, double (*work_ms)(vo
     *way = (ray_way){.bench = bench,
                      .name = name,
                      .work_ms = work_ms,
-                     .hits = calloc(bench->given->ray_count + 1, sizeof *way->hits)};
+                     .hits = bench->found + (bench->way_count - 1) * bench->given->ray_count};
     return way;
 }
 
@@ -119,6 +120,10 @@ static bool add_voxels(ray_bench *bench)
 
 static bool list_ways(ray_bench *bench)
 {
+    bench->found = calloc(RAY_WAYS_MAX * bench->given->ray_count + 1, sizeof *bench->found);
+    if (bench->found == NULL) {
+        return false;
+    }
     add_way(bench, "svocl", run_ours);
     add_way(bench, "Möller-Trumbore, float32", run_hierarchy)->test = ray_test_moller_trumbore;
     add_way(bench, "watertight, float32", run_hierarchy)->test = ray_test_watertight;
@@ -315,7 +320,6 @@ static void release(ray_bench *bench)
     for (size_t i = 0; i < bench->way_count; ++i) {
         embree_destroy(&bench->ways[i].rival);
         voxel_cast_destroy(&bench->ways[i].cast);
-        free(bench->ways[i].hits);
     }
     if (bench->rays != NULL) {
         clReleaseMemObject(bench->rays);
@@ -326,6 +330,7 @@ static void release(ray_bench *bench)
     bvh_destroy(&bench->hierarchy);
     svo_tree_destroy(&bench->tree);
     free(bench->vertices);
+    free(bench->found);
     free(bench->exact);
     free(bench->exact_ts);
 }

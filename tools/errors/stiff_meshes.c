@@ -32,7 +32,7 @@ static void make_triangle(random_stream *random, double length, double height, d
     const vector3 third =
         vector_add(vector_mix(first, second, between(random, 0.2, 0.8)), vector_scale(across, height));
     const vector3 all[3] = {first, second, third};
-    for (int i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < 3; ++i) {
         corners[3 * i] = all[i].x;
         corners[3 * i + 1] = all[i].y;
         corners[3 * i + 2] = all[i].z;
