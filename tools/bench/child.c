@@ -46,7 +46,7 @@ static void become(const char *const arguments[], const child_cache *cache, int 
                                          "CUDA_CACHE_PATH", "__GL_SHADER_DISK_CACHE_PATH", "XDG_CACHE_HOME"};
     char *list[ARGUMENTS_MAX + 2] = {(char[]){"svocl"}};
     bool ready = true;
-    for (size_t i = 0; arguments[i] != NULL && i < ARGUMENTS_MAX; ++i) {
+    for (size_t i = 0; i < ARGUMENTS_MAX && arguments[i] != NULL; ++i) {
         list[i + 1] = strdup(arguments[i]);
         ready = ready && list[i + 1] != NULL;
     }

@@ -100,7 +100,7 @@ static double start_once(const char *const arguments[], const child_cache *cache
 
 static void take_turn(const bench_suite *all, const char *const arguments[], start_times *times)
 {
-    child_cache cache;
+    child_cache cache = {""};
     const size_t warm = all->quick ? QUICK_WARM_PER_TURN : WARM_PER_TURN;
     if (!child_cache_create(&cache)) {
         times->failed = true;
