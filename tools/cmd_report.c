@@ -4,12 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
 #include "bench/bench.h"
 #include "commands.h"
 #include "json.h"
 #include "output.h"
 #include "page/page.h"
+#include "page/plot.h"
 #include "page/text.h"
 #include "table.h"
 
@@ -68,6 +70,16 @@ static result_set *read_results(program *state, const char *path)
     return results;
 }
 
+static void set_date(result_machine *machine)
+{
+    const time_t now = time(NULL);
+    struct tm broken_down;
+    if (gmtime_r(&now, &broken_down) == NULL ||
+        strftime(machine->date, sizeof machine->date, "%Y-%m-%d", &broken_down) == 0) {
+        machine->date[0] = '\0';
+    }
+}
+
 static result_set *measure(program *state)
 {
     result_set *results = result_create();
@@ -76,6 +88,8 @@ static result_set *measure(program *state)
     } else if (bench_collect(state, "errors", results) != PROGRAM_DONE ||
                bench_collect(state, "all", results) != PROGRAM_DONE) {
         result_destroy(&results);
+    } else {
+        set_date(&results->machine);
     }
     return results;
 }
@@ -210,7 +224,10 @@ int command_report(program *state)
     if (given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o DIR is missing");
     }
-    int exit_code = make_folder(state, given->output_path);
+    int exit_code = plot_check(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_folder(state, given->output_path);
+    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

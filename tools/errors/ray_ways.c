@@ -259,7 +259,7 @@ static bool is_right_when_leaning(const ray_bench *bench, size_t index, const sv
 {
     for (int side = 0; side < LEANING_SIDES; ++side) {
         exact_triangles triangles = {.snapped = &bench->snapped};
-        svo_hit exact;
+        svo_hit exact = {0};
         for (int k = 0; k < 3; ++k) {
             triangles.lean[k] = (side >> k & 1) != 0 ? LEAN : -LEAN;
         }

@@ -170,7 +170,11 @@ static int write_table(program *state, const result_table *table, FILE *page)
     for (size_t i = 0; (figure = charts_of(table->id, i)) != NULL && exit_code == PROGRAM_DONE; ++i) {
         exit_code = charts_draw(state, figure, table, page);
     }
-    table_html_write(table, page);
+    if (result_row_count(table) > 0) {
+        table_html_write(table, page);
+    } else {
+        fputs("<p class=\"missing\">Nothing was measured.</p>\n", page);
+    }
     write_note(table->note, page);
     return exit_code;
 }

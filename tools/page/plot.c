@@ -165,12 +165,42 @@ static void write_body(FILE *picture, const char *name, FILE *page)
     free(line);
 }
 
+/* Three temporary files: script, picture, complaints. */
+static bool open_files(FILE *files[3])
+{
+    bool all = true;
+    for (int i = 0; i < 3; ++i) {
+        files[i] = tmpfile();
+        all = all && files[i] != NULL;
+    }
+    return all;
+}
+
+static void close_files(FILE *files[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        if (files[i] != NULL) {
+            fclose(files[i]);
+        }
+    }
+}
+
+int plot_check(program *state)
+{
+    FILE *files[3];
+    const int exit_code = open_files(files)
+                              ? run_gnuplot(state, files[0], files[1], files[2])
+                              : program_fail(state, PROGRAM_FAILED, "a temporary file: %s", strerror(errno));
+    close_files(files);
+    return exit_code;
+}
+
 int plot_draw(program *state, const char *script, const char *name, const char *label, unsigned width, unsigned height,
               FILE *page)
 {
-    FILE *files[3] = {tmpfile(), tmpfile(), tmpfile()}; /* script, picture, complaints */
+    FILE *files[3];
     int exit_code = PROGRAM_DONE;
-    if (files[0] == NULL || files[1] == NULL || files[2] == NULL) {
+    if (!open_files(files)) {
         exit_code = program_fail(state, PROGRAM_FAILED, "a temporary file: %s", strerror(errno));
     } else {
         fprintf(files[0],
@@ -187,10 +217,6 @@ int plot_draw(program *state, const char *script, const char *name, const char *
         write_body(files[1], name, page);
         fputs("</svg>\n", page);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (files[i] != NULL) {
-            fclose(files[i]);
-        }
-    }
+    close_files(files);
     return exit_code;
 }

@@ -7,6 +7,9 @@
 
 #include "program.h"
 
+/* Whether gnuplot is there: before long work. Returns the exit code. */
+int plot_check(program *state);
+
 /*
  * Writes the script's picture as an <svg class="chart"> to page: colours of the palette as variables of the style sheet,
  * black as the colour of the text around it, nothing that is looked for outside, and names that begin with name.
