@@ -12,7 +12,7 @@
 #include "scenes/maths.h"
 
 #define QUICK_ORDERS 3u
-#define FULL_ORDERS  8u
+#define FULL_ORDERS  5u
 #define DEGREES      57.29577951308232
 
 typedef struct attribute_bench attribute_bench;
