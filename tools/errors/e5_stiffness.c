@@ -98,8 +98,8 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
 
 int errors_stiffness(error_run *run)
 {
-    const size_t triangle_count = run->quick ? 200 : 1000;
-    const size_t ray_count = run->quick ? 5000 : 50000;
+    const size_t triangle_count = run->quick ? 200 : 400;
+    const size_t ray_count = run->quick ? 5000 : 20000;
     const unsigned depth = run->quick ? 6 : 7;
     result_table *table = begin_table(run, triangle_count, depth, ray_count);
     scene *knot = errors_scene(run, "knot:4000");
