@@ -106,8 +106,7 @@ static void flood(const cells *grid)
     }
 }
 
-/* Faces between the surface's cells and the outside, or the inside, whichever are fewer per side of the surface: the mean
-   of both counts every patch of it once. */
+/* Faces: those of the surface's cells towards the outside, the usual estimate of its area. */
 static void count_cells(const cells *grid, double *inside, double *surface, double *faces)
 {
     const size_t steps[3] = {1, grid->width, grid->width * grid->width};

@@ -12,11 +12,10 @@ static result_table *begin_table(error_run *run)
     result_set_note(
         table,
         "Each way makes the list of (voxel, triangle) pairs of the same snapped triangles; its voxels are compared "
-        "with "
-        "the exact set of those it aims at, closed voxels for the two separating tests, half-open ones for the others. "
-        "The float32 ways follow the rules of their kind, the two tests for every voxel of a triangle's bounds, on %u "
-        "threads of the host, the exact ones run on the device "
-        "or renderer named above (stage voxelize). Medians of %zu rounds, in turns, after one that does not count.",
+        "with the exact set of those it aims at, closed voxels for the two separating tests, half-open ones for the "
+        "others. The float32 ways follow the rules of their kind, the two tests for every voxel of a triangle's "
+        "bounds, on %u threads of the host, the exact ones run on the device or renderer named above (stage voxelize). "
+        "Medians of %zu rounds, in turns, after one that does not count.",
         run->threads, run->rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");

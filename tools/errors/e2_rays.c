@@ -17,18 +17,13 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     result_table *table = result_add_table(run->results, "e2-rays", "E2: rays", "");
     result_set_note(
         table,
-        "%zu rays of each set against the same triangles with whole numbers of 15 bits for coordinates, which "
-        "float32 holds exactly; origins are such numbers too, and aimed rays meet their corner or edge exactly, so "
-        "that "
-        "long double decides the first hit without rounding. Wrong: another triangle at another t, or a hit where "
-        "there is none. "
-        "Error of t: |t - exact| / exact over right hits. svocl and voxels alone run on the OpenCL device; the float32 "
-        "tests "
-        "on %u threads of the host in one hierarchy whose boxes lose nothing, so that only the test differs; Embree on "
-        "as "
-        "many threads. Voxels alone stop at the first leaf of depth 6, 8 or 10: they name no triangle, and none is "
-        "asked of "
-        "them. Medians of %zu rounds, in turns, after one that does not count.",
+        "%zu rays of each set against the same triangles with whole numbers of 15 bits for coordinates, which float32 "
+        "holds exactly; origins are such numbers too, and aimed rays meet their corner or edge exactly, so that long "
+        "double decides the first hit without rounding. Wrong: another triangle at another t, or a hit where there is "
+        "none. Error of t: |t - exact| / exact over right hits. svocl and voxels alone run on the OpenCL device; the "
+        "float32 tests on %u threads of the host in one hierarchy whose boxes lose nothing, so that only the test "
+        "differs; Embree on as many threads. Voxels alone stop at the first leaf of depth 6, 8 or 10: they name no "
+        "triangle, and none is asked of them. Medians of %zu rounds, in turns, after one that does not count.",
         ray_count, run->threads, run->rounds);
     result_add_column(table, "triangles", "");
     result_add_column(table, "rays aimed", "");

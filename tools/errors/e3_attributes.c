@@ -7,18 +7,13 @@ static result_table *begin_table(error_run *run)
     result_table *table = result_add_table(run->results, "e3-attributes", "E3: attributes", "");
     result_set_note(table,
                     "The mean colour and normal of every leaf against the mean in double over the parts of triangles "
-                    "inside it, weighed "
-                    "by area. Colours: the worst channel, in 1/255; normals: the angle to the mean's direction, in "
-                    "degrees. The running "
-                    "average keeps three octets and a count of eight bits in one word, exchanged by compare-and-swap; "
-                    "float atomics add "
-                    "in the same way. Both get their samples ready made, one per (voxel, triangle) pair, and average "
-                    "leaves only; svocl's "
-                    "times (stages link and filter) hold the sampling, the clipping and all levels above too. Order: "
-                    "how far results "
-                    "differ between orders of the samples or triangles. All on the OpenCL device; medians of %zu "
-                    "rounds, in turns, after "
-                    "one that does not count.",
+                    "inside it, weighed by area. Colours: the worst channel, in 1/255; normals: the angle to the "
+                    "mean's direction, in degrees. The running average keeps three octets and a count of eight bits in "
+                    "one word, exchanged by compare-and-swap; float atomics add in the same way. Both get their "
+                    "samples ready made, one per (voxel, triangle) pair, and average leaves only; svocl's times "
+                    "(stages link and filter) hold the sampling, the clipping and all levels above too. Order: how far "
+                    "results differ between orders of the samples or triangles. All on the OpenCL device; medians of "
+                    "%zu rounds, in turns, after one that does not count.",
                     run->rounds);
     result_add_column(table, "attribute", "");
     result_add_column(table, "depth", "");

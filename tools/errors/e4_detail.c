@@ -18,14 +18,11 @@ static result_table *begin_table(error_run *run)
     result_set_note(
         table,
         "One closed scene at each depth. Distance: the largest from a voxel's centre to the surface (one-sided "
-        "Hausdorff "
-        "distance of the centres; the surface itself is never outside its voxels), asked of the triangles in double. "
-        "Area: "
-        "the sum of the leaves' fill, and the count of outer faces of the voxels as the usual estimate, against the "
-        "mesh's. "
-        "Volume: what the voxels enclose, those of the surface counted half, against the mesh's. All relative to the "
-        "scene: lengths to its edge. Time: plan and build of nodes and fill; bytes: of nodes and fill. Medians of %zu "
-        "rounds after one that does not count.",
+        "Hausdorff distance of the centres; the surface itself is never outside its voxels), asked of the triangles by "
+        "svo_tree_nearest. Area: the sum of the leaves' fill, and the count of outer faces of the voxels as the usual "
+        "estimate, against the mesh's. Volume: what the voxels enclose, those of the surface counted half, against the "
+        "mesh's. All relative to the scene: lengths to its edge. Time: plan and build of nodes and fill; bytes: of "
+        "nodes and fill. Medians of %zu rounds after one that does not count.",
         run->rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");

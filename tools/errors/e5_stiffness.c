@@ -21,15 +21,11 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
     result_set_note(
         table,
         "Voxelization: %zu triangles of random direction in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
-        "closed knot, "
-        "from close by, as in E2. Aspect ratio: the triangles' longest edge over their height; for rays the knot is "
-        "flattened by so much. Offset: how many widths of the mesh it lies from the origin of coordinates, along all "
-        "axes; "
-        "float32 ways and Embree get coordinates rounded to float32. Scale ratio: the grid's width over three "
-        "triangles' edges; "
-        "for rays how many widths of the mesh they come from afar. Medians of %zu rounds, in turns, after one that "
-        "does not "
-        "count.",
+        "closed knot, from close by, as in E2. Aspect ratio: the triangles' longest edge over their height; for rays "
+        "the knot is flattened by so much. Offset: how many widths of the mesh it lies from the origin of coordinates, "
+        "along all axes; float32 ways and Embree get coordinates rounded to float32. Scale ratio: the grid's width "
+        "over three triangles' edges; for rays how many widths of the mesh they come from afar. Medians of %zu rounds, "
+        "in turns, after one that does not count.",
         triangle_count, 1u << depth, ray_count, run->rounds);
     result_add_column(table, "of what", "");
     result_add_column(table, "stiffness", "");

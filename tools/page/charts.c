@@ -13,8 +13,7 @@ static const chart_figure figures[] = {
     {.table_id = "e1-voxelization",
      .name = "e1",
      .caption = "Wrong voxels against time, one point per grid, each twice as fine as the one before. Down and left is "
-                "better. "
-                "Rings mark the Pareto front of each grid; 0 stands on the floor.",
+                "better. Rings mark the Pareto front of each grid; 0 stands on the floor.",
      .panels = {"scene"},
      .curves = "way",
      .x = "time",
@@ -26,8 +25,7 @@ static const chart_figure figures[] = {
     {.table_id = "e2-rays",
      .name = "e2",
      .caption = "Wrong rays against time per ray, one point per mesh. Rings mark the Pareto front of each mesh. Voxels "
-                "alone name "
-                "no triangle: they are in the next figure.",
+                "alone name no triangle: they are in the next figure.",
      .without = "voxels alone",
      .panels = {"rays aimed"},
      .curves = "way",
@@ -75,8 +73,7 @@ static const chart_figure figures[] = {
     {.table_id = "e4-detail",
      .name = "e4",
      .caption = "What each depth loses against the time to build it, one point per depth. Rings mark each measure's "
-                "own Pareto "
-                "front.",
+                "own Pareto front.",
      .panels = {"scene"},
      .x = "time",
      .ys = {"distance of centres", "area by faces, error", "volume, error", "area by fill, error"},
@@ -142,8 +139,7 @@ static const chart_figure figures[] = {
     {.table_id = "e6-leaving-out",
      .name = "e6",
      .caption = "By what is asked for: time from the mesh to the finished tree, the largest sum of bytes allocated at "
-                "one time, "
-                "and the bytes of the tree that stays.",
+                "one time, and the bytes of the tree that stays.",
      .panels = {"scene"},
      .curves = "need",
      .ys = {"build", "peak", "tree"},
