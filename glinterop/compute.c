@@ -257,33 +257,3 @@ svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, s
     svo_i_report_add(build->report, stage, (double)(end_ns - begin_ns) * 1e-6, "gl-timer");
     return check(compute, svo_stage_name(stage));
 }
-
-void svo_i_compute_bindings_save(const svo_i_gl_functions *gl, svo_i_compute_bindings *out)
-{
-    *out = (svo_i_compute_bindings){0};
-    gl->GetIntegerv(GL_CURRENT_PROGRAM, &out->program);
-    gl->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &out->storage);
-    gl->GetIntegerv(GL_DISPATCH_INDIRECT_BUFFER_BINDING, &out->dispatch);
-    gl->GetIntegerv(GL_COPY_READ_BUFFER_BINDING, &out->copy_read);
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
-        gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &out->blocks[i].name);
-        gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &out->blocks[i].offset);
-        gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &out->blocks[i].bytes);
-    }
-}
-
-void svo_i_compute_bindings_restore(const svo_i_gl_functions *gl, const svo_i_compute_bindings *saved)
-{
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
-        if (saved->blocks[i].bytes > 0) {
-            gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, (GLuint)saved->blocks[i].name,
-                                (GLintptr)saved->blocks[i].offset, (GLsizeiptr)saved->blocks[i].bytes);
-        } else {
-            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, (GLuint)saved->blocks[i].name);
-        }
-    }
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)saved->storage);
-    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, (GLuint)saved->dispatch);
-    gl->BindBuffer(WORK_TARGET, (GLuint)saved->copy_read);
-    gl->UseProgram((GLuint)saved->program);
-}

@@ -41,7 +41,7 @@ typedef enum svo_i_entry {
 #define SVO_I_COMPUTE_BLOCKS 15
 /* The binding after them, which every launch has: whether loops were cut short (shaders/compute.glsl). */
 #define SVO_I_COMPUTE_EXHAUSTED 15
-#define SVO_I_COMPUTE_BINDINGS  16
+#define SVO_I_COMPUTE_BINDINGS  SVO_I_GL_STATE_STORAGE_BINDINGS
 /* Fields of the larger of the two kinds of parameters that shaders read. */
 #define SVO_I_COMPUTE_FIELDS 13
 
@@ -119,16 +119,5 @@ svo_status svo_i_compute_exhausted(svo_i_compute *compute, bool *exhausted);
 /* Work between begin and end is waited for and counted to the stage. */
 void svo_i_compute_stage_begin(svo_i_compute *compute);
 svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, svo_stage stage);
-
-/* The bindings that launches change. */
-typedef struct svo_i_compute_bindings {
-    GLint program, storage, dispatch, copy_read;
-    struct {
-        GLint name;
-        GLint64 offset, bytes; /* bytes 0: all of the buffer */
-    } blocks[SVO_I_COMPUTE_BINDINGS];
-} svo_i_compute_bindings;
-void svo_i_compute_bindings_save(const svo_i_gl_functions *gl, svo_i_compute_bindings *out);
-void svo_i_compute_bindings_restore(const svo_i_gl_functions *gl, const svo_i_compute_bindings *saved);
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "compute.h"
+#include "shader.h"
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_compute_common[];
@@ -121,18 +122,9 @@ static const char *keys_of(const svo_i_compute *compute, svo_i_entry entry)
     return shapes[entry].base != BASE_COMMON && strstr(compute->keys, code48) != NULL ? code48 : "";
 }
 
-/* The first line of a log into the message, all of it to the callback. */
-static svo_status fail_log(svo_i_compute *compute, svo_i_entry entry, const char *what, const char *log)
+static svo_status compile_shader(const svo_i_shader_maker *maker, const entry_shape *shape, const char *keys,
+                                 GLuint *out)
 {
-    svo_i_device_log(compute->device, SVO_LOG_ERROR, log);
-    return svo_i_device_fail(compute->device, SVO_COMPILE_FAILED, "%s: %s %s on %s: %.*s", SVO_I_GL_BUILD, what,
-                             shapes[entry].key, compute->gl->renderer, (int)strcspn(log, "\n"), log);
-}
-
-static svo_status compile_shader(svo_i_compute *compute, svo_i_entry entry, const char *keys, GLuint *out)
-{
-    const svo_i_gl_functions *gl = compute->gl;
-    const entry_shape *shape = &shapes[entry];
     char lines[2 * SVO_I_KEYS_BYTES];
     keys_to_lines(keys, lines, sizeof lines);
     const char *sources[] = {
@@ -147,41 +139,17 @@ static svo_status compile_shader(svo_i_compute *compute, svo_i_entry entry, cons
         shape->base >= BASE_ATTRIBUTE ? svo_i_source_compute_attribute : "",
         shape->source,
     };
-    const GLuint shader = gl->CreateShader(GL_COMPUTE_SHADER);
-    gl->ShaderSource(shader, sizeof sources / sizeof sources[0], sources, NULL);
-    gl->CompileShader(shader);
-    GLint compiled = GL_FALSE;
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled != GL_TRUE) {
-        char log[4096] = "";
-        gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
-        gl->DeleteShader(shader);
-        return fail_log(compute, entry, "compiling", log);
-    }
-    *out = shader;
-    return SVO_OK;
+    return svo_i_shader_compile(maker, GL_COMPUTE_SHADER, sources, sizeof sources / sizeof sources[0], out);
 }
 
-static svo_status link_program(svo_i_compute *compute, svo_i_compute_program *program, GLuint shader)
+static void find_uniforms(const svo_i_gl_functions *gl, svo_i_compute_program *program)
 {
-    const svo_i_gl_functions *gl = compute->gl;
-    program->name = gl->CreateProgram();
-    gl->AttachShader(program->name, shader);
-    gl->LinkProgram(program->name);
-    GLint linked = GL_FALSE;
-    gl->GetProgramiv(program->name, GL_LINK_STATUS, &linked);
-    if (linked != GL_TRUE) {
-        char log[4096] = "";
-        gl->GetProgramInfoLog(program->name, sizeof log, NULL, log);
-        return fail_log(compute, program->entry, "linking", log);
-    }
     const field *fields = NULL;
     const size_t count = fields_of(program->entry, &fields);
     for (size_t i = 0; i < count; ++i) {
         program->fields[i] = gl->GetUniformLocation(program->name, fields[i].name);
     }
     program->vertex_count = gl->GetUniformLocation(program->name, "vertex_count");
-    return SVO_OK;
 }
 
 void svo_i_compute_program_set(const svo_i_compute *compute, const svo_i_compute_program *program, const void *params)
@@ -219,13 +187,19 @@ static svo_status warm(svo_i_compute *compute, const svo_i_compute_program *prog
 
 static svo_status make_program(svo_i_compute *compute, svo_i_compute_program *program)
 {
+    const entry_shape *shape = &shapes[program->entry];
+    const svo_i_shader_maker maker = {compute->device, compute->gl, SVO_I_GL_BUILD, shape->key};
     GLuint shader = 0;
-    svo_status status = compile_shader(compute, program->entry, program->keys, &shader);
+    svo_status status = compile_shader(&maker, shape, program->keys, &shader);
     if (status == SVO_OK) {
-        status = link_program(compute, program, shader);
+        status = svo_i_shader_link(&maker, &shader, 1, &program->name);
         compute->gl->DeleteShader(shader);
     }
-    return status == SVO_OK ? warm(compute, program) : status;
+    if (status == SVO_OK) {
+        find_uniforms(compute->gl, program);
+        status = warm(compute, program);
+    }
+    return status;
 }
 
 svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, svo_i_compute_program **out)
@@ -269,10 +243,9 @@ void svo_i_compute_programs_destroy(svo_i_compute *compute)
 
 svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
-    /* One material everywhere needs no shader. */
-    const uint32_t need = plan->info.need & (svo_i_plan_sorts_materials(plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
+    const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_build_keys(plan, compute->keys, sizeof compute->keys);
+    svo_i_plan_keys(plan, compute->keys, sizeof compute->keys);
     svo_status status = SVO_OK;
     for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES && status == SVO_OK; ++entry) {
         svo_i_compute_program *program = NULL;

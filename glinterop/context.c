@@ -3,7 +3,6 @@
 #include "context.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "message.h"
 
@@ -136,13 +135,6 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     return SVO_OK;
 }
 
-/* The words of svo_i_gl_load under the name of the function that was called. */
-static svo_status fail_wrap(svo_message *message, svo_status status, const svo_message *reason)
-{
-    const char *words = strstr(reason->text, ": ");
-    return svo_i_fail(message, status, "svo_gl_context_wrap: %.900s", words != NULL ? words + 2 : reason->text);
-}
-
 svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
                                svo_message *message)
 {
@@ -159,13 +151,10 @@ svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *u
     context->platform = &svo_i_wrap_platform;
     svo_status status = context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message);
     if (status == SVO_OK) {
-        svo_message reason = {""};
-        status = svo_i_gl_load(&context->functions, get_proc_address, user, &reason);
-        if (status != SVO_OK) {
-            fail_wrap(message, status, &reason);
-        }
+        status = svo_i_gl_load(&context->functions, get_proc_address, user, message);
     }
     if (status != SVO_OK) {
+        svo_i_message_rename(message, "svo_gl_context_wrap");
         svo_gl_context_destroy(&context);
         return status;
     }

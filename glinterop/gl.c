@@ -317,7 +317,7 @@ static svo_status prepare_tree(void *self, svo_plan *plan, cl_command_queue queu
 {
     svo_gl *gl = self;
     char reason[REASON_BYTES];
-    svo_i_compute_reason(gl->context, gl->no_int64, plan->info.need, reason, sizeof reason);
+    svo_i_compute_reason(gl->context, gl->no_int64, plan->work.made, reason, sizeof reason);
     if (reason[0] != '\0') {
         return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
     }

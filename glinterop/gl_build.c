@@ -43,12 +43,11 @@ static svo_status check_array(svo_i_compute *compute, const char *name, double b
 svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan)
 {
     const double fragments = plan->info.expected_fragments;
-    const bool with_lists = (plan->info.need & SVO_NEED_RAYS) != 0;
     svo_status status = check_array(compute, "triangle records", (double)plan->triangle_count * 16);
-    if (status == SVO_OK && with_lists) {
+    if (status == SVO_OK && plan->work.lists) {
         status = check_array(compute, "leaf lists", fragments * 4);
     }
-    if (status == SVO_OK && svo_i_plan_sorts_materials(plan)) {
+    if (status == SVO_OK && (plan->work.made & SVO_NEED_MATERIAL) != 0) {
         status = check_array(compute, "material entries", fragments * 8);
     }
     return status == SVO_OK ? check_array(compute, "texels", (double)plan->texel_count * 4) : status;
@@ -119,22 +118,22 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
 static svo_status make_payload(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const uint32_t need = build->plan->info.need;
-    const bool sorts = svo_i_plan_sorts_materials(build->plan) && build->tree->info.leaf_count > 0;
-    const bool own_ranges = sorts && (need & SVO_NEED_RAYS) == 0;
+    const svo_i_work *work = &build->plan->work;
+    const bool has_leaves = build->tree->info.leaf_count > 0;
+    const bool own_ranges = has_leaves && work->ranges && !work->lists;
     svo_i_gl_surface surface = {0};
-    svo_status status = svo_i_plan_reads_surface(build->plan) ? svo_i_gl_surface_upload(gl_build, &surface) : SVO_OK;
+    svo_status status = svo_i_gl_surface_upload(gl_build, &surface);
     if (status == SVO_OK && own_ranges) {
         status = svo_i_gl_pack(gl_build, false);
     }
-    if (status == SVO_OK && (need & SVO_NEED_MATERIAL) != 0) {
-        /* One material everywhere needs no shader: OpenCL fills the array. */
-        status = sorts ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build, NULL);
+    if (status == SVO_OK && (work->made & SVO_NEED_MATERIAL) != 0) {
+        /* A root alone needs no shader: OpenCL fills its payload. */
+        status = has_leaves ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build, NULL);
     }
     if (own_ranges) {
         svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
     }
-    if (status == SVO_OK && (need & SVO_I_NEED_FILTER) != 0) {
+    if (status == SVO_OK && work->filter) {
         status = svo_i_gl_filter(gl_build, &surface);
     }
     svo_i_gl_surface_free(gl_build, &surface);
@@ -162,18 +161,18 @@ static svo_status copy_arrays(svo_i_gl_build *gl_build)
 static svo_status run_stages(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const uint32_t need = build->plan->info.need;
+    const svo_i_work *work = &build->plan->work;
     svo_status status = alloc_cursors(gl_build);
     if (status == SVO_OK) {
         status = make_nodes(gl_build);
     }
-    if (status == SVO_OK && (need & SVO_NEED_RAYS) != 0) {
+    if (status == SVO_OK && work->lists) {
         status = svo_i_keep_geometry(build);
         if (status == SVO_OK) {
             status = svo_i_gl_pack(gl_build, true);
         }
     }
-    if (status == SVO_OK && (need & SVO_I_NEED_PAYLOAD) != 0) {
+    if (status == SVO_OK && work->surface) {
         status = make_payload(gl_build);
     }
     return status == SVO_OK ? copy_arrays(gl_build) : status;
@@ -208,16 +207,16 @@ svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_
     svo_frontend *frontend = NULL;
     svo_gl_context *context = svo_i_gl_context_of(gl);
     svo_status status = svo_i_gl_list_frontend(gl, &frontend);
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_make_current(context, &frontend->device->message);
-    }
     if (status != SVO_OK) {
         return status;
     }
-    svo_i_compute_bindings bindings;
-    svo_i_compute_bindings_save(svo_i_gl_context_functions(context), &bindings);
-    status = svo_build(plan, frontend, queue, out, report);
-    svo_i_compute_bindings_restore(svo_i_gl_context_functions(context), &bindings);
-    svo_i_gl_context_release_current(context);
+    status = svo_i_gl_context_make_current(context, &plan->device->message);
+    if (status == SVO_OK) {
+        status = svo_build(plan, frontend, queue, out, report);
+        svo_i_gl_context_release_current(context);
+    }
+    if (status != SVO_OK) {
+        svo_i_message_rename(&plan->device->message, SVO_I_GL_BUILD);
+    }
     return status;
 }

@@ -20,7 +20,7 @@ typedef struct filterer {
 
 static bool needs(const filterer *f, svo_need bit)
 {
-    return (f->gl_build->build->tree->info.need & (uint32_t)bit) != 0;
+    return (f->gl_build->build->plan->work.made & (uint32_t)bit) != 0;
 }
 
 static svo_status allocate_payload(filterer *f)

@@ -21,6 +21,7 @@ static svo_status begin(subdivider *s)
     svo_build_state state;
     uint32_t launches[3 * SVO_LEVELS_MAX];
     memset(&state, 0, sizeof state);
+    state.triangle_count = gl_build->build->plan->triangle_count;
     for (unsigned level = 0; level < SVO_LEVELS_MAX; ++level) {
         state.level_begin[level] = level > 0 ? 1 : 0;
         launches[(size_t)3 * level] = level > 0 ? 0 : 1;
@@ -46,11 +47,11 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
     svo_status status = SVO_OK;
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count && status == SVO_OK; ++i) {
         params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
-        status =
-            svo_i_compute_launch(gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_MARK,
-                                                                    .buffers = {svo_i_gl_chunk(gl_build, i), s->masks},
-                                                                    .params = &params,
-                                                                    .items = params.fragment_count});
+        status = svo_i_compute_launch(
+            gl_build->compute, &(svo_i_launch){.entry = SVO_I_ENTRY_MARK,
+                                               .buffers = {svo_i_gl_chunk(gl_build, i), s->masks, gl_build->state},
+                                               .params = &params,
+                                               .items = params.fragment_count});
     }
     return status;
 }

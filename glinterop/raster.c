@@ -5,10 +5,9 @@
  */
 #include "raster.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "shader.h"
 #include "state.h"
 
 #define FUNCTION         "svo_build"
@@ -150,14 +149,6 @@ void svo_i_raster_destroy(svo_i_raster **raster)
     *raster = NULL;
 }
 
-/* The first line of a log into the message, all of it to the callback. */
-static svo_status fail_log(svo_i_raster *raster, const char *what, const char *log)
-{
-    svo_i_device_log(raster->device, SVO_LOG_ERROR, log);
-    return svo_i_device_fail(raster->device, SVO_COMPILE_FAILED, "%s: %s on %s: %.*s", FUNCTION, what,
-                             raster->gl->renderer, (int)strcspn(log, "\n"), log);
-}
-
 static const char *reach_of(svo_i_conservative conservative)
 {
     switch (conservative) {
@@ -174,7 +165,9 @@ static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class
 {
     static const char *const class_keys[SVO_I_CLASS_COUNT] = {"#define SVO_POINT\n", "#define SVO_NARROW\n", "",
                                                               "#define SVO_WIDE\n"};
-    const svo_i_gl_functions *gl = raster->gl;
+    const bool is_vertex = stage == GL_VERTEX_SHADER;
+    const svo_i_shader_maker maker = {raster->device, raster->gl, FUNCTION,
+                                      is_vertex ? "the vertex shader" : "the fragment shader"};
     const char *sources[] = {
         "#version 430 core\n",
         raster->int64 ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
@@ -183,39 +176,20 @@ static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class
         v.thin ? "#define SVO_THIN\n" : "",
         reach_of(raster->conservative),
         svo_i_source_raster_common,
-        stage == GL_VERTEX_SHADER ? svo_i_source_raster_vertex : svo_i_source_raster_fragment,
+        is_vertex ? svo_i_source_raster_vertex : svo_i_source_raster_fragment,
     };
-    const GLuint shader = gl->CreateShader(stage);
-    gl->ShaderSource(shader, sizeof sources / sizeof sources[0], sources, NULL);
-    gl->CompileShader(shader);
-    GLint compiled = GL_FALSE;
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled != GL_TRUE) {
-        char log[4096] = "";
-        gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
-        gl->DeleteShader(shader);
-        return fail_log(raster, stage == GL_VERTEX_SHADER ? "vertex shader" : "fragment shader", log);
-    }
-    *out = shader;
-    return SVO_OK;
+    return svo_i_shader_compile(&maker, stage, sources, sizeof sources / sizeof sources[0], out);
 }
 
-static svo_status link_program(svo_i_raster *raster, GLuint vertex, GLuint fragment, raster_program *program)
+static svo_status link_program(svo_i_raster *raster, const GLuint shaders[2], raster_program *program)
 {
     const svo_i_gl_functions *gl = raster->gl;
-    const GLuint name = gl->CreateProgram();
-    gl->AttachShader(name, vertex);
-    gl->AttachShader(name, fragment);
-    gl->LinkProgram(name);
-    GLint linked = GL_FALSE;
-    gl->GetProgramiv(name, GL_LINK_STATUS, &linked);
-    if (linked != GL_TRUE) {
-        char log[4096] = "";
-        gl->GetProgramInfoLog(name, sizeof log, NULL, log);
-        gl->DeleteProgram(name);
-        return fail_log(raster, "linking shaders", log);
+    const svo_i_shader_maker maker = {raster->device, gl, FUNCTION, "the shaders"};
+    const svo_status status = svo_i_shader_link(&maker, shaders, 2, &program->name);
+    if (status != SVO_OK) {
+        return status;
     }
-    program->name = name;
+    const GLuint name = program->name;
     program->depth = gl->GetUniformLocation(name, "depth");
     program->voxel_log2 = gl->GetUniformLocation(name, "voxel_log2");
     program->open = gl->GetUniformLocation(name, "open");
@@ -250,17 +224,16 @@ static svo_status warm_program(svo_i_raster *raster, const raster_program *progr
 static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, variant v, raster_program *program)
 {
     const double start_ms = svo_i_now_ms();
-    GLuint vertex = 0;
-    GLuint fragment = 0;
-    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, v, &vertex);
+    GLuint shaders[2] = {0, 0}; /* of the vertices, of the fragments */
+    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, v, &shaders[0]);
     if (status == SVO_OK) {
-        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, v, &fragment);
+        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, v, &shaders[1]);
     }
     if (status == SVO_OK) {
-        status = link_program(raster, vertex, fragment, program);
+        status = link_program(raster, shaders, program);
     }
-    raster->gl->DeleteShader(vertex);
-    raster->gl->DeleteShader(fragment);
+    raster->gl->DeleteShader(shaders[0]);
+    raster->gl->DeleteShader(shaders[1]);
     if (status == SVO_OK) {
         program->points = class_id == SVO_I_CLASS_POINT;
         status = warm_program(raster, program);

@@ -34,16 +34,31 @@ static char *extension_list(const svo_device *device, const svo_i_opencl *opencl
     return list;
 }
 
+static bool lists_extension(const svo_device *device, const svo_i_opencl *opencl, const char *extension)
+{
+    char *list = extension_list(device, opencl);
+    const bool listed = svo_i_list_has_token(list, extension);
+    free(list);
+    return listed;
+}
+
+bool svo_i_sharing_is_listed(const svo_device *device, const svo_i_opencl *opencl)
+{
+    return lists_extension(device, opencl, "cl_khr_gl_sharing");
+}
+
+int svo_gl_device_may_share(const svo_device *device)
+{
+    return device != NULL && svo_i_sharing_is_listed(device, &svo_i_opencl_installed);
+}
+
 static svo_status find_extension(const svo_device *device, const svo_i_opencl *opencl, svo_i_sharing *out,
                                  svo_message *message)
 {
-    char *list = extension_list(device, opencl);
-    const bool listed = svo_i_list_has_token(list, "cl_khr_gl_sharing");
-    out->has_gl_event = svo_i_list_has_token(list, "cl_khr_gl_event");
-    free(list);
-    if (!listed) {
+    if (!svo_i_sharing_is_listed(device, opencl)) {
         return svo_i_fail(message, SVO_UNSUPPORTED, "%s does not list cl_khr_gl_sharing", device->name);
     }
+    out->has_gl_event = lists_extension(device, opencl, "cl_khr_gl_event");
     return SVO_OK;
 }
 

@@ -48,6 +48,8 @@ typedef struct svo_i_sharing {
     bool has_gl_event; /* cl_khr_gl_event: acquiring waits for OpenGL by itself */
 } svo_i_sharing;
 
+/* Whether the device lists the extension, as a whole word. Asks nothing of OpenGL. */
+bool svo_i_sharing_is_listed(const svo_device *device, const svo_i_opencl *opencl);
 /*
  * Whether the device could share with the context, step by step: the device lists the extension as a whole word, all
  * functions are there, OpenCL can name the context, and clGetGLContextInfoKHR lists the device. Expects the context

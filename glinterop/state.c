@@ -50,6 +50,7 @@ static const struct {
     {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER_BINDING},
     {GL_COPY_WRITE_BUFFER, GL_COPY_WRITE_BUFFER_BINDING},
     {GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
+    {GL_DISPATCH_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER_BINDING},
 };
 
 static bool is_known(const svo_i_gl_functions *gl, known what)
@@ -84,12 +85,18 @@ static void set_capability(const svo_i_gl_functions *gl, GLenum name, bool on)
     }
 }
 
+static GLuint storage_bindings(const svo_i_gl_functions *gl)
+{
+    const GLint has = gl->limits.storage_bindings;
+    return has > 0 && has < SVO_I_GL_STATE_STORAGE_BINDINGS ? (GLuint)has : SVO_I_GL_STATE_STORAGE_BINDINGS;
+}
+
 static void save_buffers(const svo_i_gl_functions *gl, svo_i_gl_state *out)
 {
     for (unsigned i = 0; i < SVO_I_GL_STATE_BUFFERS; ++i) {
         gl->GetIntegerv(buffers[i].binding, &out->buffers[i]);
     }
-    for (GLuint i = 0; i < SVO_I_GL_STATE_STORAGE_BINDINGS; ++i) {
+    for (GLuint i = 0; i < storage_bindings(gl); ++i) {
         gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &out->storage[i].name);
         gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &out->storage[i].offset);
         gl->GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &out->storage[i].bytes);
@@ -126,7 +133,7 @@ void svo_i_gl_state_save(const svo_i_gl_functions *gl, svo_i_gl_state *out)
 /* The indexed bindings first: setting them sets the generic one too. */
 static void restore_buffers(const svo_i_gl_functions *gl, const svo_i_gl_state *state)
 {
-    for (GLuint i = 0; i < SVO_I_GL_STATE_STORAGE_BINDINGS; ++i) {
+    for (GLuint i = 0; i < storage_bindings(gl); ++i) {
         const GLuint name = (GLuint)state->storage[i].name;
         if (name != 0 && state->storage[i].bytes > 0) {
             gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, name, (GLintptr)state->storage[i].offset,

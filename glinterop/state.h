@@ -9,10 +9,11 @@
 
 #include "functions.h"
 
-/* Storage blocks at bindings 0 .. 7 are svocl's to use: the fewest that OpenGL 4.3 has. */
-#define SVO_I_GL_STATE_STORAGE_BINDINGS 8
+/* Storage blocks at bindings 0 .. 15 are svocl's to use, as far as the context has so many: the shaders that rasterize keep
+   to 0 .. 7, the fewest that OpenGL 4.3 has. */
+#define SVO_I_GL_STATE_STORAGE_BINDINGS 16
 #define SVO_I_GL_STATE_CAPABILITIES_MAX 24
-#define SVO_I_GL_STATE_BUFFERS          3
+#define SVO_I_GL_STATE_BUFFERS          4
 
 typedef struct svo_i_gl_state {
     GLint buffers[SVO_I_GL_STATE_BUFFERS]; /* generic bindings */

@@ -55,7 +55,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
     normal.y = hit->axis == 1 ? side : 0.0f;
     normal.z = hit->axis == 2 ? side : 0.0f;
 #ifdef SVO_NORMAL
-    const float3 own = convert_float3(vload3(hit->node, normals)) / 32767.0f;
+    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->node), normals)) / 32767.0f;
     normal = dot(own, own) > 0.04f ? normalize(own) : normal;
 #else
     (void)normals;
@@ -71,7 +71,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
 static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *colors)
 {
 #ifdef SVO_COLOR
-    const float3 stored = convert_float3(vload4(hit->node, colors).xyz) / 255.0f;
+    const float3 stored = convert_float3(vload4(SVO_COLOR_INDEX(hit->node), colors).xyz) / 255.0f;
     return stored * stored;
 #else
     (void)hit;

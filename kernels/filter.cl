@@ -17,6 +17,7 @@
  */
 #include "attribute.clh"
 #include "fragment.clh"
+#include "state.clh"
 
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
@@ -190,8 +191,10 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
              __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-             __global ulong *color_sums, __global long *normal_sums, svo_filter_params params)
+             __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
+             svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;
@@ -213,8 +216,9 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
                    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
                    __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
                    __global const uint *first_child, __global uint *colors, __global short *normals,
-                   __global ushort *fills, svo_filter_params params)
+                   __global ushort *fills, __global const svo_build_state *state, svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const uint index = (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;
@@ -240,8 +244,9 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_filter(__global const uchar *masks, __global const uint *first_child, __global const ulong *child_weights,
              __global const ulong *child_color_sums, __global const long *child_normal_sums, __global ulong *weights,
              __global ulong *color_sums, __global long *normal_sums, __global uint *colors, __global short *normals,
-             __global ushort *fills, svo_filter_params params)
+             __global ushort *fills, __global const svo_build_state *state, svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const uint index = (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;

@@ -7,13 +7,19 @@
  * Launch: one work-item per fragment of a chunk. Atomics: one exchange per fragment is the whole protocol, since lists are
  * only read after the kernel. The order inside a list differs from run to run; sums over it do not.
  */
-#include "svocl/layout.h"
+#include "state.clh"
+
+#if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_link(__global uint *cursors, volatile __global uint *heads, svo_filter_params params)
+svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state,
+           svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const uint index = (uint)get_global_id(0);
     if (index < params.fragment_count) {
         cursors[index] = atomic_xchg(heads + (cursors[index] - params.leaf_begin), index + 1u);
     }
 }
+
+#endif

@@ -13,20 +13,31 @@
  * Atomics: counters only; a slot of a range is handed out once.
  */
 #include "fragment.clh"
+#include "state.clh"
+
+#ifdef SVO_RANGES
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_count(__global const uint *cursors, volatile __global uint *counts, svo_filter_params params)
+svo_k_count(__global const uint *cursors, volatile __global uint *counts, __global const svo_build_state *state,
+            svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         atomic_inc(counts + (cursors[index] - params.leaf_begin));
     }
 }
 
+#endif
+
+#ifdef SVO_LISTS
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
-              __global const uint *list_begin, __global uint *list, svo_filter_params params)
+              __global const uint *list_begin, __global uint *list, __global const svo_build_state *state,
+              svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         const uint leaf = cursors[index] - params.leaf_begin;
@@ -36,8 +47,9 @@ svo_k_scatter(__global const uint *fragments, __global const uint *cursors, vola
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global uint *long_leaves,
-                 volatile __global svo_build_state *state, svo_filter_params params)
+                 __global svo_build_state *state, svo_filter_params given)
 {
+    const svo_filter_params params = svo_current(given, state);
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;
@@ -126,3 +138,5 @@ svo_k_sort_long(__global const uint *list_begin, __global uint *list, __global u
         }
     }
 }
+
+#endif

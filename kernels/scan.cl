@@ -12,6 +12,7 @@
  * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
  */
 #include "group.clh"
+#include "state.clh"
 
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS (SVO_GROUP_ITEMS * SVO_ITEM_ELEMENTS)
@@ -96,8 +97,12 @@ static uint svo_scan_partials(__global uint *partials, uint base, __local uint *
     for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
         partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
     }
+    /* Nothing here needs it; without it the compiler of rusticl 25.0 crashes on the store of the total that follows. */
+    barrier(CLK_GLOBAL_MEM_FENCE);
     return total;
 }
+
+#ifdef SVO_LEVELS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
@@ -127,7 +132,8 @@ svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *sta
         const uint child_end = child_begin + total;
         state->level_begin[params.level + 2u] = child_end;
         const bool inner = params.level + 1u < params.depth;
-        if (child_end < child_begin || (inner && child_end > params.inner_capacity)) {
+        if (child_end < child_begin ||
+            (inner && (child_end > params.inner_capacity || total > params.level_capacity))) {
             state->overflow = params.level + 1u;
         }
     }
@@ -153,11 +159,26 @@ svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials,
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, svo_filter_params params,
-                        __local uint *scratch)
+#endif
+
+#if defined(SVO_RANGES) || defined(SVO_SORT)
+
+/* The lengths of the leaves' lists; for the sort, numbers of any kind. */
+static uint svo_count_numbers(svo_filter_params params, __global const svo_build_state *state)
 {
-    const uint2 range = svo_group_range(params.leaf_count);
+#ifdef SVO_SORT
+    (void)state;
+    return params.leaf_count;
+#else
+    return svo_current(params, state).leaf_count;
+#endif
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, __global const svo_build_state *state,
+                        svo_filter_params params, __local uint *scratch)
+{
+    const uint2 range = svo_group_range(svo_count_numbers(params, state));
     uint sum = 0;
     for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
         sum += svo_sum16(svo_list_counts(counts, i, range.y));
@@ -169,20 +190,20 @@ svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, sv
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, svo_filter_params params,
-                          __local uint *scratch)
+svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, __global const svo_build_state *state,
+                          svo_filter_params params, __local uint *scratch)
 {
     const uint total = svo_scan_partials(partials, 0u, scratch);
     if (get_local_id(0) == 0u) {
-        list_begin[params.leaf_count] = total;
+        list_begin[svo_count_numbers(params, state)] = total;
     }
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials, __global uint *list_begin,
-                     svo_filter_params params, __local uint *scratch)
+                     __global const svo_build_state *state, svo_filter_params params, __local uint *scratch)
 {
-    const uint2 range = svo_group_range(params.leaf_count);
+    const uint2 range = svo_group_range(svo_count_numbers(params, state));
     uint sum = partials[get_group_id(0)];
     for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
         const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
@@ -193,3 +214,5 @@ svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials,
         sum += total;
     }
 }
+
+#endif

@@ -3,6 +3,7 @@
  * Subdivision, top down, level by level (after Crassin and Green, "Octree-Based Sparse Voxelization Using the GPU Hardware
  * Rasterizer", 2012, but with a scan for an allocator, which makes the order of the nodes canonical).
  *
+ *   svo_k_take_count  once: how many fragments there are, where the host does not know
  *   svo_k_mark     once: every fragment marks its octant in the root
  *   scan.cl        per level: the exclusive sum of the masks' bit counts gives first_child and the next level's size
  *   svo_k_descend  per level: every fragment moves its cursor to the child and marks its octant there
@@ -21,6 +22,9 @@
  * set it write the same word.)
  */
 #include "fragment.clh"
+#include "state.clh"
+
+#ifdef SVO_LEVELS
 
 /* A word to which others may be adding bits. OpenCL C 1.2 has no atomic load, but a device that has atomics on aligned
    words reads them whole; the detour by an atomic operation, which costs ten times as much, is for race detectors. */
@@ -42,13 +46,26 @@ static void svo_mark(volatile __global uint *masks, uint node, uint octant)
     }
 }
 
+/* Launch: one work-item, in builds whose list the host has not counted. counter: low word, high word. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_take_count(__global const uint *counter, __global svo_build_state *state, svo_subdivide_params params)
+{
+    if (get_global_id(0) == 0) {
+        const bool fits = counter[1] == 0u && counter[0] <= params.fragment_count;
+        state->fragment_limit = fits ? counter[0] : 0u;
+        if (!fits) {
+            state->overflow = SVO_SHORT_LIST;
+        }
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_mark(__global const uint *fragments,
                                                                                       volatile __global uint *masks,
                                                                                       __global svo_build_state *state,
                                                                                       svo_subdivide_params params)
 {
     const size_t index = get_global_id(0);
-    if (index < params.fragment_count) {
+    if (index < svo_count_fragments(params.fragment_count, state)) {
         const svo_code code = svo_fragment_code(fragments, index);
         svo_mark(masks, 0, svo_octant(code, params.depth, 0));
         if ((uint)(code >> (3 * params.depth)) != 0u ||
@@ -63,7 +80,7 @@ svo_k_descend(__global const uint *fragments, __global uint *cursors, volatile _
               __global const uint *first_child, __global const svo_build_state *state, svo_subdivide_params params)
 {
     const size_t index = get_global_id(0);
-    if (index >= params.fragment_count || state->overflow != 0u) {
+    if (index >= svo_count_fragments(params.fragment_count, state) || state->overflow != 0u) {
         return;
     }
     const svo_code code = svo_fragment_code(fragments, index);
@@ -76,3 +93,5 @@ svo_k_descend(__global const uint *fragments, __global uint *cursors, volatile _
         svo_mark(masks, child, svo_octant(code, params.depth, params.level + 1u));
     }
 }
+
+#endif

@@ -29,18 +29,31 @@ static svo_status no_memory(svo_plan *plan)
                              "svo_plan_create: no memory for the attributes of %u vertices", plan->vertex_count);
 }
 
-/* Whether textures take part: some triangle's material has one, and the vertices have coordinates. */
-static bool has_textures(const svo_mesh *mesh)
+/* A kept triangle's material; one that is out of range is the first. */
+static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t triangle)
 {
-    if (mesh->uvs == NULL) {
-        return false;
+    const uint32_t material =
+        mesh->triangle_materials != NULL ? mesh->triangle_materials[plan->triangle_ids[triangle]] : 0;
+    return material < plan->material_count ? material : 0;
+}
+
+/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used where
+   the vertices have no coordinates. */
+static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
+{
+    uint8_t *used = calloc(mesh->texture_count + 1, 1);
+    plan->textures_given = mesh->texture_count;
+    if (used == NULL || mesh->uvs == NULL || mesh->texture_count == 0 || mesh->material_count == 0) {
+        return used;
     }
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        if (mesh->materials[i].texture_index < mesh->texture_count) {
-            return true;
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        const uint32_t texture = mesh->materials[material_of(plan, mesh, t)].texture_index;
+        if (texture < mesh->texture_count && used[texture] == 0) {
+            used[texture] = 1;
+            ++plan->textures_used;
         }
     }
-    return false;
+    return used;
 }
 
 static uint32_t resolve_need(uint32_t need, const svo_mesh *mesh)
@@ -105,8 +118,8 @@ static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
     return SVO_OK;
 }
 
-/* All textures one after the other; *offsets (owned by the caller) receives where each begins, in texels. */
-static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, uint32_t **offsets)
+/* All used textures one after the other; *offsets (owned by the caller) receives where each begins, in texels. */
+static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used, uint32_t **offsets)
 {
     uint64_t total = 0;
     *offsets = malloc((mesh->texture_count + 1) * sizeof(uint32_t));
@@ -115,7 +128,7 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, uint32_t **o
     }
     for (size_t i = 0; i < mesh->texture_count; ++i) {
         (*offsets)[i] = (uint32_t)total;
-        total += (uint64_t)mesh->textures[i].width * mesh->textures[i].height;
+        total += used[i] != 0 ? (uint64_t)mesh->textures[i].width * mesh->textures[i].height : 0;
     }
     if (total > UINT32_MAX) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
@@ -129,16 +142,19 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, uint32_t **o
     plan->texel_count = total;
     for (size_t i = 0; i < mesh->texture_count; ++i) {
         const svo_texture *texture = &mesh->textures[i];
-        memcpy(plan->texels + (*offsets)[i], texture->rgba, (size_t)texture->width * texture->height * 4);
+        if (used[i] != 0) {
+            memcpy(plan->texels + (*offsets)[i], texture->rgba, (size_t)texture->width * texture->height * 4);
+        }
     }
     return SVO_OK;
 }
 
-static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, bool textured)
+/* used: which textures are; NULL: none. */
+static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
 {
     uint32_t *offsets = NULL;
-    if (textured) {
-        const svo_status status = copy_texels(plan, mesh, &offsets);
+    if (used != NULL) {
+        const svo_status status = copy_texels(plan, mesh, used, &offsets);
         if (status != SVO_OK) {
             free(offsets);
             return status;
@@ -154,7 +170,7 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, bool text
         const svo_material *from = &mesh->materials[i];
         svo_material_record *to = &plan->materials[i];
         memcpy(&to->rgba, from->rgba, sizeof to->rgba);
-        if (textured && from->texture_index < mesh->texture_count) {
+        if (used != NULL && from->texture_index < mesh->texture_count && used[from->texture_index] != 0) {
             const svo_texture *texture = &mesh->textures[from->texture_index];
             to->texel_offset = offsets[from->texture_index];
             to->width = texture->width;
@@ -225,9 +241,7 @@ static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *lar
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         const uint32_t *corners = plan->indices + (size_t)t * 3;
         svo_triangle_record *record = &plan->records[t];
-        const uint32_t material =
-            mesh->triangle_materials != NULL ? mesh->triangle_materials[plan->triangle_ids[t]] : 0;
-        record->material = material < plan->material_count ? material : 0;
+        record->material = material_of(plan, mesh, t);
         plan->materials_vary = plan->materials_vary || record->material != plan->records[0].material;
         const shape s = shape_of(plan, corners);
         record->normal_xy = half_word(s.unit[0]) | half_word(s.unit[1]) << 16;
@@ -259,14 +273,23 @@ static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
     return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
 }
 
-bool svo_i_plan_sorts_materials(const svo_plan *plan)
+/* What colours are made of. */
+static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
 {
-    return (plan->info.need & SVO_NEED_MATERIAL) != 0 && plan->materials_vary;
-}
-
-bool svo_i_plan_reads_surface(const svo_plan *plan)
-{
-    return (plan->info.need & SVO_I_NEED_FILTER) != 0 || svo_i_plan_sorts_materials(plan);
+    uint8_t *used = find_textures(plan, mesh);
+    const bool textured = plan->textures_used > 0;
+    svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
+    free(used);
+    if (status == SVO_OK && textured) {
+        status = copy_uvs(plan, mesh);
+    }
+    if (status == SVO_OK && mesh->colors != NULL) {
+        status = copy_colors(plan, mesh);
+    }
+    if (status == SVO_OK) {
+        svo_i_plan_fold_colors(plan);
+    }
+    return status;
 }
 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
@@ -275,23 +298,20 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
         return SVO_OK;
     }
-    const bool color = (plan->info.need & SVO_NEED_COLOR) != 0;
-    const bool normal = (plan->info.need & SVO_NEED_NORMAL) != 0;
-    const bool textured = color && has_textures(mesh);
     plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
-    svo_status status = color ? copy_materials(plan, mesh, textured) : SVO_OK;
-    if (status == SVO_OK && textured) {
-        status = copy_uvs(plan, mesh);
-    }
-    if (status == SVO_OK && color && mesh->colors != NULL) {
-        status = copy_colors(plan, mesh);
-    }
-    if (status == SVO_OK && normal && mesh->normals != NULL) {
+    svo_status status = (plan->info.need & SVO_NEED_COLOR) != 0 ? copy_color_inputs(plan, mesh) : SVO_OK;
+    if (status == SVO_OK && (plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
         status = copy_normals(plan, mesh);
+        if (status == SVO_OK) {
+            svo_i_plan_fold_normals(plan);
+        }
     }
     double largest_area = 0.0;
     if (status == SVO_OK) {
         status = make_records(plan, mesh, &largest_area);
+    }
+    if (status == SVO_OK) {
+        svo_i_plan_find_constants(plan);
     }
     plan->weight_log2 = choose_weight_log2(plan, largest_area);
     return status;

@@ -8,11 +8,34 @@
 #ifndef SVO_LIB_BUILD_H
 #define SVO_LIB_BUILD_H
 
+#include "allocations.h"
 #include "frontend.h"
 #include "program.h"
+#include "tiles.h"
 #include "tree.h"
 
+/* How far a build goes. The stages are the same; commands.c makes the difference. */
+typedef enum svo_i_build_mode {
+    SVO_I_BUILD_RUNS = 0, /* allocates, launches, waits for counts, grows where there was too little room */
+    SVO_I_BUILD_MEASURES, /* writes down what it would allocate; nothing is launched, and counts are capacities */
+    SVO_I_BUILD_ENQUEUES /* launches in memory that is there and never waits; counts are capacities */
+} svo_i_build_mode;
+
+/* The large triangles' tiles of a list of one chunk, found once for all builds that are enqueued. */
+typedef struct svo_i_kept_tiles {
+    svo_i_tiles tiles;
+    size_t *begin; /* per draw, and the end; NULL: not found yet */
+} svo_i_kept_tiles;
+
+/* The launches of one stage, to be timed when they are done. */
+typedef struct svo_i_span {
+    svo_stage stage;
+    cl_event first, last; /* owned */
+} svo_i_span;
+#define SVO_I_SPANS_MAX 24
+
 typedef struct svo_i_build {
+    svo_i_build_mode mode;
     svo_device *device;
     svo_plan *plan;
     cl_command_queue queue;
@@ -28,9 +51,19 @@ typedef struct svo_i_build {
     cl_event stage_first; /* the first launch of the open stage */
     double stage_start_ms; /* wall clock when it was opened */
 
+    /* Measuring and enqueuing. */
+    bool stays_in_place; /* nodes stay where they were made, in arrays as large as the capacities */
+    svo_i_allocations *allocations;
+    size_t next_allocation;
+    svo_i_kept_tiles *kept; /* NULL: the number of tiles is estimated */
+    svo_i_span spans[SVO_I_SPANS_MAX];
+    size_t span_count;
+
     /* Scratch. */
+    cl_mem counters; /* of the front end, low and high word per chunk, where only the device has them */
     cl_mem *cursors; /* one per chunk */
     cl_mem state, partials;
+    svo_build_state host_state; /* what state was filled from */
     uint64_t inner_capacity;
 
     /* The tree in the making. */
@@ -46,6 +79,8 @@ SVO_I_SHARED_BEGIN
 svo_status svo_i_build_alloc(svo_i_build *build, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, filled from the host. */
 svo_status svo_i_build_upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out);
+/* Writes to the start of a buffer that is there. */
+svo_status svo_i_build_write(svo_i_build *build, cl_mem buffer, const void *data, uint64_t bytes);
 void svo_i_build_free(svo_i_build *build, cl_mem *buffer);
 
 svo_status svo_i_build_fill(svo_i_build *build, cl_mem buffer, const void *pattern, size_t pattern_bytes,
@@ -61,6 +96,8 @@ svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend);
 void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend);
 /* The status and the message for a list with fragments that none can be. */
 svo_status svo_i_build_fail_damaged(svo_i_build *build);
+/* Puts levels into the state on the device, which is made if there is none. */
+svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
 /* Cursors for the list's fragments, one buffer per chunk. */
 svo_status svo_i_build_alloc_cursors(svo_i_build *build);
 /* Waits, and reads bytes from the start of the buffer. */
@@ -74,13 +111,26 @@ svo_status svo_i_build_kernel(svo_i_build *build, const char *name, cl_kernel *o
 svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_argument *arguments,
                            cl_uint argument_count, uint64_t items);
 
+/* What is wrong with the queue, or NULL. */
+const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue);
 /* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
 bool svo_i_queue_profiles(cl_command_queue queue);
-/* The -D keys of the kernels this plan needs, a space before each. */
-#define SVO_I_KEYS_BYTES 256
-void svo_i_build_keys(const svo_plan *plan, char *keys, size_t bytes);
 /* What rays need of the mesh, into the tree. */
 svo_status svo_i_keep_geometry(svo_i_build *build);
+
+/* build.c: what a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be NULL, what
+   one that is enqueued does. frontend: NULL for that of OpenCL alone. kept: NULL allowed. */
+svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, const svo_i_layout *layout,
+                               svo_i_allocations *allocations, svo_i_kept_tiles *kept);
+/* build.c: kernels and shaders, as far as this device and context have not compiled them before. */
+svo_status svo_i_build_compile(svo_i_build *build, svo_frontend *frontend);
+/* build.c: everything from the list on, by OpenCL. */
+svo_status svo_i_build_make_arrays(svo_i_build *build, svo_frontend *frontend);
+/* build.c: what the plan says of a tree; and, for those that do not wait, capacities in place of its counts. */
+void svo_i_build_fill_info(svo_i_build *build);
+void svo_i_build_assume_counts(svo_i_build *build);
+/* commands.c: the times of the spans, into the report, and lets go of their events. */
+void svo_i_build_take_spans(svo_i_build *build);
 
 /* Launches between begin and end are counted to the stage. Stages may be entered several times. */
 void svo_i_build_stage_begin(svo_i_build *build);
@@ -117,7 +167,10 @@ void svo_i_surface_free(svo_i_build *build, svo_i_surface *surface);
 svo_filter_params svo_i_payload_params(const svo_i_build *build);
 void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level);
 
-/* material.c: the nodes' materials. Needs list_begin unless there is only one material. */
+/* voxelize.c: svo_frontend.enqueue of the front end of OpenCL alone. */
+svo_status svo_i_voxelize_enqueue(svo_i_build *build, const svo_i_layout *layout);
+
+/* material.c: the nodes' materials. Needs list_begin. */
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
 /* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);

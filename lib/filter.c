@@ -112,9 +112,9 @@ static svo_status link_chunk(filterer *f, uint32_t chunk)
     svo_i_build_stage_begin(f->build);
     svo_status status = svo_i_build_fill_zero(f->build, f->heads, f->params.leaf_count * UINT64_C(4));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->build->cursors[chunk]), SVO_I_ARGUMENT(f->heads),
-                                        SVO_I_ARGUMENT(f->params)};
+                                        SVO_I_ARGUMENT(f->build->state), SVO_I_ARGUMENT(f->params)};
     if (status == SVO_OK) {
-        status = svo_i_build_launch(f->build, f->link, arguments, 3, f->params.fragment_count);
+        status = svo_i_build_launch(f->build, f->link, arguments, 4, f->params.fragment_count);
     }
     return status == SVO_OK ? svo_i_build_stage_end(f->build, SVO_STAGE_LINK) : status;
 }
@@ -142,7 +142,7 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
         SVO_I_ARGUMENT(sums->normals),
     };
     enum { COMMON = sizeof common / sizeof common[0] };
-    svo_i_argument arguments[COMMON + 6];
+    svo_i_argument arguments[COMMON + 7];
     cl_uint count = COMMON;
     memcpy(arguments, common, sizeof common);
     svo_i_params_of_level(&f->params, &tree->info, tree->info.depth - 1);
@@ -153,6 +153,7 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]);
     }
+    arguments[count++] = SVO_I_ARGUMENT(build->state);
     arguments[count++] = SVO_I_ARGUMENT(f->params);
     svo_i_build_stage_begin(build);
     const svo_status status = svo_i_build_launch(build, f->gather, arguments, count,
@@ -190,8 +191,9 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
+                                        SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return svo_i_build_launch(f->build, f->filter, arguments, 12, f->params.level_count);
+    return svo_i_build_launch(f->build, f->filter, arguments, 13, f->params.level_count);
 }
 
 static svo_status filter_levels(filterer *f)
@@ -227,8 +229,12 @@ static svo_status clear_payload(filterer *f)
 static svo_status run(filterer *f)
 {
     svo_status status = allocate(f);
-    if (status != SVO_OK || f->build->tree->info.leaf_count == 0) {
-        return status == SVO_OK ? clear_payload(f) : status;
+    const bool empty = f->build->tree->info.leaf_count == 0;
+    if (status == SVO_OK && (empty || f->build->mode == SVO_I_BUILD_ENQUEUES)) { /* that may turn out to be empty */
+        status = clear_payload(f);
+    }
+    if (status != SVO_OK || empty) {
+        return status;
     }
     status = create_kernels(f);
     if (status == SVO_OK) {
@@ -239,12 +245,12 @@ static svo_status run(filterer *f)
 
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface)
 {
-    const uint32_t need = build->tree->info.need;
+    const uint32_t made = build->plan->work.made;
     filterer f = {.build = build,
                   .surface = surface,
-                  .color = (need & SVO_NEED_COLOR) != 0,
-                  .normal = (need & SVO_NEED_NORMAL) != 0,
-                  .fill = (need & SVO_NEED_FILL) != 0,
+                  .color = (made & SVO_NEED_COLOR) != 0,
+                  .normal = (made & SVO_NEED_NORMAL) != 0,
+                  .fill = (made & SVO_NEED_FILL) != 0,
                   .one_chunk = build->list.chunk_count == 1,
                   .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);

@@ -39,6 +39,9 @@ struct svo_frontend {
        front end's own to the plan's list. */
     svo_status (*voxelize)(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
                            svo_i_fragment_list *list, svo_build_report *report);
+    /* NULL: it cannot. Otherwise the same for a build that does not wait: into build->list (as many chunks as the layout),
+       in the build's own buffers, counted by build->counters alone. */
+    svo_status (*enqueue)(struct svo_i_build *build, const svo_i_layout *layout);
     /* Releases the buffers of a list, also of one that voxelize left half done. */
     void (*release)(void *self, svo_i_fragment_list *list);
     /* Frees self, for svo_frontend_destroy; NULL where something else owns the front end. */

@@ -135,5 +135,6 @@ unsigned svo_plan_ray_depth(const svo_plan *plan)
 
 uint64_t svo_i_with_slack(double expected)
 {
-    return (uint64_t)(expected * 1.125) + 1024u;
+    const double least = expected + 64.0; /* few triangles stray further from what is expected of them */
+    return expected > 0.0 ? (uint64_t)(expected * 1.125 + fmin(least, 1024.0)) : 0;
 }

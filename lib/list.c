@@ -49,7 +49,7 @@ void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend)
     if (build->list.chunks == NULL) {
         return;
     }
-    if (build->owns_list) {
+    if (build->owns_list) { /* by buffers of the build's */
         for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
             svo_i_build_free(build, &build->list.chunks[i].buffer);
         }
@@ -120,6 +120,63 @@ svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend)
                                  (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
     }
     return status;
+}
+
+/* How many fragments a layout has, without keeping them: one per chunk at most. */
+static svo_status count_fragments(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t *total)
+{
+    svo_i_fragment_list list = {.chunk_count = layout->chunk_count};
+    list.chunks = calloc(layout->chunk_count + 1u, sizeof *list.chunks);
+    if (list.chunks == NULL) {
+        return svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
+                                 layout->chunk_count);
+    }
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        layout->chunks[i].capacity = 1;
+    }
+    const svo_status status =
+        frontend->voxelize(frontend->self, build->plan, layout, build->queue, &list, build->report);
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        *total += list.chunks[i].needed;
+    }
+    frontend->release(frontend->self, &list);
+    free(list.chunks);
+    return status;
+}
+
+svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue)
+{
+    if (plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = frontend == NULL                   ? "frontend is NULL"
+                        : frontend->device != plan->device ? "frontend is of another device than plan"
+                                                           : svo_i_wrong_queue(plan->device, queue);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
+    }
+    svo_build_report unread = {0};
+    svo_i_build build = {.device = plan->device, .plan = plan, .queue = queue, .report = &unread};
+    svo_i_layout layout = {0};
+    uint64_t total = 0;
+    svo_status status = frontend->prepare(frontend->self, plan, queue);
+    status = status == SVO_OK ? svo_i_layout_create(plan, chunk_bytes(&build, frontend), &layout) : status;
+    const bool one_chunk = layout.chunk_count <= 1;
+    status = status == SVO_OK ? count_fragments(&build, frontend, &layout, &total) : status;
+    svo_i_layout_destroy(&layout);
+    if (status != SVO_OK) {
+        return status;
+    }
+    if (total > SVO_I_FRAGMENTS_MAX) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_plan_count: the scene has %llu fragments, above %u; lower the depth",
+                                 (unsigned long long)total, SVO_I_FRAGMENTS_MAX);
+    }
+    plan->counted = one_chunk; /* several chunks have room to spare each */
+    plan->info.fragments = total;
+    plan->options.fragment_capacity = total > 0 ? total : 1;
+    plan->built = false;
+    return svo_i_plan_predict(plan);
 }
 
 svo_status svo_i_build_fail_damaged(svo_i_build *build)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Runs kernels/material.cl: the material of every node. Comes before the filter, which turns the fragments' cursors into
- * links. A scene of one material needs no kernel: every node has it.
+ * links.
  */
 #include "build.h"
 
@@ -68,18 +68,23 @@ static svo_status scatter(sorter *s)
                                             SVO_I_ARGUMENT(s->list_begin),
                                             SVO_I_ARGUMENT(s->levels[0].counts),
                                             SVO_I_ARGUMENT(s->levels[0].entries),
+                                            SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(s->params)};
-        status = svo_i_build_run(build, "svo_k_material_scatter", arguments, 9, s->params.fragment_count);
+        status = svo_i_build_run(build, "svo_k_material_scatter", arguments, 10, s->params.fragment_count);
     }
     return status;
 }
 
 static svo_status sort_leaves(sorter *s)
 {
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),        SVO_I_ARGUMENT(s->levels[0].counts),
-                                        SVO_I_ARGUMENT(s->levels[0].entries), SVO_I_ARGUMENT(s->levels[1].entries),
-                                        SVO_I_ARGUMENT(s->materials),         SVO_I_ARGUMENT(s->params)};
-    return svo_i_build_run(s->build, "svo_k_material_leaves", arguments, 6, s->params.leaf_count);
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),
+                                        SVO_I_ARGUMENT(s->levels[0].counts),
+                                        SVO_I_ARGUMENT(s->levels[0].entries),
+                                        SVO_I_ARGUMENT(s->levels[1].entries),
+                                        SVO_I_ARGUMENT(s->materials),
+                                        SVO_I_ARGUMENT(s->build->state),
+                                        SVO_I_ARGUMENT(s->params)};
+    return svo_i_build_run(s->build, "svo_k_material_leaves", arguments, 7, s->params.leaf_count);
 }
 
 static svo_status merge_level(sorter *s, uint32_t level)
@@ -99,8 +104,9 @@ static svo_status merge_level(sorter *s, uint32_t level)
                                         SVO_I_ARGUMENT(nodes->counts),
                                         SVO_I_ARGUMENT(nodes->entries),
                                         SVO_I_ARGUMENT(s->materials),
+                                        SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
-    return svo_i_build_launch(s->build, s->merge, arguments, 10, s->params.level_count);
+    return svo_i_build_launch(s->build, s->merge, arguments, 11, s->params.level_count);
 }
 
 static svo_status run(sorter *s)
@@ -130,10 +136,11 @@ svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface)
         return status;
     }
     svo_i_build_stage_begin(build);
-    if (!build->plan->materials_vary || info->leaf_count == 0) {
-        const cl_ushort material = info->leaf_count > 0 ? (cl_ushort)build->plan->records[0].material : 0;
-        status = svo_i_build_fill(build, build->tree->buffers[SVO_TREE_MATERIALS], &material, sizeof material,
-                                  info->node_count * sizeof material);
+    if (info->leaf_count == 0 ||
+        build->mode == SVO_I_BUILD_ENQUEUES) { /* a root alone, or what may turn out to be one */
+        status = svo_i_build_fill_zero(build, build->tree->buffers[SVO_TREE_MATERIALS], sizeof(cl_ushort));
+    }
+    if (status != SVO_OK || info->leaf_count == 0) {
         return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_FILTER) : status;
     }
     sorter s = {.build = build,

@@ -4,6 +4,7 @@
 #include "message.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 #include "svocl/version.h"
@@ -36,6 +37,17 @@ void svo_i_message_set(svo_message *message, const char *format, ...)
     va_start(arguments, format);
     svo_i_fail_v(message, SVO_OK, format, arguments);
     va_end(arguments);
+}
+
+void svo_i_message_rename(svo_message *message, const char *function)
+{
+    if (message == NULL) {
+        return;
+    }
+    const svo_message inner = *message;
+    const size_t name_length = strcspn(inner.text, ": ");
+    const bool has_name = strncmp(inner.text + name_length, ": ", 2) == 0;
+    svo_i_message_set(message, "%s: %s", function, has_name ? inner.text + name_length + 2 : inner.text);
 }
 
 bool svo_i_mul_size(size_t a, size_t b, size_t *out)

@@ -25,6 +25,9 @@ svo_status svo_i_fail_v(svo_message *message, svo_status status, const char *for
 /* The same without a status, for lines that report no failure. */
 void svo_i_message_set(svo_message *message, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Puts the function that was called in place of the one that a failure inside it names. message: NULL allowed. */
+void svo_i_message_rename(svo_message *message, const char *function);
+
 /* *out = a * b or a + b; false, and *out untouched, where it does not fit a size_t. */
 bool svo_i_mul_size(size_t a, size_t b, size_t *out);
 bool svo_i_add_size(size_t a, size_t b, size_t *out);

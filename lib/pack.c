@@ -49,8 +49,8 @@ static svo_status count_lists(packer *p)
     for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[i]), SVO_I_ARGUMENT(p->counts),
-                                            SVO_I_ARGUMENT(p->params)};
-        status = svo_i_build_run(p->build, "svo_k_count", arguments, 3, p->params.fragment_count);
+                                            SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params)};
+        status = svo_i_build_run(p->build, "svo_k_count", arguments, 4, p->params.fragment_count);
     }
     return status;
 }
@@ -61,16 +61,17 @@ static svo_status scan_lists(packer *p)
     const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
-                                     SVO_I_ARGUMENT(p->params), scratch};
+                                     SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
     const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(p->list_begin),
-                                       SVO_I_ARGUMENT(p->params), scratch};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
-                                  SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->params), scratch};
-    svo_status status = svo_i_build_run(p->build, "svo_k_scan_lists_reduce", reduce, 4, items);
+                                       SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts),     SVO_I_ARGUMENT(build->partials),
+                                  SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(build->state),
+                                  SVO_I_ARGUMENT(p->params),     scratch};
+    svo_status status = svo_i_build_run(p->build, "svo_k_scan_lists_reduce", reduce, 5, items);
     if (status == SVO_OK) {
-        status = svo_i_build_run(p->build, "svo_k_scan_lists_partials", partials, 4, SVO_GROUP_ITEMS);
+        status = svo_i_build_run(p->build, "svo_k_scan_lists_partials", partials, 5, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? svo_i_build_run(p->build, "svo_k_scan_lists_add", add, 5, items) : status;
+    return status == SVO_OK ? svo_i_build_run(p->build, "svo_k_scan_lists_add", add, 6, items) : status;
 }
 
 static svo_status scatter(packer *p)
@@ -84,8 +85,9 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(p->list_begin),
                                             SVO_I_ARGUMENT(p->list),
+                                            SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(p->params)};
-        status = svo_i_build_run(p->build, "svo_k_scatter", arguments, 6, p->params.fragment_count);
+        status = svo_i_build_run(p->build, "svo_k_scatter", arguments, 7, p->params.fragment_count);
     }
     return status;
 }
@@ -144,7 +146,8 @@ svo_status svo_i_pack(svo_i_build *build, bool with_lists)
 {
     const svo_tree_info *info = &build->tree->info;
     packer p = {.build = build,
-                .params = {.leaf_begin = (cl_uint)info->inner_count,
+                .params = {.depth = info->depth,
+                           .leaf_begin = (cl_uint)info->inner_count,
                            .leaf_count = (cl_uint)info->leaf_count,
                            .digit_passes = svo_i_digit_passes(build->plan->triangle_count)}};
     svo_i_build_stage_begin(build);

@@ -53,6 +53,12 @@ const char *svo_builder_name(svo_builder builder)
     return (unsigned)builder <= SVO_BUILDER_SORTED ? names[builder] : "unknown builder";
 }
 
+const char *svo_certainty_name(svo_certainty certainty)
+{
+    static const char *const names[] = {"exact", "bound", "estimate"};
+    return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
+}
+
 static svo_status check_options(svo_device *device, const svo_plan_options *options)
 {
     if (options->struct_size != sizeof *options) {
@@ -150,14 +156,22 @@ uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
     return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
 }
 
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain)
+{
+    uint64_t nodes = UINT64_C(1) << (3 * level);
+    if (level == 0) {
+        return nodes; /* the root is always there */
+    }
+    nodes = nodes > fragments ? fragments : nodes;
+    const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
+    return !certain && likely < nodes ? likely : nodes;
+}
+
 uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain)
 {
     uint64_t total = 0;
     for (uint32_t level = 0; level < plan->info.depth; ++level) {
-        uint64_t nodes = UINT64_C(1) << (3 * level);
-        nodes = nodes > fragments && level > 0 ? fragments : nodes;
-        const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
-        total += !certain && likely < nodes ? likely : nodes;
+        total += svo_i_plan_level_nodes(plan, level, fragments, certain);
     }
     return total;
 }
@@ -202,9 +216,13 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
         return status;
     }
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    svo_i_plan_decide(plan);
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
-    svo_i_plan_predict(plan);
-    plan->predicted_bytes = plan->peak_bytes;
+    status = svo_i_plan_predict(plan);
+    if (status != SVO_OK) {
+        svo_plan_destroy(&plan);
+        return status;
+    }
     *out = plan;
     return SVO_OK;
 }
@@ -246,4 +264,13 @@ size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *
 uint64_t svo_plan_peak_bytes(const svo_plan *plan)
 {
     return plan->peak_bytes;
+}
+
+uint64_t svo_plan_tree_bytes(const svo_plan *plan)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        bytes += plan->buffers[i].stays != 0 ? plan->buffers[i].bytes : 0;
+    }
+    return bytes;
 }

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 
+#include "decide.h"
 #include "device.h"
 #include "svocl/layout.h"
 #include "svocl/plan.h"
@@ -62,6 +63,7 @@ struct svo_plan {
     svo_device *device;
     svo_plan_info info;
     svo_plan_options options;
+    svo_i_work work; /* what a build does */
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 
     /* The snapped mesh. Vertices no kept triangle uses are 0. */
@@ -85,8 +87,10 @@ struct svo_plan {
     svo_material_record *materials;
     uint32_t material_count; /* at least 1 */
     bool materials_vary; /* not all kept triangles have that of the first */
+    bool one_normal; /* the same everywhere: work.constant_normal */
     uint32_t *texels;
     uint64_t texel_count;
+    size_t textures_given, textures_used; /* of the mesh; by kept triangles */
     uint32_t weight_log2; /* a voxel's face in units of weight, at least SVO_I_FILL_LOG2 + 1 */
 
     /* What a build allocates. */
@@ -94,6 +98,8 @@ struct svo_plan {
     size_t buffer_count;
     uint64_t live_bytes, peak_bytes;
     uint64_t predicted_bytes; /* peak_bytes before the first build */
+    bool counted; /* info.expected_fragments is the real number */
+    bool built; /* the list of buffers is a build's, not a prediction */
 };
 
 SVO_I_SHARED_BEGIN
@@ -104,11 +110,19 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh);
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3]);
 /* attributes.c: resolves need and fills the payload inputs. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
+/* constant.c: vertex colours that are all the same become part of the materials; normals that are, of the plan. */
+void svo_i_plan_fold_colors(svo_plan *plan);
+void svo_i_plan_fold_normals(svo_plan *plan);
+/* constant.c: which payload is the same in every node. Frees its inputs. */
+void svo_i_plan_find_constants(svo_plan *plan);
 
-/* attributes.c: whether nodes may have different materials. */
-bool svo_i_plan_sorts_materials(const svo_plan *plan);
-/* attributes.c: whether any stage looks at the mesh's attributes. */
-bool svo_i_plan_reads_surface(const svo_plan *plan);
+/* decide.c: fills plan->work, the last step before sizes are predicted. */
+void svo_i_plan_decide(svo_plan *plan);
+/* decide.c: the -D keys, a space before each, of the builder's kernels; of those that sort the list for it; and of a
+   variant of the OpenCL front end's. bytes: SVO_I_KEYS_BYTES are enough. */
+void svo_i_plan_keys(const svo_plan *plan, char *keys, size_t bytes);
+const char *svo_i_plan_sort_keys(const svo_plan *plan);
+void svo_i_plan_test_keys(const svo_plan *plan, svo_i_test test, char *keys, size_t bytes);
 
 /* law.c: adds a kept triangle to the count law; returns the fragments expected of it alone. */
 float svo_i_law_add(svo_plan *plan, const uint32_t corners[3]);
@@ -117,7 +131,8 @@ double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* law.c: room for that many expected fragments: some slack for scenes that do not lie at random. */
 uint64_t svo_i_with_slack(double expected);
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
-/* Inner nodes the tree may have, given the number of fragments: the count law with slack, or what cannot be exceeded. */
+/* Nodes an inner level may have, and the whole tree on all inner levels, given the number of fragments: the count law with slack, or what cannot be exceeded. */
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain);
 uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain);
 
 /* layout.c: cuts the list. needed: NULL, or per chunk of *layout how many fragments it turned out to need, then *layout
@@ -127,7 +142,9 @@ svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const u
 void svo_i_layout_destroy(svo_i_layout *layout);
 
 /* predict.c: what a build will allocate. */
-void svo_i_plan_predict(svo_plan *plan);
+svo_status svo_i_plan_predict(svo_plan *plan);
+/* predict.c: what rays read, with expected counts. */
+void svo_i_plan_predict_rays(svo_plan *plan);
 
 /* predict.c: the list of buffers: begin anew, one more, one less. */
 void svo_i_plan_buffers_reset(svo_plan *plan);

@@ -1,19 +1,101 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan's list of buffers: kept while a build allocates, and predicted before it, with expected counts in place of real
- * ones, in the order in which the builder asks for them, for a list of one chunk.
+ * The plan's list of buffers: kept while a build allocates, and predicted before it by a build that only measures, with the
+ * plan's capacities in place of counts.
  */
 #include <string.h>
 
-#include "plan.h"
+#include "build.h"
 #include "rays.h"
-#include "svocl/tree.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
 {
     plan->buffer_count = 0;
     plan->live_bytes = 0;
     plan->peak_bytes = 0;
+}
+
+/* What the bytes of a buffer follow from, and whether it stays. */
+typedef enum basis { OF_MESH, OF_FRAGMENTS, OF_LEAVES, OF_NODES } basis;
+
+static const struct buffer_kind {
+    const char *name;
+    basis follows;
+    bool stays; /* in the tree */
+} kinds[] = {
+    {"mesh_vertices", OF_MESH, false},
+    {"mesh_indices", OF_MESH, false},
+    {"mesh_items", OF_MESH, false},
+    {"mesh_tiles", OF_NODES, false}, /* about as many as the large triangles have columns */
+    {"counters", OF_MESH, false},
+    {"fragments", OF_FRAGMENTS, false},
+    {"cursors", OF_FRAGMENTS, false},
+    {"state", OF_MESH, false},
+    {"partials", OF_MESH, false},
+    {"child_mask_pool", OF_NODES, false},
+    {"first_child_pool", OF_NODES, false},
+    {"child_mask", OF_NODES, true},
+    {"first_child", OF_NODES, true},
+    {"sorted", OF_FRAGMENTS, false},
+    {"sort_counts", OF_MESH, false},
+    {"level_counts", OF_MESH, false},
+    {"begin_flags", OF_FRAGMENTS, false},
+    {"level_codes", OF_NODES, false},
+    {"vertices", OF_MESH, true},
+    {"indices", OF_MESH, true},
+    {"triangle_ids", OF_MESH, true},
+    {"list_begin", OF_LEAVES, true},
+    {"list_counts", OF_LEAVES, false},
+    {"list", OF_FRAGMENTS, true},
+    {"list_spare", OF_FRAGMENTS, false},
+    {"long_leaves", OF_FRAGMENTS, false},
+    {"records", OF_MESH, false},
+    {"vertex_colors", OF_MESH, false},
+    {"vertex_normals", OF_MESH, false},
+    {"uvs", OF_MESH, false},
+    {"material_records", OF_MESH, false},
+    {"texels", OF_MESH, false},
+    {"entry_counts", OF_NODES, false},
+    {"entry_begins", OF_NODES, false},
+    {"entries", OF_FRAGMENTS, false},
+    {"heads", OF_LEAVES, false},
+    {"weights", OF_NODES, false},
+    {"color_sums", OF_NODES, false},
+    {"normal_sums", OF_NODES, false},
+    {"colors", OF_NODES, true},
+    {"normals", OF_NODES, true},
+    {"materials", OF_NODES, true},
+    {"fills", OF_NODES, true},
+    {"ray_triangles", OF_FRAGMENTS, true},
+    {"ray_nodes", OF_NODES, true},
+};
+
+static const struct buffer_kind *kind_of(const char *name)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        if (strcmp(kinds[i].name, name) == 0) {
+            return &kinds[i];
+        }
+    }
+    return NULL;
+}
+
+/* Geometry, and where lists begin, stay where the lists do. */
+static bool stays(const svo_plan *plan, const struct buffer_kind *kind)
+{
+    return kind->stays && (kind->follows == OF_NODES || plan->work.lists);
+}
+
+static svo_certainty certainty_of(const svo_plan *plan, const struct buffer_kind *kind, uint64_t bytes)
+{
+    const bool one_value = kind->stays && kind->follows == OF_NODES && bytes <= 6;
+    if (kind->follows == OF_MESH || one_value || plan->built) {
+        return SVO_BYTES_EXACT;
+    }
+    if (!plan->counted || kind->follows == OF_NODES) {
+        return SVO_BYTES_ESTIMATE;
+    }
+    return kind->follows == OF_FRAGMENTS ? SVO_BYTES_EXACT : SVO_BYTES_BOUND;
 }
 
 void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
@@ -27,43 +109,18 @@ void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
             return;
         }
     }
+    const struct buffer_kind *kind = kind_of(name);
     if (plan->buffer_count < SVO_I_BUFFERS_MAX) {
-        plan->buffers[plan->buffer_count++] = (svo_buffer_info){name, bytes, 1};
+        svo_buffer_info *buffer = &plan->buffers[plan->buffer_count++];
+        *buffer = (svo_buffer_info){.name = name, .bytes = bytes, .count = 1};
+        buffer->certainty = kind != NULL ? certainty_of(plan, kind, bytes) : SVO_BYTES_ESTIMATE;
+        buffer->stays = kind != NULL && stays(plan, kind);
     }
 }
 
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
 {
     plan->live_bytes -= bytes;
-}
-
-/* Nodes expected on the deepest inner level and on the one above. */
-static uint64_t expected_parents(const svo_plan *plan)
-{
-    return svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 1));
-}
-
-static uint64_t expected_grandparents(const svo_plan *plan)
-{
-    return plan->info.depth > 1 ? svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth - 2)) : 1;
-}
-
-/* What is uploaded of the mesh itself, for the lists and for the payload. */
-static void predict_geometry(svo_plan *plan, bool with_vertices)
-{
-    if (with_vertices) {
-        svo_i_plan_buffer_add(plan, "vertices", (uint64_t)plan->vertex_count * 12);
-    }
-    svo_i_plan_buffer_add(plan, "indices", (uint64_t)plan->triangle_count * 12);
-}
-
-/* Where lists begin; the scratch is released when they are sorted. */
-static void predict_ranges(svo_plan *plan, uint64_t leaves)
-{
-    svo_i_plan_buffer_add(plan, "list_begin", (leaves + 1) * 4);
-    if (plan->options.builder != SVO_BUILDER_SORTED) {
-        svo_i_plan_buffer_add(plan, "list_counts", leaves * 4);
-    }
 }
 
 /* What rays read: a node for every second level, from the leaves' grandparents up. */
@@ -76,172 +133,24 @@ static uint64_t expected_ray_nodes(const svo_plan *plan)
     return nodes;
 }
 
-/* Lists and the geometry they point into, and the scratch that is released when they are sorted. */
-static void predict_lists(svo_plan *plan, uint64_t fragments, uint64_t leaves)
+void svo_i_plan_predict_rays(svo_plan *plan)
 {
-    const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
-    const bool sorted = plan->options.builder == SVO_BUILDER_SORTED; /* lists come packed */
-    predict_geometry(plan, true);
-    svo_i_plan_buffer_add(plan, "triangle_ids", (uint64_t)plan->triangle_count * 4);
-    predict_ranges(plan, leaves);
-    svo_i_plan_buffer_add(plan, "list", fragments * 4);
-    if (!sorted) {
-        svo_i_plan_buffer_add(plan, "list_spare", fragments * 4);
-        svo_i_plan_buffer_add(plan, "long_leaves", long_leaves * 4);
-        svo_i_plan_buffer_remove(plan, (leaves + fragments + long_leaves) * 4);
-    }
+    const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
+    svo_i_plan_buffer_add(plan, "ray_triangles", fragments > 0 ? fragments * SVO_I_RAY_TRIANGLE_BYTES : 1);
+    svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
 }
 
-/* The attributes this mesh has and this request reads. */
-static void predict_surface(svo_plan *plan)
+svo_status svo_i_plan_predict(svo_plan *plan)
 {
-    const uint64_t vertices = plan->vertex_count;
-    if ((plan->info.need & SVO_NEED_RAYS) == 0) {
-        predict_geometry(plan, plan->options.weights != SVO_WEIGHTS_UNIFORM);
+    const uint64_t asked = plan->options.chunk_bytes;
+    const uint64_t most = plan->device->max_allocation_bytes;
+    svo_i_layout layout;
+    svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &layout);
+    if (status != SVO_OK) {
+        return status;
     }
-    svo_i_plan_buffer_add(plan, "records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record));
-    if (plan->colors != NULL) {
-        svo_i_plan_buffer_add(plan, "vertex_colors", vertices * 4);
-    }
-    if (plan->normals != NULL) {
-        svo_i_plan_buffer_add(plan, "vertex_normals", vertices * 8);
-    }
-    if (plan->uvs != NULL) {
-        svo_i_plan_buffer_add(plan, "uvs", vertices * 8);
-    }
-    if (plan->materials != NULL) {
-        svo_i_plan_buffer_add(plan, "material_records", plan->material_count * sizeof(svo_material_record));
-    }
-    if (plan->texels != NULL) {
-        svo_i_plan_buffer_add(plan, "texels", plan->texel_count * 4);
-    }
-}
-
-/* The materials and, where they differ, the entries they are chosen from, which are released when they are. */
-static void predict_materials(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
-{
-    const bool own_ranges = (plan->info.need & SVO_NEED_RAYS) == 0;
-    const uint64_t levels[2] = {expected_grandparents(plan), expected_parents(plan)};
-    if (svo_i_plan_sorts_materials(plan) && own_ranges) {
-        predict_ranges(plan, leaves);
-        svo_i_plan_buffer_remove(plan, plan->options.builder == SVO_BUILDER_SORTED ? 0 : leaves * 4);
-    }
-    svo_i_plan_buffer_add(plan, "materials", nodes * 2);
-    if (svo_i_plan_sorts_materials(plan)) {
-        svo_i_plan_buffer_add(plan, "entry_counts", leaves * 4);
-        svo_i_plan_buffer_add(plan, "entry_begins", levels[0] * 4);
-        svo_i_plan_buffer_add(plan, "entry_counts", levels[1] * 4);
-        svo_i_plan_buffer_add(plan, "entry_begins", levels[1] * 4);
-        svo_i_plan_buffer_add(plan, "entries", fragments * 8);
-        svo_i_plan_buffer_add(plan, "entries", fragments * 8);
-        svo_i_plan_buffer_remove(plan, (leaves + levels[0] + 2 * levels[1]) * 4 + fragments * 16);
-        svo_i_plan_buffer_remove(plan, own_ranges ? (leaves + 1) * 4 : 0);
-    }
-}
-
-/* The sums of the nodes of one level. */
-static void predict_sums(svo_plan *plan, uint64_t nodes)
-{
-    svo_i_plan_buffer_add(plan, "weights", nodes * 8);
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "color_sums", nodes * 32);
-    }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normal_sums", nodes * 24);
-    }
-}
-
-/* What the filter needs: list heads, the sums of two levels, and the payload itself. */
-static void predict_filter(svo_plan *plan, uint64_t nodes, uint64_t leaves)
-{
-    svo_i_plan_buffer_add(plan, "heads", leaves * 4);
-    predict_sums(plan, expected_grandparents(plan));
-    predict_sums(plan, expected_parents(plan));
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
-        svo_i_plan_buffer_add(plan, "colors", nodes * 4);
-    }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0) {
-        svo_i_plan_buffer_add(plan, "normals", nodes * 6);
-    }
-    if ((plan->info.need & SVO_NEED_FILL) != 0) {
-        svo_i_plan_buffer_add(plan, "fills", nodes * 2);
-    }
-}
-
-static void predict_payload(svo_plan *plan, uint64_t nodes, uint64_t fragments, uint64_t leaves)
-{
-    if (svo_i_plan_reads_surface(plan)) {
-        predict_surface(plan);
-    }
-    if ((plan->info.need & SVO_NEED_MATERIAL) != 0) {
-        predict_materials(plan, nodes, fragments, leaves);
-    }
-    if ((plan->info.need & SVO_I_NEED_FILTER) != 0) {
-        predict_filter(plan, nodes, leaves);
-    }
-}
-
-/* Nodes from the root down: into pools first, and from there to buffers of their size, one after the other. */
-static void predict_nodes(svo_plan *plan, uint64_t fragments, uint64_t inner)
-{
-    svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "child_mask_pool", (inner + 3) / 4 * 4);
-    svo_i_plan_buffer_add(plan, "first_child_pool", inner * 4);
-    svo_i_plan_buffer_add(plan, "state", sizeof(svo_build_state));
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "child_mask", inner);
-    svo_i_plan_buffer_remove(plan, (inner + 3) / 4 * 4);
-    svo_i_plan_buffer_add(plan, "first_child", inner * 4);
-    svo_i_plan_buffer_remove(plan, inner * 4);
-}
-
-/* The list in one buffer and a spare one, nodes of their size, and the scratch that is released when they are made. */
-static void predict_sorted_nodes(svo_plan *plan, uint64_t fragments, uint64_t inner, uint64_t leaves)
-{
-    const uint64_t list_bytes = fragments * svo_i_plan_fragment_bytes(plan);
-    const uint64_t code_bytes = plan->info.depth > SVO_CODE30_DEPTH_MAX ? 8 : 4;
-    const uint64_t cells = (uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS;
-    const uint64_t codes = leaves + expected_parents(plan);
-    svo_i_plan_buffer_add(plan, "partials", SVO_SCAN_GROUPS * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "sorted", list_bytes);
-    svo_i_plan_buffer_remove(plan, list_bytes); /* of the front end's list */
-    svo_i_plan_buffer_add(plan, "sorted", list_bytes);
-    svo_i_plan_buffer_add(plan, "cursors", fragments * 4);
-    svo_i_plan_buffer_add(plan, "sort_counts", cells * 4);
-    svo_i_plan_buffer_add(plan, "sort_counts", (cells + 1) * 4);
-    svo_i_plan_buffer_add(plan, "level_counts", SVO_LEVELS_MAX * sizeof(uint32_t));
-    svo_i_plan_buffer_add(plan, "child_mask", inner);
-    svo_i_plan_buffer_add(plan, "first_child", inner * 4);
-    svo_i_plan_buffer_add(plan, "begin_flags", fragments * 4);
-    svo_i_plan_buffer_add(plan, "begin_flags", (fragments + 1) * 4);
-    svo_i_plan_buffer_add(plan, "level_codes", leaves * code_bytes);
-    svo_i_plan_buffer_add(plan, "level_codes", expected_parents(plan) * code_bytes);
-    svo_i_plan_buffer_remove(plan, list_bytes + (2 * cells + 1 + SVO_LEVELS_MAX + 2 * fragments + 1) * 4 +
-                                       codes * code_bytes);
-}
-
-void svo_i_plan_predict(svo_plan *plan)
-{
-    const double expected = svo_i_plan_expected(plan, plan->info.depth);
-    const uint64_t fragments =
-        plan->options.fragment_capacity != 0 ? plan->options.fragment_capacity : svo_i_with_slack(expected);
-    const uint64_t inner = svo_i_plan_inner_nodes(plan, fragments, false);
-    const uint64_t leaves = fragments;
-    svo_i_plan_buffers_reset(plan);
-    svo_i_plan_buffer_add(plan, "fragments", fragments * svo_i_plan_fragment_bytes(plan));
-    if (plan->options.builder == SVO_BUILDER_SORTED) {
-        predict_sorted_nodes(plan, fragments, inner, leaves);
-    } else {
-        predict_nodes(plan, fragments, inner);
-    }
-    if ((plan->info.need & SVO_NEED_RAYS) != 0) {
-        predict_lists(plan, fragments, leaves);
-    }
-    if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
-        predict_payload(plan, inner + leaves, fragments, leaves);
-    }
-    if ((plan->info.need & SVO_NEED_RAYS) != 0) {
-        svo_i_plan_buffer_add(plan, "ray_triangles", fragments * SVO_I_RAY_TRIANGLE_BYTES);
-        svo_i_plan_buffer_add(plan, "ray_nodes", expected_ray_nodes(plan) * SVO_I_RAY_NODE_BYTES);
-    }
+    status = svo_i_build_measure(plan, NULL, &layout, NULL, NULL);
+    svo_i_layout_destroy(&layout);
+    plan->predicted_bytes = plan->peak_bytes;
+    return status;
 }

@@ -23,6 +23,9 @@ static svo_status run(sorter *s, const char *name, const svo_i_argument *argumen
                       uint64_t items)
 {
     cl_kernel kernel = NULL;
+    if (s->build->mode == SVO_I_BUILD_MEASURES) {
+        return SVO_OK;
+    }
     svo_status status = svo_i_kernel_create(s->build->device, SVO_I_BUILD, s->program, name, &kernel);
     if (status == SVO_OK) {
         status = svo_i_build_launch(s->build, kernel, arguments, argument_count, items);
@@ -31,17 +34,12 @@ static svo_status run(sorter *s, const char *name, const svo_i_argument *argumen
     return status;
 }
 
-static const char *keys_of(const svo_plan *plan)
-{
-    return plan->info.depth > SVO_CODE30_DEPTH_MAX ? " -DSVO_CODE48" : "";
-}
-
 svo_status svo_i_sorted_prepare(svo_i_build *build)
 {
     bool fresh = false;
     cl_program kept = build->program;
-    svo_status status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, keys_of(build->plan),
-                                          &build->program, &fresh);
+    svo_status status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT,
+                                          svo_i_plan_sort_keys(build->plan), &build->program, &fresh);
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_SORT);
     }
@@ -56,16 +54,18 @@ static svo_status scan(sorter *s, cl_mem numbers, cl_mem sums, uint64_t count)
     const svo_filter_params params = {.leaf_count = (cl_uint)count};
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     cl_mem partials = s->build->partials;
-    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(params),
-                                     scratch};
-    const svo_i_argument middle[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(params), scratch};
+    const cl_mem none = NULL; /* the count is the host's */
+    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(none),
+                                     SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument middle[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(none),
+                                     SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(sums),
-                                  SVO_I_ARGUMENT(params), scratch};
-    svo_status status = run(s, "svo_k_scan_lists_reduce", reduce, 4, items);
+                                  SVO_I_ARGUMENT(none),    SVO_I_ARGUMENT(params),   scratch};
+    svo_status status = run(s, "svo_k_scan_lists_reduce", reduce, 5, items);
     if (status == SVO_OK) {
-        status = run(s, "svo_k_scan_lists_partials", middle, 4, SVO_GROUP_ITEMS);
+        status = run(s, "svo_k_scan_lists_partials", middle, 5, SVO_GROUP_ITEMS);
     }
-    return status == SVO_OK ? run(s, "svo_k_scan_lists_add", add, 5, items) : status;
+    return status == SVO_OK ? run(s, "svo_k_scan_lists_add", add, 6, items) : status;
 }
 
 /* One pass over a digit; the list and the spare change places. */
@@ -113,7 +113,7 @@ static svo_status sort(sorter *s)
     if (status == SVO_OK) {
         status = svo_i_build_alloc(s->build, "sort_counts", (cells + 1) * 4, &s->before);
     }
-    if (status == SVO_OK && (plan->info.need & SVO_NEED_RAYS) != 0) {
+    if (status == SVO_OK && plan->work.lists) {
         status = sort_by(s, true, triangle_bits);
     }
     return status == SVO_OK ? sort_by(s, false, 3 * plan->info.depth) : status;
@@ -190,6 +190,9 @@ static svo_status count_levels(sorter *s)
     }
     if (status == SVO_OK) {
         status = svo_i_build_read(build, s->level_counts, counts, sizeof counts);
+    }
+    if (build->mode == SVO_I_BUILD_MEASURES) {
+        return status;
     }
     if (status == SVO_OK && counts[info->depth + 1] != 0) {
         return svo_i_build_fail_damaged(build);
@@ -298,6 +301,9 @@ static svo_status make_nodes(sorter *s)
 {
     svo_status status = count_levels(s);
     if (status == SVO_OK) {
+        status = svo_i_build_put_state(s->build, s->build->tree->info.level_begin);
+    }
+    if (status == SVO_OK) {
         status = allocate_nodes(s);
     }
     if (status != SVO_OK || s->build->fragment_count == 0) {
@@ -313,7 +319,11 @@ static svo_status make_nodes(sorter *s)
 static svo_status open_sorter(svo_i_build *build, sorter *s)
 {
     *s = (sorter){.build = build};
-    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, keys_of(build->plan), &s->program, NULL);
+    if (build->mode == SVO_I_BUILD_MEASURES) {
+        return SVO_OK;
+    }
+    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, svo_i_plan_sort_keys(build->plan),
+                             &s->program, NULL);
 }
 
 static void release(sorter *s)

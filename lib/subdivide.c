@@ -42,21 +42,11 @@ static void release_kernels(subdivider *s)
 static svo_status begin(subdivider *s)
 {
     svo_i_build *build = s->build;
-    svo_build_state state;
-    memset(&state, 0, sizeof state);
-    state.triangle_count = build->plan->triangle_count;
+    uint32_t root_alone[SVO_LEVELS_MAX] = {0};
     for (unsigned level = 1; level < SVO_LEVELS_MAX; ++level) {
-        state.level_begin[level] = 1;
+        root_alone[level] = 1;
     }
-    svo_status status = SVO_OK;
-    if (build->state == NULL) {
-        status = svo_i_build_upload(build, "state", &state, sizeof state, &build->state);
-    } else {
-        cl_int error =
-            clEnqueueWriteBuffer(build->queue, build->state, CL_TRUE, 0, sizeof state, &state, 0, NULL, NULL);
-        status = error == CL_SUCCESS ? SVO_OK
-                                     : svo_i_device_fail_cl(build->device, SVO_I_BUILD, "clEnqueueWriteBuffer", error);
-    }
+    svo_status status = svo_i_build_put_state(build, root_alone);
     if (status == SVO_OK && build->partials == NULL) {
         status = svo_i_build_alloc(build, "partials", SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
     }
@@ -110,18 +100,47 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
     return status;
 }
 
+/* The count of a list that the host has not seen. */
+static svo_status take_count(subdivider *s, svo_subdivide_params params)
+{
+    params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->counters), SVO_I_ARGUMENT(s->build->state),
+                                        SVO_I_ARGUMENT(params)};
+    return svo_i_build_run(s->build, "svo_k_take_count", arguments, 3, 1);
+}
+
+/* Room for the inner nodes below a level. A build that waits sizes what depends on a level by its count. */
+static uint32_t next_level_capacity(const svo_i_build *build, uint32_t level)
+{
+    const uint32_t *begin = build->tree->info.level_begin;
+    return build->mode == SVO_I_BUILD_RUNS || level + 1 == build->tree->info.depth
+               ? UINT32_MAX
+               : begin[level + 2] - begin[level + 1];
+}
+
 static svo_status run_levels(subdivider *s)
 {
     svo_subdivide_params params = {.depth = s->build->plan->info.depth,
                                    .inner_capacity = (cl_uint)s->build->inner_capacity};
-    svo_status status = mark_root(s, params);
+    svo_status status = s->build->counters != NULL ? take_count(s, params) : SVO_OK;
+    status = status == SVO_OK ? mark_root(s, params) : status;
     for (params.level = 0; params.level < params.depth && status == SVO_OK; ++params.level) {
+        params.level_capacity = next_level_capacity(s->build, params.level);
         status = scan_level(s, params);
         if (status == SVO_OK) {
             status = descend(s, params);
         }
     }
     return status;
+}
+
+svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX])
+{
+    build->host_state = (svo_build_state){.triangle_count = build->plan->triangle_count, .fragment_limit = UINT32_MAX};
+    memcpy(build->host_state.level_begin, level_begin, sizeof build->host_state.level_begin);
+    return build->state == NULL
+               ? svo_i_build_upload(build, "state", &build->host_state, sizeof build->host_state, &build->state)
+               : svo_i_build_write(build, build->state, &build->host_state, sizeof build->host_state);
 }
 
 static void take_counts(svo_i_build *build, const svo_build_state *state)
@@ -173,9 +192,13 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
     if (status == SVO_OK) {
         status = svo_i_build_stage_end(build, SVO_STAGE_SUBDIVIDE);
     }
-    if (status == SVO_OK) {
+    if (status == SVO_OK && build->mode == SVO_I_BUILD_RUNS) {
         status = svo_i_build_read(build, build->state, &state, sizeof state);
     }
     release_kernels(&s);
+    if (build->mode != SVO_I_BUILD_RUNS) { /* counts stay capacities until the end */
+        *fits = true;
+        return status;
+    }
     return status == SVO_OK ? svo_i_take_state(build, &state, fits) : status;
 }

@@ -22,7 +22,7 @@ static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
         out->indices = build->tree->buffers[SVO_TREE_INDICES];
         return SVO_OK;
     }
-    if (plan->options.weights != SVO_WEIGHTS_UNIFORM) {
+    if (plan->work.places) {
         status = upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices);
     }
     return status == SVO_OK

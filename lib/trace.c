@@ -3,6 +3,7 @@
 #include "svocl/trace.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "device.h"
@@ -293,6 +294,20 @@ typedef struct picture {
     cl_mem params, pixels;
 } picture;
 
+static const char *normal_keys(const svo_tree *tree)
+{
+    return tree->buffers[SVO_TREE_NORMALS] == NULL                 ? ""
+           : svo_i_tree_is_constant(&tree->info, SVO_TREE_NORMALS) ? " -DSVO_NORMAL -DSVO_ONE_NORMAL"
+                                                                   : " -DSVO_NORMAL";
+}
+
+static const char *color_keys(const svo_tree *tree)
+{
+    return tree->buffers[SVO_TREE_COLORS] == NULL                 ? ""
+           : svo_i_tree_is_constant(&tree->info, SVO_TREE_COLORS) ? " -DSVO_COLOR -DSVO_ONE_COLOR"
+                                                                  : " -DSVO_COLOR";
+}
+
 /* The kernel of a view without light, all its arguments set. */
 static svo_status prepare_view(svo_device *device, const svo_tree *tree, const svo_render_options *options,
                                const picture *drawn, cl_kernel *out)
@@ -305,8 +320,8 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
     }
-    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW,
-                                          normals != NULL ? " -DSVO_NORMAL" : "", &program, NULL);
+    svo_status status =
+        svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_keys(tree), &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out);
     }
@@ -321,12 +336,12 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
 /* The kernel of a shaded picture, all its arguments set. */
 static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const picture *drawn, cl_kernel *out)
 {
-    static const char *const keys[4] = {"", " -DSVO_COLOR", " -DSVO_NORMAL", " -DSVO_COLOR -DSVO_NORMAL"};
     const cl_mem colors = tree->buffers[SVO_TREE_COLORS];
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
-    const int key = (colors != NULL ? 1 : 0) + (normals != NULL ? 2 : 0);
+    char keys[80];
     cl_program program = NULL;
-    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys[key], &program, NULL);
+    (void)snprintf(keys, sizeof keys, "%s%s", color_keys(tree), normal_keys(tree));
+    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys, &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", out);
     }

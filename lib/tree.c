@@ -13,6 +13,7 @@
 #include "message.h"
 #include "rays.h"
 #include "svocl/plan.h"
+#include "workspace.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "svocl hashes and stores arrays in memory order and needs a little-endian host"
@@ -28,15 +29,25 @@ void svo_tree_destroy(svo_tree **tree)
     if (tree == NULL || *tree == NULL) {
         return;
     }
+    svo_i_tree_leave_workspace(*tree);
+    svo_i_tree_forget(*tree);
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if ((*tree)->buffers[i] != NULL) {
             clReleaseMemObject((*tree)->buffers[i]);
         }
-        free((*tree)->host[i]);
     }
-    svo_i_rays_release(*tree);
     free(*tree);
     *tree = NULL;
+}
+
+void svo_i_tree_forget(svo_tree *tree)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        free(tree->host[i]);
+        tree->host[i] = NULL;
+    }
+    tree->downloaded = false;
+    svo_i_rays_release(tree);
 }
 
 void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
@@ -71,6 +82,20 @@ bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
     }
 }
 
+bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_TREE_COLORS:
+        return (info->constant & SVO_NEED_COLOR) != 0;
+    case SVO_TREE_NORMALS:
+        return (info->constant & SVO_NEED_NORMAL) != 0;
+    case SVO_TREE_MATERIALS:
+        return (info->constant & SVO_NEED_MATERIAL) != 0;
+    default:
+        return false;
+    }
+}
+
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer)
 {
     switch (buffer) {
@@ -81,7 +106,7 @@ uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buf
     case SVO_TREE_NORMALS:
     case SVO_TREE_MATERIALS:
     case SVO_TREE_FILLS:
-        return info->node_count;
+        return svo_i_tree_is_constant(info, buffer) ? 1 : info->node_count;
     case SVO_TREE_LIST_BEGIN:
         return info->leaf_count + 1;
     case SVO_TREE_LIST:
@@ -142,6 +167,35 @@ static size_t array_bytes(const svo_tree *tree, svo_tree_buffer buffer)
     return bytes;
 }
 
+/* The same on the host, where payload has an element for every node. */
+static size_t host_bytes(const svo_tree *tree, svo_tree_buffer buffer)
+{
+    const size_t bytes = array_bytes(tree, buffer);
+    size_t repeated = 0;
+    return svo_i_tree_is_constant(&tree->info, buffer) &&
+                   svo_i_mul_size(bytes, (size_t)tree->info.node_count, &repeated)
+               ? repeated
+               : bytes;
+}
+
+bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array)
+{
+    const size_t bytes = host_bytes(tree, buffer);
+    const size_t element_bytes = svo_i_tree_element_bytes(buffer);
+    if (!svo_i_tree_is_constant(&tree->info, buffer) || bytes == element_bytes) {
+        return true;
+    }
+    unsigned char *repeated = realloc(*array, bytes);
+    if (repeated == NULL) {
+        return false;
+    }
+    for (size_t at = element_bytes; at < bytes; at += element_bytes) {
+        memcpy(repeated + at, repeated, element_bytes);
+    }
+    *array = repeated;
+    return true;
+}
+
 svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 {
     if (tree == NULL) {
@@ -149,6 +203,10 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     }
     if (queue == NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_download: queue is NULL");
+    }
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_download: the tree's build is in flight; call svo_tree_finish first");
     }
     if (tree->downloaded) {
         return SVO_OK;
@@ -169,6 +227,9 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
         const cl_int error = clEnqueueReadBuffer(queue, tree->buffers[i], CL_TRUE, 0, bytes, host[i], 0, NULL, NULL);
         if (error != CL_SUCCESS) {
             status = svo_i_device_fail_cl(tree->device, "svo_tree_download", "clEnqueueReadBuffer", error);
+        } else if (!svo_i_tree_repeat(tree, i, &host[i])) {
+            status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_download: %s needs %zu bytes",
+                                       svo_tree_buffer_name(i), host_bytes(tree, i));
         }
     }
     if (status != SVO_OK) {
@@ -244,7 +305,7 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
 /* One array with its length before it, so that no two different trees feed the hash the same bytes. */
 static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffer buffer)
 {
-    const uint64_t bytes = array_bytes(tree, buffer);
+    const uint64_t bytes = host_bytes(tree, buffer);
     XXH3_128bits_update(state, &bytes, sizeof bytes);
     if (bytes > 0) {
         XXH3_128bits_update(state, tree->host[buffer], (size_t)bytes);

@@ -36,33 +36,34 @@ typedef struct kernel_shape {
 #define SORTED_RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
 static const kernel_shape shapes[] = {
+    {"svo_k_take_count", 2, sizeof(svo_subdivide_params), 0, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_mark", 3, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_descend", 5, sizeof(svo_subdivide_params), 0, LAUNCH_FRAGMENTS, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_masks_reduce", 3, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_masks_partials", 2, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
     {"svo_k_scan_masks_add", 4, sizeof(svo_subdivide_params), 1, LAUNCH_SCAN, LEVELS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_count", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, RANGES, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
-    {"svo_k_scatter", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
+    {"svo_k_count", 3, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_reduce", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_partials", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scan_lists_add", 4, sizeof(svo_filter_params), 1, LAUNCH_SCAN, RANGES, SVO_I_PROGRAM_BUILD},
+    {"svo_k_scatter", 6, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_sort_short", 4, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_sort_long", 5, sizeof(svo_filter_params), 2, LAUNCH_SCAN, LISTS, SVO_I_PROGRAM_BUILD},
     {"svo_k_spread", 5, sizeof(cl_uint), 0, LAUNCH_FRAGMENTS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
     {"svo_k_widen", 3, sizeof(svo_widen_params), 0, LAUNCH_LEVELS, SVO_NEED_RAYS, SVO_I_PROGRAM_BUILD},
-    {"svo_k_material_scatter", 8, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
+    {"svo_k_material_scatter", 9, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
      SVO_I_PROGRAM_BUILD},
-    {"svo_k_material_leaves", 5, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
+    {"svo_k_material_leaves", 6, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_NEED_MATERIAL,
      SVO_I_PROGRAM_BUILD},
-    {"svo_k_material_merge", 9, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_NEED_MATERIAL, SVO_I_PROGRAM_BUILD},
-    {"svo_k_link", 2, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
-    {"svo_k_gather_level", 19, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
-    {"svo_k_filter", 11, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_material_merge", 10, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_NEED_MATERIAL, SVO_I_PROGRAM_BUILD},
+    {"svo_k_link", 3, sizeof(svo_filter_params), 0, LAUNCH_FRAGMENTS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_gather_level", 20, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
+    {"svo_k_filter", 12, sizeof(svo_filter_params), 0, LAUNCH_LEVELS, SVO_I_NEED_FILTER, SVO_I_PROGRAM_BUILD},
     {"svo_k_sort_count", 2, sizeof(svo_sort_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_sort_scatter", 3, sizeof(svo_sort_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_scan_lists_reduce", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_scan_lists_partials", 2, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_scan_lists_add", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_reduce", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_partials", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_scan_lists_add", 4, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_ascend_count", 2, sizeof(svo_ascend_params), 1, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_ascend_flags", 2, sizeof(svo_ascend_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_ascend_leaves", 4, sizeof(svo_ascend_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
@@ -71,7 +72,7 @@ static const kernel_shape shapes[] = {
     {"svo_k_voxelize", 6, sizeof(svo_voxelize_params), 2, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_VOXELIZE},
 };
 
-#define BUFFERS_MAX   19
+#define BUFFERS_MAX   20
 #define ARGUMENTS_MAX (BUFFERS_MAX + 3)
 /* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing: the sort's are the most. */
 #define ZERO_BYTES  (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
@@ -80,12 +81,9 @@ static const kernel_shape shapes[] = {
 /* What decides whether a kernel is launched. */
 static uint32_t launches_of(const svo_plan *plan)
 {
-    /* One material everywhere needs no kernel. */
-    uint32_t bits = plan->info.need & (svo_i_plan_sorts_materials(plan) ? ~0u : ~(uint32_t)SVO_NEED_MATERIAL);
-    if (plan->options.builder != SVO_BUILDER_SORTED) {
-        bits |= LEVELS | ((bits & SORTED_RANGES) != 0 ? RANGES : 0) | ((bits & SVO_NEED_RAYS) != 0 ? LISTS : 0);
-    }
-    return bits;
+    const svo_i_work *work = &plan->work;
+    const uint32_t bits = work->made | (work->lists ? (uint32_t)SVO_NEED_RAYS : 0u);
+    return work->sorted ? bits : bits | LEVELS | (work->ranges ? RANGES : 0u) | (work->lists ? LISTS : 0u);
 }
 
 static svo_status launch_on_nothing(svo_i_build *build, const kernel_shape *shape, const cl_mem *zeros, uint64_t items)

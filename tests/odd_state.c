@@ -170,7 +170,7 @@ static const struct {
     GLuint count;
 } indexed[] = {
     {GL_SHADER_STORAGE_BUFFER, NAMED(GL_SHADER_STORAGE_BUFFER_BINDING), NAMED(GL_SHADER_STORAGE_BUFFER_START),
-     NAMED(GL_SHADER_STORAGE_BUFFER_SIZE), 8},
+     NAMED(GL_SHADER_STORAGE_BUFFER_SIZE), 16},
     {GL_UNIFORM_BUFFER, NAMED(GL_UNIFORM_BUFFER_BINDING), NAMED(GL_UNIFORM_BUFFER_START), NAMED(GL_UNIFORM_BUFFER_SIZE),
      6},
     {GL_ATOMIC_COUNTER_BUFFER, NAMED(GL_ATOMIC_COUNTER_BUFFER_BINDING), NAMED(GL_ATOMIC_COUNTER_BUFFER_START),
@@ -183,10 +183,10 @@ enum {
     VALUE_COUNT = sizeof values / sizeof values[0],
     CAPABILITY_COUNT = sizeof capabilities / sizeof capabilities[0],
     INDEXED_KINDS = sizeof indexed / sizeof indexed[0],
-    INDEXED_MAX = 8,
+    INDEXED_MAX = 16,
     VIEWPORTS = 4,
     BUFFER_COUNT = 16,
-    BUFFER_BYTES = 4096
+    BUFFER_BYTES = 8192
 };
 
 typedef struct record {
@@ -273,7 +273,7 @@ static void set_buffers(odd_state *odd)
             const GLuint name = odd->buffers[(i * 3 + (GLuint)kind) % BUFFER_COUNT];
             if (i % 3 == 0) {
                 gl->BindBufferBase(indexed[kind].target, i, name);
-            } else if (i != 4) { /* one without a buffer */
+            } else if (i != 4 && i != 14) { /* some without a buffer */
                 gl->BindBufferRange(indexed[kind].target, i, name, 256 * (GLintptr)i, 64 + 16 * (GLsizeiptr)i);
             }
         }

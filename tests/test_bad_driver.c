@@ -256,15 +256,62 @@ static GLboolean APIENTRY unmap_nothing(GLenum target)
     return GL_TRUE;
 }
 
+static void spoil_list_for_cl(svo_i_gl_functions *functions)
+{
+    functions->MapBufferRange = map_list;
+    functions->UnmapBuffer = unmap_nothing;
+}
+
+/* The list as the first shader finds it that reads it. */
+static bool list_spoilt;
+
+static void APIENTRY dispatch_on_list(GLuint columns, GLuint rows, GLuint layers)
+{
+    GLint chunk = 0;
+    GLint64 bytes = 0;
+    if (!list_spoilt) {
+        honest.GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &chunk);
+        honest.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)chunk);
+        honest.GetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &bytes);
+        assert_in_range(bytes, 8, sizeof list);
+        honest.BufferSubData(GL_COPY_WRITE_BUFFER, 0, (GLsizeiptr)bytes, list);
+        list_spoilt = true;
+    }
+    honest.DispatchCompute(columns, rows, layers);
+}
+
+static void spoil_list_in_gl(svo_i_gl_functions *functions)
+{
+    list_spoilt = false;
+    functions->DispatchCompute = dispatch_on_list;
+}
+
+static svo_status build_in_gl(const bad_setup *setup)
+{
+    svo_tree *tree = NULL;
+    const svo_status status = svo_gl_build(setup->opened.gl, setup->plan, setup->opened.queue, &tree, NULL);
+    svo_tree_destroy(&tree);
+    return status;
+}
+
+/* A builder, and how it comes by a damaged list. */
+typedef struct way {
+    svo_builder builder;
+    const char *function;
+    svo_status (*build)(const bad_setup *setup);
+    void (*spoil_list)(svo_i_gl_functions *functions);
+} way;
+
 /* Fragments of no triangle, or outside the grid, alone or among good ones: nothing is read or written by them. */
-static void expect_nonsense_noticed(svo_builder builder)
+static void expect_nonsense_noticed(const way *by)
 {
     static const uint32_t values[] = {0xffffffffu, 0x80000000u, TRIANGLES};
     bad_setup setup;
     open_setup(SVO_GL_SHARE_COPY, &setup);
     svo_plan_destroy(&setup.plan);
-    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .builder = builder};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .builder = by->builder};
     assert_int_equal(svo_plan_create(setup.opened.device, &setup.made.mesh, DEPTH, &options, &setup.plan), SVO_OK);
+    assert_int_equal(by->build(&setup), SVO_OK); /* shaders are compiled */
     for (size_t i = 0; i < 2 * sizeof values / sizeof values[0]; ++i) {
         memset(list, 0, sizeof list);
         for (size_t word = i % 2; word < sizeof list / sizeof list[0]; word += i < 3 ? 2 : 502) {
@@ -272,15 +319,15 @@ static void expect_nonsense_noticed(svo_builder builder)
         }
         list[1] = i == 5 ? TRIANGLES : list[1];
         spoil(setup.opened.context);
-        setup.opened.context->functions.MapBufferRange = map_list;
-        setup.opened.context->functions.UnmapBuffer = unmap_nothing;
-        const svo_status status = build(&setup);
+        by->spoil_list(&setup.opened.context->functions);
+        const svo_status status = by->build(&setup);
         mend(setup.opened.context);
         if (i == 4) { /* a code that lies in the grid */
             assert_int_equal(status, SVO_OK);
             continue;
         }
         assert_int_equal(status, SVO_INTERNAL);
+        assert_words(&setup, by->function);
         assert_words(&setup, "made a fragment outside the grid or of no triangle");
     }
     close_setup(&setup);
@@ -289,8 +336,9 @@ static void expect_nonsense_noticed(svo_builder builder)
 static void nonsense_fragments_are_a_status(void **state)
 {
     (void)state;
-    expect_nonsense_noticed(SVO_BUILDER_CL);
-    expect_nonsense_noticed(SVO_BUILDER_SORTED);
+    expect_nonsense_noticed(&(way){SVO_BUILDER_CL, "svo_build: ", build, spoil_list_for_cl});
+    expect_nonsense_noticed(&(way){SVO_BUILDER_SORTED, "svo_build: ", build, spoil_list_for_cl});
+    expect_nonsense_noticed(&(way){SVO_BUILDER_CL, "svo_gl_build: ", build_in_gl, spoil_list_in_gl});
 }
 
 /* Counters no scene could reach: the list cannot be made so large. */

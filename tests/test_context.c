@@ -16,52 +16,18 @@
 
 #include "context.h"
 #include "device.h"
+#include "machine.h"
 #include "share.h"
 
 enum { BUFFER_WORDS = 1000, THREAD_ROUNDS = 50, SHARE_WORDS = 100003, SHARE_ROUNDS = 3 };
 
-/* A context of the kind, or NULL with a printed reason when this machine cannot have one. */
-static svo_gl_context *context_or_null(svo_gl_context_kind kind)
-{
-    svo_message message = {""};
-    svo_gl_context *context = NULL;
-    if (kind == SVO_GL_EGL_DEVICE && svo_gl_egl_device_count() == 0) {
-        print_message("skipped: no EGL device\n");
-        return NULL;
-    }
-    svo_status status = svo_gl_context_create(kind, 0, &context, &message);
-    bool absent = strstr(message.text, "cannot open shared object file") != NULL ||
-                  strstr(message.text, "EGL does not list") != NULL;
-    if (status == SVO_NO_GL && absent) {
-        print_message("skipped: %s\n", message.text);
-        return NULL;
-    }
-    if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_gl_context_kind_name(kind), message.text);
-    }
-    return context;
-}
-
 static svo_gl_context *context_or_skip(svo_gl_context_kind kind)
 {
-    svo_gl_context *context = context_or_null(kind);
+    svo_gl_context *context = machine_context_or_null(kind);
     if (context == NULL) {
         skip();
     }
     return context;
-}
-
-/* Any kind that this machine has. */
-static svo_gl_context *any_context_or_skip(void)
-{
-    for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
-        svo_gl_context *context = context_or_null((svo_gl_context_kind)kind);
-        if (context != NULL) {
-            return context;
-        }
-    }
-    skip();
-    return NULL;
 }
 
 static void make_current(svo_gl_context *context)
@@ -218,7 +184,7 @@ static void software_in_place_of_a_gpu_is_refused(void **state)
 {
     (void)state;
     svo_message message = {""};
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     const svo_i_gl_platform *honest = context->platform;
     const svo_i_gl_functions functions = context->functions;
     svo_i_gl_platform promising = *honest;
@@ -255,8 +221,8 @@ static void for_each_pair(void (*test)(svo_gl_context **first, svo_gl_context **
     int pair_count = 0;
     for (int a = 0; a < SVO_GL_CONTEXT_KINDS; ++a) {
         for (int b = 0; b < SVO_GL_CONTEXT_KINDS; ++b) {
-            svo_gl_context *first = context_or_null((svo_gl_context_kind)a);
-            svo_gl_context *second = context_or_null((svo_gl_context_kind)b);
+            svo_gl_context *first = machine_context_or_null((svo_gl_context_kind)a);
+            svo_gl_context *second = machine_context_or_null((svo_gl_context_kind)b);
             if (first != NULL && second != NULL) {
                 test(&first, &second);
                 ++pair_count;
@@ -338,7 +304,7 @@ static void nesting_has_a_limit(void **state)
 {
     (void)state;
     svo_message message = {""};
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     for (int i = 0; i < SVO_I_GL_NESTING_LIMIT; ++i) {
         make_current(context);
     }
@@ -450,7 +416,7 @@ static void missing_function_is_named(void **state)
     (void)state;
     svo_message message = {""};
     svo_i_gl_functions gl;
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glBindBufferRange", NULL};
     assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_NO_GL);
@@ -468,7 +434,7 @@ static void old_version_is_refused(void **state)
     (void)state;
     svo_message message = {""};
     svo_i_gl_functions gl;
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glGetIntegerv", (svo_i_function)report_old_version};
     assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_NO_GL);
@@ -483,7 +449,7 @@ static void optional_functions_need_a_promise(void **state)
     (void)state;
     svo_message message = {""};
     svo_i_gl_functions gl;
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glGetIntegerv", (svo_i_function)report_4_3_without_extensions};
     assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_OK);
@@ -503,7 +469,7 @@ static void errors_are_named_once(void **state)
 {
     (void)state;
     svo_message message = {""};
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     gl->Enable(0xdead);
@@ -547,7 +513,7 @@ static void pair_make(pair *out, svo_gl_context_kind kind)
 
 static void pair_make_any(pair *out)
 {
-    svo_gl_context *context = any_context_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
     svo_gl_context_kind kind = context->kind;
     svo_gl_context_destroy(&context);
     pair_make(out, kind);

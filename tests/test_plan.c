@@ -188,8 +188,9 @@ static const struct {
 
 static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_t count, uint32_t need)
 {
-    static const char *const always[] = {"fragments",       "cursors",          "state",      "partials",
-                                         "child_mask_pool", "first_child_pool", "child_mask", "first_child"};
+    static const char *const always[] = {
+        "mesh_vertices", "mesh_indices",    "mesh_items",       "mesh_tiles", "counters",    "fragments", "cursors",
+        "state",         "child_mask_pool", "first_child_pool", "child_mask", "first_child", "partials"};
     size_t expected_count = sizeof always / sizeof always[0];
     for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
         assert_true(has_buffer(buffers, count, always[i]));
@@ -204,6 +205,13 @@ static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_
     assert_int_equal(count, expected_count);
 }
 
+/* Of a payload array on the device. */
+static uint64_t payload_bytes(const svo_tree_info *info, uint32_t need, svo_need bit, uint64_t element_bytes)
+{
+    const uint64_t count = (info->constant & (uint32_t)bit) != 0 ? 1 : info->node_count;
+    return (need & (uint32_t)bit) != 0 ? count * element_bytes : 0;
+}
+
 /* The arrays of the tree: what was asked for, of the sizes the header promises, and nothing else. */
 static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
 {
@@ -212,15 +220,15 @@ static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
     const uint64_t bytes[SVO_TREE_BUFFER_COUNT] = {
         [SVO_TREE_CHILD_MASK] = info->inner_count,
         [SVO_TREE_FIRST_CHILD] = info->inner_count * 4,
-        [SVO_TREE_COLORS] = (need & SVO_NEED_COLOR) != 0 ? info->node_count * 4 : 0,
-        [SVO_TREE_NORMALS] = (need & SVO_NEED_NORMAL) != 0 ? info->node_count * 6 : 0,
+        [SVO_TREE_COLORS] = payload_bytes(info, need, SVO_NEED_COLOR, 4),
+        [SVO_TREE_NORMALS] = payload_bytes(info, need, SVO_NEED_NORMAL, 6),
         [SVO_TREE_LIST_BEGIN] = rays ? (info->leaf_count + 1) * 4 : 0,
         [SVO_TREE_LIST] = rays ? info->fragments * 4 : 0,
         [SVO_TREE_VERTICES] = rays ? info->vertex_count * 12 : 0,
         [SVO_TREE_INDICES] = rays ? info->list_triangle_count * 12 : 0,
         [SVO_TREE_TRIANGLE_IDS] = rays ? info->list_triangle_count * 4 : 0,
-        [SVO_TREE_MATERIALS] = (need & SVO_NEED_MATERIAL) != 0 ? info->node_count * 2 : 0,
-        [SVO_TREE_FILLS] = (need & SVO_NEED_FILL) != 0 ? info->node_count * 2 : 0,
+        [SVO_TREE_MATERIALS] = payload_bytes(info, need, SVO_NEED_MATERIAL, 2),
+        [SVO_TREE_FILLS] = payload_bytes(info, need, SVO_NEED_FILL, 2),
     };
     const void *const arrays[SVO_TREE_BUFFER_COUNT] = {
         actual->arrays.child_mask,   actual->arrays.first_child, actual->arrays.colors,   actual->arrays.normals,
@@ -273,11 +281,25 @@ static void assert_prediction_holds(const built *actual, const svo_buffer_info *
     }
 }
 
+/* Colours that differ from vertex to vertex, by malloc; the scene's own are all white. */
+static uint8_t *varied_colors(size_t vertex_count)
+{
+    uint8_t *colors = malloc(vertex_count * 4);
+    assert_non_null(colors);
+    for (size_t i = 0; i < vertex_count * 4; ++i) {
+        colors[i] = (uint8_t)(i * 37 % 251);
+    }
+    return colors;
+}
+
 static void what_is_not_asked_for_is_not_there(void **state)
 {
-    const fixture *opened = fixture_of_group(state);
+    const fixture by_cl = fixture_cl_of_group(state);
+    const fixture *opened = &by_cl;
     scene *made = fixture_scene("cornell");
     svo_mesh mesh = *scene_mesh(made);
+    uint8_t *colors = varied_colors(mesh.vertex_count);
+    mesh.colors = colors;
     char nodes_hash[SVO_HASH_TEXT_BYTES] = "";
     for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {
         const uint32_t need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits;
@@ -302,13 +324,15 @@ static void what_is_not_asked_for_is_not_there(void **state)
         assert_prediction_holds(&actual, predicted);
         built_destroy(&actual);
     }
+    free(colors);
     scene_destroy(&made);
 }
 
 /* The sorted builder's buffers come as predicted, too, whatever is asked for. */
 static void the_sorted_builder_keeps_to_its_plan(void **state)
 {
-    const fixture *opened = fixture_of_group(state);
+    const fixture by_cl = fixture_cl_of_group(state);
+    const fixture *opened = &by_cl;
     scene *made = fixture_scene("cornell");
     for (uint32_t bits = 0; bits <= SVO_NEED_ALL; ++bits) {
         const svo_plan_options options = {.need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits,

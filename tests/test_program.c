@@ -30,6 +30,9 @@ static void wrong_usage_is_exit_code_2(void **state)
     run_badly("$SVOCL build scene:cube --context osmesa --gl-device 0", 2, "--gl-device");
     run_badly("$SVOCL build scene:cube --frontend cl --share host", 2, "--share");
     run_badly("$SVOCL build scene:cube --frontend cl --context osmesa", 2, "--context");
+    run_badly("$SVOCL build scene:cube --compress", 2, "-o FILE");
+    run_badly("$SVOCL build scene:cube --plan-only -o a.svo", 2, "-o FILE");
+    run_badly("$SVOCL build scene:cube --plan-only --repeat 2", 2, "--repeat");
     run_badly("$SVOCL build scene:castle", 2, "castle");
     run_badly("$SVOCL build scene:cube:0", 2, "0");
     run_badly("$SVOCL scene cube", 2, "-o");
@@ -240,6 +243,122 @@ static void build_has_its_json_names(void **state)
     run_well("$SVOCL verify a.svo");
 }
 
+/* Whether the plan leaves it out; every entry has words. */
+static bool leaves_out(const cJSON *plan, const char *what)
+{
+    const cJSON *entry = NULL;
+    bool found = false;
+    cJSON_ArrayForEach(entry, array_of(plan, "left_out"))
+    {
+        found = found || strcmp(text_of(entry, "what"), what) == 0;
+        assert_non_null(strchr(text_of(entry, "reason"), ' '));
+    }
+    return found;
+}
+
+static void check_planned_buffers(const cJSON *plan)
+{
+    static const char *const certainties[] = {"exact", "bound", "estimate"};
+    const cJSON *buffer = NULL;
+    double tree_bytes = 0.0;
+    double all_bytes = 0.0;
+    cJSON_ArrayForEach(buffer, array_of(plan, "buffers"))
+    {
+        bool known = false;
+        for (size_t i = 0; i < 3; ++i) {
+            known = known || strcmp(text_of(buffer, "certainty"), certainties[i]) == 0;
+        }
+        assert_true(known);
+        assert_true(strlen(text_of(buffer, "name")) > 0);
+        all_bytes += number_of(buffer, "bytes");
+        tree_bytes += cJSON_IsTrue(cJSON_GetObjectItem(buffer, "stays")) ? number_of(buffer, "bytes") : 0.0;
+    }
+    assert_true(number_of(plan, "tree_bytes") == tree_bytes);
+    assert_true(number_of(plan, "peak_bytes") >= tree_bytes && number_of(plan, "peak_bytes") <= all_bytes);
+}
+
+static void plans_have_their_json_names(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *plan = run_json("$SVOCL build scene:atrium -d 5 --plan-only --json");
+    assert_string_equal(text_of(plan, "input"), "scene:atrium");
+    assert_int_equal((int)number_of(plan, "depth"), 5);
+    assert_true(number_of(plan, "expected_fragments") > number_of(plan, "triangles"));
+    assert_int_equal(cJSON_GetArraySize(array_of(plan, "need")), 2);
+    assert_int_equal(cJSON_GetArraySize(array_of(plan, "constant")), 0);
+    check_planned_buffers(plan);
+    assert_true(leaves_out(plan, "leaf lists"));
+    assert_true(leaves_out(plan, "material"));
+    assert_true(leaves_out(plan, "64-bit Morton codes"));
+    assert_false(leaves_out(plan, "color"));
+    const cJSON *kernels = NULL;
+    cJSON_ArrayForEach(kernels, array_of(plan, "kernels"))
+    {
+        assert_true(strlen(text_of(kernels, "name")) > 0);
+        text_of(kernels, "keys");
+    }
+    assert_true(cJSON_GetArraySize(array_of(plan, "kernels")) >= 2);
+    cJSON_Delete(plan);
+    expect_files(NULL, 0);
+}
+
+/* --plan plans and builds; --plan-only builds nothing. */
+static void a_plan_is_printed_before_the_build(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cube -d 5 --plan");
+    const char *left_out = strstr(last.output, "left out");
+    assert_non_null(left_out);
+    assert_non_null(strstr(left_out, "\nstages\n"));
+    assert_non_null(strstr(left_out, "hash"));
+    run_well("$SVOCL build scene:cube -d 5 --plan-only");
+    assert_non_null(strstr(last.output, "left out"));
+    assert_non_null(strstr(last.output, "device memory"));
+    assert_null(strstr(last.output, "hash"));
+}
+
+/* A small scene starts no OpenGL, and the plan says so; it says nothing of the kind where OpenGL was asked for. */
+static void the_plan_leaves_opengl_out_of_small_scenes(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *small = run_json("$SVOCL build scene:cube -d 5 --plan --json");
+    assert_string_equal(text_of(small, "frontend"), "cl");
+    assert_string_equal(text_of(small, "renderer"), "none");
+    assert_true(leaves_out(cJSON_GetObjectItem(small, "plan"), "OpenGL"));
+    cJSON_Delete(small);
+    cJSON *large = run_json("$SVOCL build scene:cube -d 9 --plan-only --json");
+    assert_false(leaves_out(large, "OpenGL"));
+    cJSON_Delete(large);
+    if (gl_works()) {
+        cJSON *forced = run_json("$SVOCL build scene:cube -d 5 --frontend gl-expand --plan-only --json");
+        assert_false(leaves_out(forced, "OpenGL"));
+        cJSON_Delete(forced);
+    }
+}
+
+static void info_says_what_is_stored_once(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("flat.ply", PLY_HEADER("2") "0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 1 3 2\n");
+    run_well("$SVOCL build flat.ply -d 5 --need color,normal,fill -o flat.svo");
+    cJSON *info = run_json("$SVOCL info flat.svo --json");
+    const cJSON *constant = array_of(info, "constant");
+    assert_int_equal(cJSON_GetArraySize(constant), 2);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetArrayItem(constant, 0)), "color");
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetArrayItem(constant, 1)), "normal");
+    assert_int_equal(cJSON_GetArraySize(array_of(info, "need")), 3);
+    cJSON_Delete(info);
+    run_well("$SVOCL info flat.svo");
+    assert_non_null(strstr(last.output, "stored once"));
+    assert_non_null(strstr(last.output, "color, normal: the same in every node"));
+    run_well("$SVOCL build scene:cube -d 3 -o cube.svo && $SVOCL info cube.svo");
+    assert_null(strstr(last.output, "stored once"));
+}
+
 static void info_names_what_is_wrong_with_a_file(void **state)
 {
     (void)state;
@@ -380,6 +499,10 @@ static void hash_says_what_ran(void **state)
     }
     assert_string_equal(text_of(document, "hash"), text_of(document, "nodes_hash"));
     cJSON_Delete(document);
+    if (!gl) {
+        run_badly("$SVOCL hash scene:cube -d 5 --builder gl-compute", 1, "OpenGL");
+        return;
+    }
     document = run_json("$SVOCL hash scene:cube -d 5 --builder gl-compute --nodes --json");
     assert_string_equal(text_of(document, "builder"), "gl-compute");
     assert_string_equal(text_of(document, "share"), "none");
@@ -514,6 +637,10 @@ int main(void)
                                        IN_FOLDER(failed_writes_leave_nothing),
                                        IN_FOLDER(a_full_standard_output_is_an_error),
                                        IN_FOLDER(build_has_its_json_names),
+                                       IN_FOLDER(plans_have_their_json_names),
+                                       IN_FOLDER(a_plan_is_printed_before_the_build),
+                                       IN_FOLDER(the_plan_leaves_opengl_out_of_small_scenes),
+                                       IN_FOLDER(info_says_what_is_stored_once),
                                        IN_FOLDER(info_names_what_is_wrong_with_a_file),
                                        IN_FOLDER(devices_has_its_json_names),
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),

@@ -180,6 +180,9 @@ static void check_step(const failing_step *step)
     if (strstr(reason, step->reason) == NULL) {
         fail_msg("'%s' does not say '%s'", reason, step->reason);
     }
+    /* Programs that ask the device first, before they start OpenGL, are told the same. */
+    assert_int_equal(svo_i_sharing_is_listed(pair.opened.device, pair.opened.context->opencl),
+                     strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
     const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
     assert_int_not_equal(chosen, SVO_GL_SHARE_SHARING);
     assert_same_hash(&pair, &everything, svo_gl_share_name(chosen));

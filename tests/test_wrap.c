@@ -79,6 +79,12 @@ static void check_build(const fixture *opened, const odd_state *odd, unsigned de
     odd_state_assert(odd, "svo_build");
     assert_string_equal(finished.hash, hash);
     built_destroy(&finished);
+    if (svo_gl_build_reason(opened->gl, everything.need)[0] == '\0') {
+        fixture_build_in_gl(opened, &made.mesh, depth, &everything, &finished);
+        odd_state_assert(odd, "svo_gl_build");
+        assert_string_equal(finished.hash, hash);
+        built_destroy(&finished);
+    }
     owned_mesh_free(&made);
 }
 

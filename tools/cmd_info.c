@@ -27,12 +27,8 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_count(document, "depth", info->depth);
     json_add_count(document, "snap_bits", info->snap_bits);
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
-    cJSON *need = cJSON_AddArrayToObject(document, "need");
-    for (uint32_t bit = 1; bit < SVO_NEED_ALL; bit *= 2) {
-        if ((info->need & bit) != 0) {
-            cJSON_AddItemToArray(need, cJSON_CreateString(svo_need_name((svo_need)bit)));
-        }
-    }
+    json_add_needs(document, "need", info->need);
+    json_add_needs(document, "constant", info->constant);
     json_add_text(document, "weights", svo_weights_name((svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
     cJSON_AddNumberToObject(document, "edge", info->edge);
@@ -74,6 +70,10 @@ static void print_header(const program *state, const file_facts *facts)
                (info->need & SVO_NEED_MATERIAL) != 0 ? ", materials" : "",
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    if (info->constant != 0) {
+        table_cell(rows, "stored once");
+        table_cell(rows, "%s: the same in every node", figure_needs(info->constant).text);
+    }
     if ((info->need & ~(uint32_t)SVO_NEED_RAYS) != 0) {
         table_cell(rows, "weights");
         table_cell(rows, "%s", svo_weights_name((svo_weights)info->weights));

@@ -78,44 +78,16 @@ static int render(program *state, const session *opened, const svo_tree *tree)
     return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
 }
 
-static int render_tree_file(program *state)
+static int make_tree(program *state, job *done)
 {
-    int exit_code = input_refuse_build_options(state);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    if (input_is_tree(state->options.input)) {
+        return job_load(state, 2, done);
     }
-    svo_tree *tree = NULL;
-    session opened = {0};
-    program_begin_progress(state, 3);
-    exit_code = input_load_tree(state, &tree);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open_device(state, &opened);
-    }
-    if (exit_code == PROGRAM_DONE && svo_tree_upload(tree, opened.device, opened.queue) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(opened.device));
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = render(state, &opened, tree);
-    }
-    svo_tree_destroy(&tree);
-    session_close(&opened);
-    return exit_code;
-}
-
-static int render_mesh(program *state)
-{
-    job done;
     uint32_t need = state->options.need;
     if (state->options.view == SVO_VIEW_TRIANGLES) {
         need = need == SVO_NEED_NONE ? SVO_NEED_RAYS : need | SVO_NEED_RAYS;
     }
-    int exit_code = job_run(state, need, 2, &done);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = render(state, &done.opened, done.result.tree);
-    job_release(&done);
-    return exit_code;
+    return job_run(state, need, 2, done);
 }
 
 int command_render(program *state)
@@ -123,9 +95,14 @@ int command_render(program *state)
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    const int exit_code = output_check(state, state->options.output_path);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    job done;
+    int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_tree(state, &done);
     }
-    return input_is_tree(state->options.input) ? render_tree_file(state) : render_mesh(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = render(state, &done.opened, done.result.tree);
+        job_release(&done);
+    }
+    return exit_code;
 }

@@ -93,41 +93,13 @@ static int trace(program *state, const session *opened, const svo_tree *tree)
     return exit_code;
 }
 
-static int trace_tree_file(program *state)
+static int make_tree(program *state, job *done)
 {
-    int exit_code = input_refuse_build_options(state);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    if (input_is_tree(state->options.input)) {
+        return job_load(state, 2, done);
     }
-    svo_tree *tree = NULL;
-    session opened = {0};
-    program_begin_progress(state, 3);
-    exit_code = input_load_tree(state, &tree);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open_device(state, &opened);
-    }
-    if (exit_code == PROGRAM_DONE && svo_tree_upload(tree, opened.device, opened.queue) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(opened.device));
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = trace(state, &opened, tree);
-    }
-    svo_tree_destroy(&tree);
-    session_close(&opened);
-    return exit_code;
-}
-
-static int trace_mesh(program *state)
-{
-    job done;
     state->options.depth_for_rays = !state->options.has_depth;
-    int exit_code = job_run(state, SVO_NEED_RAYS, 2, &done);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = trace(state, &done.opened, done.result.tree);
-    job_release(&done);
-    return exit_code;
+    return job_run(state, SVO_NEED_RAYS, 2, done);
 }
 
 int command_trace(program *state)
@@ -140,9 +112,14 @@ int command_trace(program *state)
     if (given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    const int exit_code = output_check(state, given->output_path);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    job done;
+    int exit_code = output_check(state, given->output_path);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_tree(state, &done);
     }
-    return input_is_tree(given->input) ? trace_tree_file(state) : trace_mesh(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = trace(state, &done.opened, done.result.tree);
+        job_release(&done);
+    }
+    return exit_code;
 }

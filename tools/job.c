@@ -33,8 +33,7 @@ static svo_status make_plan(const options *given, svo_device *device, const svo_
     return status;
 }
 
-/* One build from the mesh to the tree; an earlier build's tree in result is replaced. */
-static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out)
 {
     const options *given = &state->options;
     const bool in_gl = given->builder == OPTION_BUILDER_GL_COMPUTE;
@@ -45,24 +44,41 @@ static int build_once(program *state, session *opened, const svo_mesh *mesh, uin
                                      .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)given->builder,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
+    return make_plan(given, device, mesh, &plan_options, out) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, svo_device_message(device));
+}
+
+/* The tree of a plan; an earlier build's tree in result is replaced. */
+static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
+{
+    session_choose(state, opened, plan);
+    progress_step(state->progress, "building the tree");
+    svo_tree_destroy(&result->tree);
+    result->report = (svo_build_report){.struct_size = sizeof result->report};
+    const svo_status status = state->options.builder == OPTION_BUILDER_GL_COMPUTE
+                                  ? opengl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
+                                  : svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
+    if (status != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    svo_plan_get_info(plan, &result->plan);
+    svo_tree_get_info(result->tree, &result->info);
+    keep_buffers(plan, result);
+    return PROGRAM_DONE;
+}
+
+/* One build from the mesh to the tree. */
+static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+{
     svo_plan *plan = NULL;
     progress_step(state->progress, "snapping to the grid");
-    svo_status status = make_plan(given, opened->device, mesh, &plan_options, &plan);
-    if (status == SVO_OK) {
-        session_choose(state, opened, plan);
-        progress_step(state->progress, "building the tree");
-        svo_tree_destroy(&result->tree);
-        result->report = (svo_build_report){.struct_size = sizeof result->report};
-        status = in_gl ? opengl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
-                       : svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
-    }
-    if (status == SVO_OK) {
-        svo_plan_get_info(plan, &result->plan);
-        svo_tree_get_info(result->tree, &result->info);
-        keep_buffers(plan, result);
+    int exit_code = job_plan(state, opened->device, mesh, need, &plan);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = build_plan(state, opened, plan, result);
     }
     svo_plan_destroy(&plan);
-    return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, svo_device_message(opened->device));
+    return exit_code;
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -126,6 +142,28 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = job_build(state, need, done);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
+int job_load(program *state, unsigned further_steps, job *done)
+{
+    *done = (job){0};
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, 1 + further_steps);
+    exit_code = input_load_tree(state, &done->result.tree);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, &done->opened);
+    }
+    if (exit_code == PROGRAM_DONE &&
+        svo_tree_upload(done->result.tree, done->opened.device, done->opened.queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
     }
     if (exit_code != PROGRAM_DONE) {
         job_release(done);

@@ -30,7 +30,12 @@ typedef struct job {
  * nothing is left to release.
  */
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
+/* The same for an input that is a finished tree (input_is_tree), on the device then: loaded, not built. */
+int job_load(program *state, unsigned further_steps, job *done);
 void job_release(job *done);
+
+/* A plan for the mesh by the options, with the svo_need bits of need. Returns the exit code. */
+int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out);
 
 /* The building part of job_run, for a source and a session that are open. Leaves both so on failure. */
 int job_build(program *state, uint32_t need, job *done);

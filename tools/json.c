@@ -7,6 +7,8 @@
 
 #include "output.h"
 
+#include "svocl/plan.h"
+
 void json_add_count(cJSON *object, const char *name, uint64_t count)
 {
     cJSON_AddNumberToObject(object, name, (double)count);
@@ -41,6 +43,16 @@ int json_save(program *state, const char *path, const cJSON *document)
     }
     cJSON_free(text);
     return exit_code;
+}
+
+void json_add_needs(cJSON *object, const char *name, uint32_t bits)
+{
+    cJSON *array = cJSON_AddArrayToObject(object, name);
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        if ((bits & bit) != 0) {
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_need_name((svo_need)bit)));
+        }
+    }
 }
 
 int json_print(program *state, cJSON *document)

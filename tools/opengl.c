@@ -71,6 +71,11 @@ static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, 
     return gl;
 }
 
+bool opengl_may_share(const svo_device *device)
+{
+    return svo_gl_device_may_share(device) != 0;
+}
+
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
 {
     svo_device *joined = NULL;
@@ -98,15 +103,22 @@ bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_
     return opened->gl != NULL;
 }
 
+void opengl_stop(opengl *opened)
+{
+    if (opened != NULL) {
+        for (size_t i = 0; i < opened->further_count; ++i) {
+            svo_gl_destroy(&opened->further[i].gl);
+        }
+        svo_gl_destroy(&opened->gl);
+    }
+}
+
 void opengl_close(opengl **opened)
 {
     if (*opened == NULL) {
         return;
     }
-    for (size_t i = 0; i < (*opened)->further_count; ++i) {
-        svo_gl_destroy(&(*opened)->further[i].gl);
-    }
-    svo_gl_destroy(&(*opened)->gl);
+    opengl_stop(*opened);
     svo_gl_context_destroy(&(*opened)->context);
     free(*opened);
     *opened = NULL;

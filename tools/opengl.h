@@ -12,13 +12,18 @@
 
 typedef struct opengl opengl;
 
+/* Whether the device might share with OpenGL, which then has to be opened first. Starts no OpenGL. */
+bool opengl_may_share(const svo_device *device);
 /* Opens a context by --context and --gl-device. NULL where that does not work, with the reason, which names the option that
    was forced. */
 opengl *opengl_open(const options *given, svo_message *reason);
-/* The same device on an OpenCL context that shares with the context where the two can; NULL when there is none. */
+/* The same device on an OpenCL context that shares with the context where the two can; NULL when there is none. It is to be
+   destroyed before opengl_close. */
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options);
-/* The front end by --frontend and --share, for a device that outlives it. False with the reason where it does not work. */
+/* The front end by --frontend and --share, for a device that outlives opengl_stop. False with the reason where it does not
+   work. */
 bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason);
+void opengl_stop(opengl *opened); /* NULL and one that was not started are allowed */
 void opengl_close(opengl **opened); /* a pointer to NULL is allowed */
 
 const char *opengl_context_name(const opengl *opened); /* "surfaceless", ... */

@@ -6,11 +6,22 @@
 
 #define WITHOUT "this svocl was built without OpenGL"
 
+bool opengl_may_share(const svo_device *device)
+{
+    (void)device;
+    return false;
+}
+
 opengl *opengl_open(const options *given, svo_message *reason)
 {
     (void)given;
     snprintf(reason->text, sizeof reason->text, WITHOUT);
     return NULL;
+}
+
+void opengl_stop(opengl *opened)
+{
+    (void)opened;
 }
 
 void opengl_close(opengl **opened)

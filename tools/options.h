@@ -20,7 +20,7 @@ enum option_group {
     OPTION_BUILD = 4, /* how a mesh becomes a tree: makes no sense for a tree that is finished */
     OPTION_JSON = 8,
     OPTION_OUTPUT = 16,
-    OPTION_BUILD_COMMAND = 32, /* repeat, compress */
+    OPTION_BUILD_COMMAND = 32, /* repeat, compress, plan */
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
     OPTION_RENDER_COMMAND = 256,
@@ -72,6 +72,7 @@ typedef struct options {
 
     const char *output_path; /* NULL: not given */
     uint64_t repeat, compress;
+    uint64_t plan, plan_only; /* build: flags */
     bool has_repeat;
     uint64_t nodes; /* hash: nodes only */
     uint64_t triangles, seed;

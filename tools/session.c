@@ -103,13 +103,36 @@ static int use_opengl(program *state, session *opened, const char *reason)
     return use(opened, opengl_frontend(opened->gl));
 }
 
-/* OpenGL beside OpenCL alone, on the device as it is; without it the reason says why. */
-static void try_opengl(program *state, session *opened)
+/* Which front end is used is left open, but once anything is made of the device it cannot join OpenGL any more: so where it
+   might, OpenGL is opened first. */
+static int leave_open(program *state, session *opened)
 {
-    opened->gl = opengl_open(&state->options, &opened->reason);
-    if (opened->gl != NULL && !opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
-        opengl_close(&opened->gl);
+    if (opengl_may_share(opened->device)) {
+        opened->gl = opengl_open(&state->options, &opened->reason);
     }
+    return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;
+}
+
+/* OpenGL's front end beside that of OpenCL alone, on the device as it is; without it the reason says why. */
+static bool try_opengl(program *state, session *opened)
+{
+    if (opened->gl == NULL) {
+        opened->gl = opengl_open(&state->options, &opened->reason);
+    }
+    return opened->gl != NULL && opengl_start(opened->gl, &state->options, opened->device, &opened->reason);
+}
+
+/* The front end of OpenCL alone, used where it was asked for. */
+static int open_cl(program *state, session *opened)
+{
+    if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    if (state->options.frontend == OPTION_FRONTEND_CL) {
+        explain(opened, "asked for");
+        return use(opened, opened->cl);
+    }
+    return PROGRAM_DONE;
 }
 
 int session_open(program *state, session *opened)
@@ -120,11 +143,9 @@ int session_open(program *state, session *opened)
     }
     if (options_ask_for_gl(&state->options)) {
         result = use_opengl(state, opened, "asked for");
-    } else if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
-        result = program_fail_library(state, svo_device_message(opened->device));
-    } else if (state->options.frontend == OPTION_FRONTEND_CL) {
-        explain(opened, "asked for");
-        result = use(opened, opened->cl);
+    } else {
+        result = state->options.frontend == OPTION_FRONTEND_CL ? PROGRAM_DONE : leave_open(state, opened);
+        result = result == PROGRAM_DONE ? open_cl(state, opened) : result;
     }
     if (result != PROGRAM_DONE) {
         session_close(opened);
@@ -164,8 +185,7 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
     if (svo_frontend_cl_suffices(plan, &opened->reason)) {
         return;
     }
-    try_opengl(state, opened);
-    if (opened->gl != NULL) {
+    if (try_opengl(state, opened)) {
         opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
     }
 }
@@ -175,9 +195,9 @@ void session_choose_opengl(program *state, session *opened)
     if (opened->frontend != NULL) {
         return;
     }
-    try_opengl(state, opened);
-    opened->frontend = opened->gl != NULL ? opengl_frontend(opened->gl) : opened->cl;
-    if (opened->gl != NULL) {
+    opened->frontend = opened->cl;
+    if (try_opengl(state, opened)) {
+        opened->frontend = opengl_frontend(opened->gl);
         explain(opened, "OpenGL where there is one");
     }
 }
@@ -194,11 +214,12 @@ const char *session_renderer(const session *opened)
 
 void session_close(session *opened)
 {
-    opengl_close(&opened->gl);
+    opengl_stop(opened->gl);
     svo_frontend_destroy(&opened->cl);
     if (opened->queue != NULL) {
         clReleaseCommandQueue(opened->queue);
     }
     svo_device_destroy(&opened->device);
+    opengl_close(&opened->gl);
     *opened = (session){0};
 }

@@ -14,7 +14,7 @@ typedef struct session {
     svo_device *device;
     cl_command_queue queue;
     svo_frontend *cl; /* the front end of OpenCL alone; NULL where OpenGL was asked for */
-    opengl *gl; /* NULL: not started */
+    opengl *gl; /* NULL: not opened */
     svo_frontend *frontend; /* that builds go through; NULL until it is chosen */
     svo_message reason; /* why that one */
 } session;

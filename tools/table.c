@@ -11,6 +11,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "svocl/plan.h"
+
 #define CELL_BYTES 512
 
 struct table {
@@ -222,6 +224,22 @@ figure figure_rate(double per_second)
         snprintf(result.text, sizeof result.text, "%.2f k/s", per_second / 1e3);
     } else {
         snprintf(result.text, sizeof result.text, "%.2f /s", per_second);
+    }
+    return result;
+}
+
+figure figure_needs(uint32_t bits)
+{
+    figure result = {""};
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        const size_t used = strlen(result.text);
+        if ((bits & bit) != 0) {
+            snprintf(result.text + used, sizeof result.text - used, "%s%s", used > 0 ? ", " : "",
+                     svo_need_name((svo_need)bit));
+        }
+    }
+    if (result.text[0] == '\0') {
+        snprintf(result.text, sizeof result.text, "none");
     }
     return result;
 }

@@ -37,5 +37,6 @@ figure figure_count(uint64_t count); /* "1,167,738" */
 figure figure_bytes(uint64_t bytes); /* "12.3 MiB" */
 figure figure_ms(double ms); /* "12.34 ms" */
 figure figure_rate(double per_second); /* "6.21 M/s" */
+figure figure_needs(uint32_t bits); /* svo_need bits: "color, normal", or "none" */
 
 #endif

@@ -11,6 +11,12 @@ layout(std430, binding = 0) readonly buffer Fragments
 
 #define svo_code uvec2
 
+/* Whether the code is one of a voxel in a grid of that depth, 11 .. 16. */
+bool svo_code_in_grid(svo_code code, uint depth)
+{
+    return code.y >> (3u * depth - 32u) == 0u;
+}
+
 svo_code svo_fragment_code(uint index)
 {
     return uvec2(fragments[index * SVO_FRAGMENT_WORDS_48], fragments[index * SVO_FRAGMENT_WORDS_48 + 1u]);
@@ -32,6 +38,11 @@ uint svo_octant(svo_code code, uint depth, uint level)
 #else
 
 #define svo_code uint
+
+bool svo_code_in_grid(svo_code code, uint depth)
+{
+    return code >> (3u * depth) == 0u;
+}
 
 svo_code svo_fragment_code(uint index)
 {

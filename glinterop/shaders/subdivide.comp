@@ -6,7 +6,7 @@
  *   SVO_K_DESCEND  per level: every fragment moves its cursor to the child and marks its octant there
  *
  * Launch: one invocation per fragment of a chunk, rounded up to whole groups. Masks, four to a word, and why plain
- * reads beside atomicOr are enough: see there.
+ * reads beside atomicOr are enough, and what becomes of fragments that none can be: see there.
  */
 uniform svo_subdivide_params params;
 
@@ -14,6 +14,10 @@ uniform svo_subdivide_params params;
 layout(std430, binding = 1) coherent buffer Masks
 {
     uint masks[];
+};
+layout(std430, binding = 2) buffer State
+{
+    svo_build_state state;
 };
 #else
 layout(std430, binding = 1) buffer Cursors
@@ -48,7 +52,11 @@ void main()
 {
     uint index = svo_item();
     if (index < params.fragment_count) {
-        svo_mark(0u, svo_octant(svo_fragment_code(index), params.depth, 0u));
+        svo_code code = svo_fragment_code(index);
+        svo_mark(0u, svo_octant(code, params.depth, 0u));
+        if (!svo_code_in_grid(code, params.depth) || svo_fragment_triangle(index) >= state.triangle_count) {
+            state.overflow = SVO_DAMAGED_LIST;
+        }
     }
 }
 

@@ -64,6 +64,7 @@ typedef struct svo_build_report {
     size_t struct_size; /* sizeof(svo_build_report), set by the caller */
     svo_stage_time stages[SVO_STAGE_COUNT];
     uint64_t fragments;
+    uint64_t inner_nodes; /* of svo_tree_finish: see there; else 0 */
     uint32_t list_chunks;
     uint32_t reruns; /* how often a capacity was too small and a second plan ran */
     const char *frontend; /* "cl", "gl-expand", "gl-hw"; static strings */
@@ -86,6 +87,94 @@ typedef struct svo_build_report {
  */
 SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
                              svo_build_report *report);
+
+/*
+ * Builds that do not wait. A workspace is all the memory that builds of one plan need, made once: svo_build_enqueue then
+ * allocates nothing on the device, waits for nothing, and leaves the counting to the device.
+ *
+ *   svo_workspace_create     plan + front end -> scratch, in one piece, the caller's or its own
+ *   svo_workspace_make_tree  a tree with room for the plan's capacities
+ *   svo_build_enqueue        any number of times
+ *   svo_tree_finish          waits, reads the counts, trims: now the tree is as svo_build makes it, bit for bit
+ *
+ * Thread-safety: a workspace belongs to its plan's device handle, and is used by one thread at a time.
+ */
+typedef struct svo_workspace svo_workspace;
+
+typedef struct svo_workspace_options {
+    size_t struct_size; /* sizeof(svo_workspace_options) */
+    /* The caller's scratch: offset_bytes .. offset_bytes + svo_workspace_info.scratch_bytes of a buffer of the device's
+       context, which is retained. offset_bytes is a multiple of scratch_alignment. It may be used for other things, also
+       for other workspaces, whenever no build is in flight. NULL: the workspace makes a buffer. */
+    cl_mem scratch;
+    uint64_t offset_bytes;
+} svo_workspace_options;
+
+typedef struct svo_workspace_info {
+    uint64_t scratch_bytes; /* exact; buffers that are not needed at the same time share it */
+    uint64_t scratch_alignment; /* bytes; CL_DEVICE_MEM_BASE_ADDR_ALIGN */
+    uint64_t tree_bytes; /* of a tree with room for the capacities */
+    uint64_t fragment_capacity, inner_capacity; /* fragments and inner nodes there is room for */
+} svo_workspace_info;
+
+/* What svo_workspace_create would ask for. frontend: see there. Returns what it returns. */
+SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info);
+
+/*
+ * Makes a workspace, and compiles what the builds need.
+ *
+ * plan, frontend: must outlive it. The plan's capacities are its fragment_capacity, or what the count law expects with an
+ *        eighth to spare, or after svo_plan_count the real number; and nodes by the law, or by certain_nodes.
+ *        The builder is SVO_BUILDER_CL. With a front end of OpenGL, svo_build_enqueue waits on the host for the wait list
+ *        and for OpenGL, whose list is in memory of its own.
+ * queue: for what the compiler needs to be launched; nothing stays in it.
+ * options: NULL means all defaults.
+ * Returns SVO_UNSUPPORTED for other builders, and for a list above the device's largest allocation;
+ * SVO_INVALID_ARGUMENT (scratch that is too small, of another context or not aligned), SVO_OUT_OF_DEVICE_MEMORY,
+ * SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ */
+SVO_API svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
+                                        const svo_workspace_options *options, svo_workspace **out);
+/* Waits for builds in flight. NULL and a pointer to NULL are allowed. Trees made from it live on; those of builds in
+   flight have to be finished first. */
+SVO_API void svo_workspace_destroy(svo_workspace **workspace);
+SVO_API void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info);
+
+/* A tree without content, with room for the plan's capacities, for svo_build_enqueue alone. */
+SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out);
+
+/*
+ * Enqueues a build into a tree. Builds of one workspace follow each other, whatever the queues: each waits for the one
+ * before. Reads the plan's arrays until it is done.
+ *
+ * tree: of this workspace, and not trimmed. Until svo_tree_finish its info and arrays are undefined; its buffers may be
+ *        given to kernels that wait for *event.
+ * queue: in-order or out-of-order. num_wait, wait, event: as with OpenCL's own commands; event may be NULL.
+ * Returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY. That a capacity was too small shows in
+ * svo_tree_finish.
+ */
+SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
+                                     const cl_event *wait, cl_event *event);
+
+/*
+ * Waits for the build of a tree and reads its counts.
+ *
+ * trim: not 0: buffers are replaced by copies as large as the tree, and no further build goes into it.
+ * queue: on the device's context; for the copies.
+ * report: NULL allowed. Stage times are those of events, where svo_build_enqueue's queue has CL_QUEUE_PROFILING_ENABLE.
+ * Returns SVO_NEED_MORE when a capacity was too small: the tree stays undefined, report->fragments is the exact number of
+ * fragments, report->inner_nodes the room for inner nodes that is enough for certain, and the message has both. A plan with
+ * that fragment_capacity, and certain_nodes where nodes were short, fits. Otherwise as svo_build.
+ */
+SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report);
+
+/*
+ * Counts the fragments of a plan without keeping them: the plan's capacity becomes their number, and its list of buffers
+ * exact where it follows from that. Costs about a voxelization.
+ *
+ * frontend, queue: as for svo_build.
+ */
+SVO_API svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue);
 
 #ifdef __cplusplus
 }

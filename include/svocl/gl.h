@@ -67,8 +67,8 @@ typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name)
 
 /*
  * Takes a context of the caller's, OpenGL 4.3 or later of either profile, which must be current on this thread now and
- * whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_mesh_read and the destruction of what was made with it.
- * svo_gl_context_destroy releases the handle and leaves the caller's context alone.
+ * whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_build, svo_gl_mesh_read and the destruction of what was made
+ * with it. svo_gl_context_destroy releases the handle and leaves the caller's context alone.
  *
  * Each call leaves the context's state as it was: bindings of buffers, storage blocks, program, vertex array and
  * framebuffers, viewport, scissor, capabilities, polygon mode, point size, clip control. Three things are expected of the
@@ -104,6 +104,8 @@ SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_cont
  */
 SVO_API svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, const svo_device_options *options,
                                         svo_device **out, svo_message *message);
+/* Whether that is worth trying: not 0 if the device lists cl_khr_gl_sharing as a whole word. Starts no OpenGL. */
+SVO_API int svo_gl_device_may_share(const svo_device *device);
 
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /* hw where it works, else expand */
@@ -161,8 +163,7 @@ SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
  * "none", and stages between voxelize and the last transfer are timed by the context's timer queries ("gl-timer"), on
  * llvmpipe by the wall clock up to glFinish. Every array must fit a shader storage block of the context, else
  * SVO_UNSUPPORTED says which and by how much; so it does where a voxel has more triangles than the driver lets an
- * invocation go through (on llvmpipe some two million for SVO_NEED_RAYS). The context's bindings of storage blocks 0 to 15,
- * of the indirect dispatch buffer and of the program in use are afterwards as they were.
+ * invocation go through (on llvmpipe some two million for SVO_NEED_RAYS).
  */
 SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
                                 svo_build_report *report);

@@ -14,7 +14,8 @@
  *   36     4     u32 depth
  *   40     4     u32 snap_bits
  *   44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
- *   48     4     u32 need: bit 0 colour, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
+ *   48     2     u16 need: bit 0 colour, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
+ *   50     2     u16 constant: of those bits, colour, normal and material that are the same in all nodes: one element
  *   52     4     u32 weights: 0 area, 1 uniform, 2 centre
  *   56     24    f64 origin[3]
  *   80     8     f64 edge

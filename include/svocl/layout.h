@@ -68,19 +68,21 @@ SVO_RECORD(svo_tile_item)
     SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
 };
 
-/* svo_build_state.overflow: a fragment is outside the grid or of no triangle. */
+/* svo_build_state.overflow: a fragment is outside the grid or of no triangle; the list had too little room. */
 #define SVO_DAMAGED_LIST 0xffffffffu
+#define SVO_SHORT_LIST   0xfffffffeu
 
 /* Counts that stay on the device between the stages of one build. 96 bytes. */
 SVO_RECORD(svo_build_state)
 {
     SVO_U32 level_begin[18]; /* 0: first node of each level; entries after the last finished level are not set */
     SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built; or
-                         SVO_DAMAGED_LIST */
+                         SVO_DAMAGED_LIST or SVO_SHORT_LIST */
     SVO_U32 triangle_count; /* 76: fragments are of triangles below it */
     SVO_U32 list_total; /* 80: entries of all leaf lists */
     SVO_U32 long_lists; /* 84: leaf lists longer than SVO_SHORT_LIST_MAX */
-    SVO_U32 reserved[2]; /* 88 */
+    SVO_U32 fragment_limit; /* 88: no chunk has more fragments than this, whatever the host says */
+    SVO_U32 reserved; /* 92 */
 };
 
 /* What a triangle brings to the payload besides its vertices. 16 bytes. */
@@ -118,13 +120,15 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 reserved; /* 60 */
 };
 
-/* Arguments of the subdivision kernels. 16 bytes. */
+/* Arguments of the subdivision kernels. 32 bytes. */
 SVO_RECORD(svo_subdivide_params)
 {
     SVO_U32 depth; /* 0 */
     SVO_U32 level; /* 4: the level whose nodes get their children */
     SVO_U32 inner_capacity; /* 8: nodes child_mask and first_child have room for */
-    SVO_U32 fragment_count; /* 12: in this chunk */
+    SVO_U32 fragment_count; /* 12: in this chunk, or the room for them */
+    SVO_U32 level_capacity; /* 16: inner nodes that the next level has room for */
+    SVO_U32 reserved[3]; /* 20 */
 };
 
 /* The sorted builder's radix sort: bits of a digit, and groups, which own a block of the list each. */
@@ -299,7 +303,7 @@ SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_build_state, 96);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
-SVO_ASSERT_BYTES(svo_subdivide_params, 16);
+SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_ascend_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 64);

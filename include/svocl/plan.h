@@ -89,6 +89,9 @@ typedef struct svo_plan_options {
     /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the count law. The blocking build grows it
        when it was too small. */
     uint64_t fragment_capacity;
+    /* Not 0: room for as many inner nodes as the fragments could possibly make, in place of as many as the count law expects
+       with an eighth to spare. */
+    uint32_t certain_nodes;
     /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
     uint64_t chunk_bytes;
 } svo_plan_options;
@@ -98,6 +101,7 @@ typedef struct svo_plan_info {
     uint32_t snap_bits; /* G: the grid is 2^G units wide; 20 up to depth 12, depth + 8 above */
     uint32_t coverage; /* svo_coverage */
     uint32_t need; /* resolved: never SVO_NEED_DEFAULT; 0 means occupancy alone */
+    uint32_t constant; /* of those, the payload that is the same in every node: it is stored once */
     uint64_t triangles; /* given */
     uint64_t refused_triangles; /* of those: an index out of range, not finite, or 2^29 units and more from the grid */
     uint64_t outside_triangles; /* of those: accepted, but their bounds miss the caller's grid */
@@ -106,14 +110,38 @@ typedef struct svo_plan_info {
     double scale; /* grid units per world unit */
     double snap_error; /* world: the largest |q / scale + origin - v| over accepted vertices' coordinates */
     double expected_fragments; /* count law, before any slack */
+    uint64_t fragments; /* their number, once svo_plan_count has found it; 0 before */
     double grid_ms; /* wall clock spent in validating, snapping and classifying */
 } svo_plan_info;
+
+/* How well the bytes of a buffer are known before a build. */
+typedef enum svo_certainty {
+    SVO_BYTES_EXACT = 0, /* these */
+    SVO_BYTES_BOUND = 1, /* these at most */
+    SVO_BYTES_ESTIMATE = 2 /* by the count law, with an eighth and some to spare: rarely more, usually fewer */
+} svo_certainty;
+SVO_API const char *svo_certainty_name(svo_certainty certainty); /* "exact", "bound", "estimate"; static string */
 
 typedef struct svo_buffer_info {
     const char *name; /* static string */
     uint64_t bytes;
     uint64_t count; /* cl_mems it is split into */
+    svo_certainty certainty; /* SVO_BYTES_EXACT after a build */
+    int stays; /* not 0: part of the tree; 0: scratch, released before the build ends */
 } svo_buffer_info;
+
+/* A program of kernels that a build of the plan compiles, unless the device has it already. */
+typedef struct svo_kernels_info {
+    const char *name; /* "build", "voxelize", "sort"; static string */
+    const char
+        *keys; /* " -DSVO_COLOR -DSVO_WEIGHTS_AREA": which parts and variants of them; lives as long as the plan */
+} svo_kernels_info;
+
+/* Something that a build of the plan does without. */
+typedef struct svo_left_out {
+    const char *what; /* "leaf lists", "color per node"; static string */
+    const char *reason; /* one line; lives as long as the plan */
+} svo_left_out;
 
 /*
  * Makes a plan. The mesh's arrays are not needed afterwards.
@@ -134,14 +162,25 @@ SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
    memory; less deep, each leaf holds more triangles to test. Which triangle a ray meets does not depend on the depth. */
 SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 
-/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, exact after one,
-   attempts that were too small included. A plan does not know its front end: what that of OpenCL alone allocates for
-   itself (mesh_vertices, mesh_indices, mesh_items, mesh_tiles, counters) is listed after a build only. Memory of OpenGL
-   (the mesh; with share "copy" its side of the list) is apart.
+/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, with the front end of
+   OpenCL alone; exact after one, attempts that were too small included. With a front end of OpenGL, mesh_vertices,
+   mesh_indices, mesh_items, mesh_tiles and counters are not among them: OpenGL's memory (the mesh; with share "copy" its
+   side of the list) is apart, and so are the buffers that kernels are tried on when they are compiled, which are released
+   before the build allocates. svo_workspace_create makes it what a workspace and a tree hold.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
 SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
-/* The largest sum of bytes that is allocated at one time. */
+/* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
 SVO_API uint64_t svo_plan_peak_bytes(const svo_plan *plan);
+SVO_API uint64_t svo_plan_tree_bytes(const svo_plan *plan);
+
+/* The programs of kernels, with the front end of OpenCL alone. Returns their number; *info receives entry index, which must
+   be below it; info may be NULL. */
+SVO_API size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info);
+
+/* What this mesh and this request have no use for: stages that do not run, buffers that do not exist, kernels and
+   variants of them that are not compiled. Returns their number; *entry receives entry index, which must be below it; entry
+   may be NULL. What was asked for is the same, bit for bit, as if all of it were done. */
+SVO_API size_t svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry);
 
 #ifdef __cplusplus
 }

@@ -6,7 +6,7 @@
  * bytes. Level 0 is the root, level depth holds the leaves. Node i of an inner level has child_mask[i] (bit o: octant
  * o = x | y << 1 | z << 2 is occupied) and first_child[i], an index into the whole tree; the child in octant o is
  * first_child[i] + popcount(child_mask[i] & ((1 << o) - 1)). Leaves have neither. Payload arrays run parallel to the
- * nodes, leaves included.
+ * nodes, leaves included; on the device, payload that is the same in every node is stored once (svo_tree_info.constant).
  *
  * Thread-safety: reading is safe from several threads; upload, download and destroy need exclusive use.
  */
@@ -32,6 +32,7 @@ typedef struct svo_tree_info {
     uint32_t snap_bits; /* G */
     uint32_t coverage; /* svo_coverage */
     uint32_t need; /* svo_need bits the tree holds */
+    uint32_t constant; /* of those, payload that is the same in every node: one element in device buffers and files */
     uint32_t weights; /* svo_weights of its payload */
     double origin[3], edge, scale; /* world; q = rint((v - origin) * scale) */
     double snap_error; /* world */
@@ -77,8 +78,8 @@ SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer); /* "child_mask
 SVO_API void svo_tree_destroy(svo_tree **tree);
 SVO_API void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
-/* The device buffer, laid out as the host array of the same name; NULL where the tree does not hold it or was not
-   uploaded. Nothing writes to it any more. It is the tree's; clRetainMemObject makes it yours too, and it then outlives
+/* The device buffer, laid out as the host array of the same name, but with one element where the payload is constant; NULL
+   where the tree does not hold it or was not uploaded. Nothing writes to it any more. It is the tree's; clRetainMemObject makes it yours too, and it then outlives
    tree and device handle until you release it. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
 

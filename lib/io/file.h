@@ -31,7 +31,8 @@ typedef struct file_header {
     uint32_t depth;
     uint32_t snap_bits;
     uint32_t coverage;
-    uint32_t need;
+    uint16_t need;
+    uint16_t constant;
     uint32_t weights;
     double origin[3];
     double edge;

@@ -142,7 +142,12 @@ static svo_status check_values(const load_state *state)
         return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
     }
     if ((header->need & ~(uint32_t)SVO_NEED_ALL) != 0) {
-        return damaged(state, "header: need 0x%" PRIx32 " has unknown bits", header->need);
+        return damaged(state, "header: need 0x%" PRIx16 " has unknown bits", header->need);
+    }
+    const uint32_t can_be_constant = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL;
+    if ((header->constant & ~(header->need & can_be_constant)) != 0) {
+        return damaged(state, "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
+                       header->constant, header->need);
     }
     if (header->weights > SVO_WEIGHTS_CENTRE) {
         return damaged(state, "header: weights %" PRIu32 " are not known", header->weights);
@@ -194,6 +199,7 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->snap_bits = header->snap_bits;
     info->coverage = header->coverage;
     info->need = header->need;
+    info->constant = header->constant;
     info->weights = header->weights;
     memcpy(info->origin, header->origin, sizeof info->origin);
     info->edge = header->edge;
@@ -354,7 +360,9 @@ static svo_status load_chunk(load_state *state, const file_chunk *chunk)
     if (hash != chunk->hash) {
         return damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash, chunk->hash);
     }
-    return SVO_OK;
+    return svo_i_tree_repeat(state->tree, (svo_tree_buffer)chunk->kind, &state->tree->host[chunk->kind])
+               ? SVO_OK
+               : out_of_memory(state, array, state->tree->info.node_count * chunk->plain_bytes);
 }
 
 static svo_status load_chunks(load_state *state)

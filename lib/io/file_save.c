@@ -112,7 +112,8 @@ static void fill_header(file_header *header, const svo_tree_info *info)
     header->depth = info->depth;
     header->snap_bits = info->snap_bits;
     header->coverage = info->coverage;
-    header->need = info->need;
+    header->need = (uint16_t)info->need;
+    header->constant = (uint16_t)info->constant;
     header->weights = info->weights;
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+/* Stands in for the OpenCL calls that svocl_count_calls (CMakeLists.txt) wraps: each calls the real one and takes notes. */
+#include "counting.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "svocl/device.h"
+
+#define BUFFERS_MAX       1024
+#define BUILDS_MAX        32
+#define OPTIONS_BYTES     512
+#define KERNEL_LIST_BYTES 4096
+
+typedef struct noted_buffer {
+    cl_mem handle; /* NULL: the place is free */
+    cl_mem parent; /* of a sub-buffer */
+    uint64_t bytes; /* of its own */
+    uint64_t references; /* the caller's and those of its sub-buffers */
+} noted_buffer;
+
+typedef struct noted_build {
+    char options[OPTIONS_BYTES];
+    char kernels[KERNEL_LIST_BYTES]; /* as CL_PROGRAM_KERNEL_NAMES has them: "one;another" */
+} noted_build;
+
+static struct {
+    counted figures;
+    noted_buffer buffers[BUFFERS_MAX];
+    noted_build builds[BUILDS_MAX];
+} notes;
+
+/* The linker's names, for the calls themselves and for what stands in for them. */
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+cl_mem __real_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
+cl_mem __wrap_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
+cl_mem __real_clCreateSubBuffer(cl_mem parent, cl_mem_flags flags, cl_buffer_create_type type, const void *region,
+                                cl_int *error);
+cl_mem __wrap_clCreateSubBuffer(cl_mem parent, cl_mem_flags flags, cl_buffer_create_type type, const void *region,
+                                cl_int *error);
+cl_int __real_clRetainMemObject(cl_mem handle);
+cl_int __wrap_clRetainMemObject(cl_mem handle);
+cl_int __real_clReleaseMemObject(cl_mem handle);
+cl_int __wrap_clReleaseMemObject(cl_mem handle);
+cl_program __real_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts,
+                                            const size_t *lengths, cl_int *error);
+cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts,
+                                            const size_t *lengths, cl_int *error);
+typedef void(CL_CALLBACK *build_callback)(cl_program program, void *user);
+cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+cl_kernel __real_clCreateKernel(cl_program program, const char *name, cl_int *error);
+cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error);
+
+void counting_begin(void)
+{
+    memset(&notes, 0, sizeof notes);
+}
+
+counted counting_read(void)
+{
+    return notes.figures;
+}
+
+const char *counting_options(size_t index)
+{
+    assert_true(index < notes.figures.builds);
+    return notes.builds[index].options;
+}
+
+const char *counting_kernels(size_t index)
+{
+    assert_true(index < notes.figures.builds);
+    return notes.builds[index].kernels;
+}
+
+/* ---- memory ---- */
+
+/* NULL for one that is not known: made before, or by another call. With NULL: a free place. */
+static noted_buffer *find_buffer(cl_mem handle)
+{
+    for (size_t i = 0; i < BUFFERS_MAX; ++i) {
+        if (notes.buffers[i].handle == handle) {
+            return &notes.buffers[i];
+        }
+    }
+    return NULL;
+}
+
+static void note_buffer(cl_mem handle, cl_mem parent, uint64_t bytes)
+{
+    noted_buffer *place = find_buffer(NULL);
+    counted *figures = &notes.figures;
+    assert_non_null(place);
+    *place = (noted_buffer){handle, parent, bytes, 1};
+    figures->total_bytes += bytes;
+    figures->live_bytes += bytes;
+    figures->peak_bytes = figures->live_bytes > figures->peak_bytes ? figures->live_bytes : figures->peak_bytes;
+    ++figures->live_buffers;
+}
+
+static void drop_reference(cl_mem handle)
+{
+    noted_buffer *buffer = handle != NULL ? find_buffer(handle) : NULL;
+    while (buffer != NULL && --buffer->references == 0) {
+        const cl_mem parent = buffer->parent;
+        notes.figures.live_bytes -= buffer->bytes;
+        --notes.figures.live_buffers;
+        *buffer = (noted_buffer){0};
+        buffer = parent != NULL ? find_buffer(parent) : NULL;
+    }
+}
+
+static void add_reference(cl_mem handle)
+{
+    noted_buffer *buffer = handle != NULL ? find_buffer(handle) : NULL;
+    if (buffer != NULL) {
+        ++buffer->references;
+    }
+}
+
+cl_mem __wrap_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error)
+{
+    const cl_mem handle = __real_clCreateBuffer(context, flags, bytes, host, error);
+    if (handle != NULL) {
+        ++notes.figures.buffers;
+        note_buffer(handle, NULL, bytes);
+    }
+    return handle;
+}
+
+cl_mem __wrap_clCreateSubBuffer(cl_mem parent, cl_mem_flags flags, cl_buffer_create_type type, const void *region,
+                                cl_int *error)
+{
+    const cl_mem handle = __real_clCreateSubBuffer(parent, flags, type, region, error);
+    if (handle != NULL) {
+        ++notes.figures.sub_buffers;
+        note_buffer(handle, parent, 0);
+        add_reference(parent);
+    }
+    return handle;
+}
+
+cl_int __wrap_clRetainMemObject(cl_mem handle)
+{
+    const cl_int error = __real_clRetainMemObject(handle);
+    if (error == CL_SUCCESS) {
+        add_reference(handle);
+    }
+    return error;
+}
+
+/* Noted before: afterwards the handle may already be another buffer's. */
+cl_int __wrap_clReleaseMemObject(cl_mem handle)
+{
+    drop_reference(handle);
+    return __real_clReleaseMemObject(handle);
+}
+
+/* ---- programs ---- */
+
+cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts,
+                                            const size_t *lengths, cl_int *error)
+{
+    const cl_program program = __real_clCreateProgramWithSource(context, count, texts, lengths, error);
+    notes.figures.programs += program != NULL ? 1 : 0;
+    return program;
+}
+
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user)
+{
+    const cl_int error = __real_clBuildProgram(program, count, devices, options, done, user);
+    if (error != CL_SUCCESS) {
+        return error;
+    }
+    assert_true(notes.figures.builds < BUILDS_MAX);
+    noted_build *build = &notes.builds[notes.figures.builds++];
+    size_t kernel_count = 0;
+    snprintf(build->options, sizeof build->options, "%s", options != NULL ? options : "");
+    assert_int_equal(clGetProgramInfo(program, CL_PROGRAM_NUM_KERNELS, sizeof kernel_count, &kernel_count, NULL),
+                     CL_SUCCESS);
+    assert_int_equal(clGetProgramInfo(program, CL_PROGRAM_KERNEL_NAMES, sizeof build->kernels, build->kernels, NULL),
+                     CL_SUCCESS);
+    notes.figures.built_kernels += kernel_count;
+    return error;
+}
+
+cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error)
+{
+    const cl_kernel kernel = __real_clCreateKernel(program, name, error);
+    notes.figures.kernels += kernel != NULL ? 1 : 0;
+    return kernel;
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a build allocates is what its plan lists, whatever is asked for, by both builders, however the list is cut and
+ * however often it grows; and scenes of nothing, a point or a triangle take next to nothing.
+ *
+ * measured_build compares every figure; the tests here are the cases.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "attributed_mesh.h"
+#include "measured.h"
+
+static const svo_builder builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
+enum { BUILDERS = sizeof builders / sizeof builders[0] };
+
+static void every_request_takes_what_the_plan_lists(void **state)
+{
+    (void)state;
+    static const uint32_t needs[] = {SVO_NEED_NONE,     SVO_NEED_DEFAULT,
+                                     SVO_NEED_RAYS,     SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR,
+                                     SVO_NEED_MATERIAL, SVO_NEED_ALL};
+    attributed_mesh made;
+    attributed_mesh_create(5, 300, 0.1, &made);
+    for (size_t b = 0; b < BUILDERS; ++b) {
+        for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+            const svo_plan_options options = {.need = needs[i],
+                                              .weights =
+                                                  needs[i] != SVO_NEED_ALL ? SVO_WEIGHTS_UNIFORM : SVO_WEIGHTS_AREA,
+                                              .builder = builders[b],
+                                              .edge = 1.0};
+            measured taken;
+            measured_build(&made.mesh, 6, &options, &taken);
+            assert_int_equal(taken.result.report.reruns, 0);
+            measured_destroy(&taken);
+        }
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* The list in many chunks, and one that has to grow: attempts that were too small are listed, too. */
+static void cut_and_grown_lists_take_what_the_plan_lists(void **state)
+{
+    (void)state;
+    static const struct {
+        uint64_t chunk_bytes, fragment_capacity;
+    } lists[] = {{65536, 0}, {0, 100}};
+    attributed_mesh made;
+    attributed_mesh_create(6, 100, 0.1, &made);
+    for (size_t b = 0; b < BUILDERS; ++b) {
+        for (size_t i = 0; i < 2; ++i) {
+            const svo_plan_options options = {.need = SVO_NEED_ALL,
+                                              .builder = builders[b],
+                                              .edge = 1.0,
+                                              .chunk_bytes = lists[i].chunk_bytes,
+                                              .fragment_capacity = lists[i].fragment_capacity};
+            measured taken;
+            measured_build(&made.mesh, 7, &options, &taken);
+            assert_true(lists[i].chunk_bytes == 0 || builders[b] == SVO_BUILDER_SORTED ||
+                        taken.result.report.list_chunks > 1);
+            assert_true(lists[i].fragment_capacity == 0 || taken.result.report.reruns > 0);
+            measured_destroy(&taken);
+        }
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* Upper limits, at depth 9, with everything asked for. */
+static void tiny_scenes_take_next_to_nothing(void **state)
+{
+    (void)state;
+    static const float positions[] = {0.5F, 0.5F, 0.5F, 0.502F, 0.5F, 0.5F, 0.5F, 0.502F, 0.5F};
+    static const uint32_t point[3] = {0, 0, 0};
+    static const struct {
+        const char *name;
+        const uint32_t *indices;
+        size_t triangles;
+        uint64_t planned_bytes, peak_bytes, tree_bytes;
+    } scenes[] = {{"nothing", NULL, 0, 2048, 2048, 512},
+                  {"a point", point, 1, 24576, 4096, 512},
+                  {"a triangle", NULL, 1, 24576, 4096, 1024}};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i) {
+        const svo_mesh mesh = {.struct_size = sizeof mesh,
+                               .positions = positions,
+                               .vertex_count = 3,
+                               .indices = scenes[i].indices,
+                               .triangle_count = scenes[i].triangles};
+        const svo_plan_options options = {.need = SVO_NEED_ALL, .edge = 1.0};
+        measured taken;
+        measured_build(&mesh, 9, &options, &taken);
+        print_message("%s: %llu nodes, peak %llu bytes (planned %llu), tree %llu bytes (planned %llu)\n",
+                      scenes[i].name, (unsigned long long)taken.result.info.node_count,
+                      (unsigned long long)taken.peak_bytes, (unsigned long long)taken.planned_peak_bytes,
+                      (unsigned long long)taken.tree_bytes, (unsigned long long)taken.planned_tree_bytes);
+        assert_in_range(taken.planned_peak_bytes, 1, scenes[i].planned_bytes);
+        assert_in_range(taken.peak_bytes, 1, scenes[i].peak_bytes);
+        assert_in_range(taken.tree_bytes, 1, scenes[i].tree_bytes);
+        assert_int_equal(measured_left_out(&taken, "voxelization") != NULL, scenes[i].triangles == 0);
+        measured_destroy(&taken);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_request_takes_what_the_plan_lists),
+        cmocka_unit_test(cut_and_grown_lists_take_what_the_plan_lists),
+        cmocka_unit_test(tiny_scenes_take_next_to_nothing),
+    };
+    return cmocka_run_group_tests_name("planned memory", tests, NULL, NULL);
+}

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Builds that do not wait: the same trees as svo_build's, bit for bit, in memory that was there before; and what happens
+ * where there is too little of it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "scenes.h"
+
+static const uint32_t needs[] = {
+    SVO_NEED_NONE, SVO_NEED_DEFAULT, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL,
+    SVO_NEED_ALL};
+enum { NEEDS = sizeof needs / sizeof needs[0] };
+
+static void succeed(const fixture *opened, svo_status status)
+{
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+    }
+}
+
+static svo_plan *make_plan(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
+{
+    svo_plan *plan = NULL;
+    options.struct_size = sizeof options;
+    succeed(opened, svo_plan_create(opened->device, mesh, depth, &options, &plan));
+    return plan;
+}
+
+static svo_workspace *make_workspace(const fixture *opened, svo_plan *plan)
+{
+    svo_workspace *workspace = NULL;
+    succeed(opened, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
+    return workspace;
+}
+
+static svo_tree *make_tree(const fixture *opened, svo_workspace *workspace)
+{
+    svo_tree *tree = NULL;
+    succeed(opened, svo_workspace_make_tree(workspace, &tree));
+    return tree;
+}
+
+static void hash_of(const fixture *opened, svo_tree *tree, char hash[SVO_HASH_TEXT_BYTES])
+{
+    succeed(opened, svo_tree_download(tree, opened->queue));
+    succeed(opened, svo_tree_hash(tree, SVO_HASH_ALL, hash));
+}
+
+/* The hash of an enqueued build, and its counts. */
+static void enqueue_and_hash(const fixture *opened, svo_plan *plan, int trim, built *out)
+{
+    svo_workspace *workspace = make_workspace(opened, plan);
+    *out = (built){.tree = make_tree(opened, workspace), .report.struct_size = sizeof out->report};
+    succeed(opened, svo_build_enqueue(workspace, out->tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_tree_finish(out->tree, opened->queue, trim, &out->report));
+    svo_workspace_destroy(&workspace);
+    svo_tree_get_info(out->tree, &out->info);
+    hash_of(opened, out->tree, out->hash);
+    svo_tree_get_arrays(out->tree, &out->arrays);
+}
+
+static void assert_same(const built *actual, const built *expected)
+{
+    assert_string_equal(actual->hash, expected->hash);
+    assert_memory_equal(actual->info.level_begin, expected->info.level_begin, sizeof expected->info.level_begin);
+    assert_int_equal(actual->info.fragments, expected->info.fragments);
+    assert_int_equal(actual->info.list_count, expected->info.list_count);
+    assert_int_equal(actual->info.vertex_count, expected->info.vertex_count);
+    assert_int_equal(actual->info.list_triangle_count, expected->info.list_triangle_count);
+    assert_int_equal(actual->info.constant, expected->info.constant);
+    assert_int_equal(actual->report.fragments, expected->report.fragments);
+}
+
+/* Bytes of a tree's buffer on the device. */
+static size_t held_bytes(const svo_tree *tree, svo_tree_buffer which)
+{
+    size_t bytes = 0;
+    const cl_mem buffer = svo_tree_get_buffer(tree, which);
+    if (buffer != NULL) {
+        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    }
+    return bytes;
+}
+
+static void compare_with_build(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
+{
+    built expected;
+    fixture_build(opened, mesh, depth, &options, &expected);
+    for (int trim = 0; trim < 2; ++trim) {
+        svo_plan *plan = make_plan(opened, mesh, depth, options);
+        built actual;
+        enqueue_and_hash(opened, plan, trim, &actual);
+        assert_same(&actual, &expected);
+        for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && trim != 0; ++i) {
+            assert_int_equal(held_bytes(actual.tree, i), held_bytes(expected.tree, i));
+        }
+        svo_tree_destroy(&actual.tree);
+        svo_plan_destroy(&plan);
+    }
+    built_destroy(&expected);
+}
+
+static void enqueued_builds_make_the_same_trees(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const char *const scenes[] = {"cornell", "knot:3000", "dust:2000", "needles:200"};
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; ++s) {
+        struct scene *made = fixture_scene(scenes[s]);
+        for (size_t i = 0; i < NEEDS; ++i) {
+            compare_with_build(&opened, scene_mesh(made), 6, (svo_plan_options){.need = needs[i]});
+        }
+        scene_destroy(&made);
+    }
+}
+
+static void deep_grids_thin_and_closed_coverage_and_all_weights(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:300");
+    const svo_mesh *mesh = scene_mesh(made);
+    const uint32_t payload = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS;
+    compare_with_build(&opened, mesh, 11, (svo_plan_options){.need = payload});
+    compare_with_build(&opened, mesh, 1, (svo_plan_options){.need = payload});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .coverage = SVO_COVERAGE_THIN});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .coverage = SVO_COVERAGE_CLOSED});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .weights = SVO_WEIGHTS_UNIFORM});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .weights = SVO_WEIGHTS_CENTRE});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .certain_nodes = 1});
+    scene_destroy(&made);
+}
+
+/* The front end of OpenGL draws while the build is enqueued. */
+static void opengl_may_make_the_list(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    struct scene *made = fixture_scene("cornell");
+    compare_with_build(opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
+    svo_plan *plan = make_plan(opened, scene_mesh(made), 6, (svo_plan_options){.fragment_capacity = 1});
+    svo_workspace *workspace = make_workspace(opened, plan);
+    svo_tree *tree = make_tree(opened, workspace);
+    svo_build_report report = {.struct_size = sizeof report};
+    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    assert_int_equal(svo_tree_finish(tree, opened->queue, 1, &report), SVO_NEED_MORE);
+    assert_in_range(report.fragments, 1000, UINT32_MAX);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
+/* No triangle; a point; one that thin coverage does not see. */
+static void nothing_and_next_to_nothing(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const float point[9] = {0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F};
+    const svo_mesh one = {.struct_size = sizeof one, .positions = point, .vertex_count = 3, .triangle_count = 1};
+    const svo_mesh none = {.struct_size = sizeof none};
+    for (size_t i = 0; i < NEEDS; ++i) {
+        compare_with_build(&opened, &none, 5, (svo_plan_options){.need = needs[i]});
+        compare_with_build(&opened, &one, 5, (svo_plan_options){.need = needs[i], .edge = 1.0});
+        compare_with_build(&opened, &one, 5,
+                           (svo_plan_options){.need = needs[i], .edge = 1.0, .coverage = SVO_COVERAGE_THIN});
+    }
+}
+
+/* One workspace, many builds of two trees, at once and again, on an out-of-order queue; the first waits for an event of
+   the user's. */
+static void builds_of_a_workspace_follow_each_other(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:2000");
+    const svo_plan_options options = {.need = SVO_NEED_ALL};
+    const cl_context context = svo_device_cl_context(opened.device);
+    cl_command_queue queues[2];
+    for (int i = 0; i < 2; ++i) {
+        queues[i] = clCreateCommandQueue(context, svo_device_cl_device(opened.device),
+                                         CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE, NULL);
+        assert_non_null(queues[i]);
+    }
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 6, &options, &expected);
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, options);
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
+    for (int round = 0; round < 2; ++round) {
+        cl_event gate = clCreateUserEvent(context, NULL);
+        cl_event done[2] = {NULL, NULL};
+        cl_int first_status = CL_COMPLETE;
+        for (int i = 0; i < 2; ++i) {
+            succeed(&opened, svo_build_enqueue(workspace, trees[i], queues[i], 1, &gate, &done[i]));
+        }
+        clGetEventInfo(done[0], CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof first_status, &first_status, NULL);
+        assert_true(first_status > CL_COMPLETE);
+        clSetUserEventStatus(gate, CL_COMPLETE);
+        assert_int_equal(clWaitForEvents(2, done), CL_SUCCESS);
+        for (int i = 1; i >= 0; --i) {
+            char hash[SVO_HASH_TEXT_BYTES];
+            svo_build_report report = {.struct_size = sizeof report};
+            succeed(&opened, svo_tree_finish(trees[i], queues[i], 0, &report));
+            hash_of(&opened, trees[i], hash);
+            assert_string_equal(hash, expected.hash);
+            assert_string_equal(report.stages[SVO_STAGE_SUBDIVIDE].clock, "cl-event");
+            assert_true(report.stages[SVO_STAGE_VOXELIZE].ms > 0.0);
+            assert_true(report.stages[SVO_STAGE_FILTER].ms > 0.0);
+            clReleaseEvent(done[i]);
+        }
+        clReleaseEvent(gate);
+    }
+    svo_workspace_destroy(&workspace);
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(svo_build_enqueue(workspace, trees[i], queues[i], 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+        svo_tree_destroy(&trees[i]);
+        clReleaseCommandQueue(queues[i]);
+    }
+    svo_plan_destroy(&plan);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* A list too short by one, and by much; nodes that do not fit. The figures that come back are enough. */
+static void too_little_room_comes_back_with_figures(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:2000");
+    svo_plan_options options = {.need = SVO_NEED_ALL};
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 6, &options, &expected);
+    const uint64_t exact = expected.info.fragments;
+    const uint64_t capacities[] = {1, exact / 2, exact - 1};
+    for (size_t i = 0; i < sizeof capacities / sizeof capacities[0]; ++i) {
+        options.fragment_capacity = capacities[i];
+        svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, options);
+        svo_workspace *workspace = make_workspace(&opened, plan);
+        svo_tree *tree = make_tree(&opened, workspace);
+        svo_build_report report = {.struct_size = sizeof report};
+        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+        assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_NEED_MORE);
+        assert_int_equal(report.fragments, exact);
+        assert_in_range(report.inner_nodes, expected.info.inner_count, UINT32_MAX);
+        char figure[32];
+        (void)snprintf(figure, sizeof figure, "%llu", (unsigned long long)exact);
+        assert_non_null(strstr(svo_device_message(opened.device), figure));
+        svo_tree_destroy(&tree);
+        svo_workspace_destroy(&workspace);
+        svo_plan_destroy(&plan);
+    }
+    options.fragment_capacity = exact;
+    compare_with_build(&opened, scene_mesh(made), 6, options);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* Tiny triangles across the corners of a lattice: many voxels each, where the law expects little more than one. */
+static void nodes_short_of_room_come_back_too(void **state)
+{
+    static const float corners[9] = {1.0F, -1.0F, 0.5F, -1.0F, 1.0F, 0.5F, 0.25F, 0.5F, -1.0F};
+    enum { COUNT = 15 * 15 * 15 };
+    const fixture opened = fixture_cl_of_group(state);
+    float *positions = calloc((size_t)COUNT * 9, sizeof *positions);
+    assert_non_null(positions);
+    for (int i = 0; i < COUNT * 9; ++i) {
+        static const int strides[3] = {1, 15, 225};
+        const int at = 1 + i / 9 / strides[i % 3] % 15;
+        positions[i] = (float)at / 16.0F + corners[i % 9] * 1e-4F;
+    }
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = positions, .vertex_count = (size_t)COUNT * 3, .triangle_count = COUNT};
+    svo_plan_options options = {.need = SVO_NEED_NONE, .edge = 1.0, .fragment_capacity = 8 * COUNT};
+    svo_plan *plan = make_plan(&opened, &mesh, 8, options);
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *tree = make_tree(&opened, workspace);
+    svo_build_report report = {.struct_size = sizeof report};
+    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_NEED_MORE);
+    assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was long enough */
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    options.certain_nodes = 1;
+    compare_with_build(&opened, &mesh, 8, options);
+    free(positions);
+}
+
+/* One buffer of the caller's under two workspaces, one after the other, at different offsets. */
+static void scratch_may_be_the_callers(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("cornell");
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_ALL}, &expected);
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
+    svo_workspace_info info;
+    succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
+    assert_in_range(info.scratch_bytes, 1, svo_plan_peak_bytes(plan));
+    const uint64_t offset = 3 * info.scratch_alignment;
+    cl_mem scratch = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE,
+                                    (size_t)(offset + info.scratch_bytes), NULL, NULL);
+    assert_non_null(scratch);
+    svo_workspace_options options = {.struct_size = sizeof options, .scratch = scratch};
+    for (int turn = 0; turn < 2; ++turn) {
+        options.offset_bytes = turn == 0 ? 0 : offset;
+        svo_workspace *workspace = NULL;
+        succeed(&opened, svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace));
+        svo_tree *tree = make_tree(&opened, workspace);
+        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+        succeed(&opened, svo_tree_finish(tree, opened.queue, 1, NULL));
+        char hash[SVO_HASH_TEXT_BYTES];
+        hash_of(&opened, tree, hash);
+        assert_string_equal(hash, expected.hash);
+        svo_tree_destroy(&tree);
+        svo_workspace_destroy(&workspace);
+    }
+    svo_workspace *workspace = NULL;
+    options.offset_bytes = offset + info.scratch_alignment; /* too little behind it */
+    assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace),
+                     SVO_INVALID_ARGUMENT);
+    options.offset_bytes = 1; /* not aligned */
+    assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace),
+                     SVO_INVALID_ARGUMENT);
+    assert_null(workspace);
+    clReleaseMemObject(scratch);
+    svo_plan_destroy(&plan);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+static void counting_first_makes_the_list_exact(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:2000");
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 7, &(svo_plan_options){.need = SVO_NEED_ALL}, &expected);
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 7, (svo_plan_options){.need = SVO_NEED_ALL});
+    const uint64_t before = svo_plan_peak_bytes(plan);
+    succeed(&opened, svo_plan_count(plan, opened.frontend, opened.queue));
+    svo_plan_info info;
+    svo_plan_get_info(plan, &info);
+    assert_int_equal(info.fragments, expected.info.fragments);
+    assert_true(svo_plan_peak_bytes(plan) < before);
+    unsigned exact = 0;
+    unsigned bounds = 0;
+    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
+        svo_buffer_info buffer;
+        svo_plan_get_buffer(plan, i, &buffer);
+        for (size_t k = 0; k < expected.buffer_count; ++k) {
+            if (strcmp(expected.buffers[k].name, buffer.name) == 0 && buffer.certainty == SVO_BYTES_EXACT &&
+                strcmp(buffer.name, "fragments") != 0) {
+                assert_int_equal(buffer.bytes, expected.buffers[k].bytes);
+                ++exact;
+            } else if (strcmp(expected.buffers[k].name, buffer.name) == 0 && buffer.certainty == SVO_BYTES_BOUND) {
+                assert_true(buffer.bytes >= expected.buffers[k].bytes);
+                ++bounds;
+            }
+        }
+        if (strcmp(buffer.name, "fragments") == 0) {
+            assert_int_equal(buffer.bytes, expected.info.fragments * 8);
+            assert_int_equal(buffer.certainty, SVO_BYTES_EXACT);
+        }
+    }
+    assert_in_range(exact, 10, 40);
+    assert_in_range(bounds, 2, 10);
+    built actual;
+    enqueue_and_hash(&opened, plan, 1, &actual);
+    assert_same(&actual, &expected);
+    svo_tree_destroy(&actual.tree);
+    svo_plan_destroy(&plan);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+static void wrong_arguments_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("cube");
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 4, (svo_plan_options){0});
+    svo_plan *sorted = make_plan(&opened, scene_mesh(made), 4, (svo_plan_options){.builder = SVO_BUILDER_SORTED});
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_workspace *unmade = NULL;
+    svo_tree *tree = make_tree(&opened, workspace);
+    const svo_workspace_options wrong_size = {.struct_size = 1};
+    assert_int_equal(svo_workspace_create(NULL, opened.frontend, opened.queue, NULL, &unmade), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_workspace_create(plan, NULL, opened.queue, NULL, &unmade), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_workspace_create(plan, opened.frontend, NULL, NULL, &unmade), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &wrong_size, &unmade),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_workspace_create(sorted, opened.frontend, opened.queue, NULL, &unmade), SVO_UNSUPPORTED);
+    assert_null(unmade);
+    assert_int_equal(svo_tree_finish(tree, opened.queue, 0, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_build_enqueue(workspace, NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_build_enqueue(workspace, tree, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
+    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_download(tree, opened.queue), SVO_INVALID_ARGUMENT);
+    succeed(&opened, svo_tree_finish(tree, opened.queue, 1, NULL));
+    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&tree);
+    tree = make_tree(&opened, workspace); /* destroyed with its build in flight */
+    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_workspace_destroy(&workspace);
+    svo_workspace_destroy(NULL);
+    svo_plan_destroy(&sorted);
+    svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(enqueued_builds_make_the_same_trees),
+        cmocka_unit_test(deep_grids_thin_and_closed_coverage_and_all_weights),
+        cmocka_unit_test(opengl_may_make_the_list),
+        cmocka_unit_test(nothing_and_next_to_nothing),
+        cmocka_unit_test(builds_of_a_workspace_follow_each_other),
+        cmocka_unit_test(too_little_room_comes_back_with_figures),
+        cmocka_unit_test(nodes_short_of_room_come_back_too),
+        cmocka_unit_test(scratch_may_be_the_callers),
+        cmocka_unit_test(counting_first_makes_the_list_exact),
+        cmocka_unit_test(wrong_arguments_are_refused),
+    };
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}

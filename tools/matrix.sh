@@ -1,0 +1,196 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+#
+# `tools/dev matrix`: the same scenes by several implementations of OpenCL, whose hashes must all be the same. Of this
+# machine (Debian 12): PoCL 3.1 and, for small scenes, oclgrind. Of Debian 13, in a root of its own made by debootstrap:
+# PoCL 6 and Mesa's rusticl, with svocl compiled there by that release's compiler. tools/dev sources this file, whose
+# functions and settings it uses.
+# shellcheck disable=SC2154
+
+readonly matrix_release=trixie
+readonly matrix_mirror=http://deb.debian.org/debian
+
+# Debian 13 packages: what svocl needs to build and run, without the tools that only check it.
+readonly matrix_packages=(
+    build-essential cmake ninja-build pkg-config ocl-icd-opencl-dev opencl-headers libegl-dev libgl-dev libosmesa6-dev
+    libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 libassimp-dev zlib1g-dev libstb-dev libxxhash-dev libzstd-dev
+    libcjson-dev libcmocka-dev
+    pocl-opencl-icd # PoCL 6
+    mesa-opencl-icd # rusticl
+)
+
+# What runs: a case is the arguments of `svocl hash`; small ones go through oclgrind, too, an interpreter.
+readonly matrix_all=color,normal,rays,material,fill
+readonly matrix_small_cases=(
+    "scene:cornell:60 -d 4 --need $matrix_all"
+    "scene:knot:200 -d 5 --need $matrix_all"
+)
+readonly matrix_cases=(
+    "scene:atrium -d 8 --need $matrix_all"
+    "scene:statue:20000 -d 9 --need rays"
+    "scene:terrain:20000 -d 8 --need color,normal --weights centre"
+    "scene:needles -d 8 --need none --coverage closed"
+    "scene:dust -d 6 --need rays,normal --weights uniform"
+    "scene:knot:5000 -d 11 --need none --coverage thin"
+)
+readonly matrix_ways=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
+readonly matrix_columns=("PoCL 3.1" "oclgrind" "PoCL 6" "rusticl")
+
+# --- the root --------------------------------------------------------------------------------------------------------
+
+# Runs a command as root, with the folder as its root and mounts that end with it.
+matrix_enter()
+{
+    local folder=$1
+    shift
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    as_root unshare --mount --propagation private bash -c '
+        folder=$1
+        shift
+        mount -t proc proc "$folder/proc" && mount --rbind /dev "$folder/dev" && mount --rbind /sys "$folder/sys" &&
+            mount -t tmpfs tmpfs "$folder/tmp" && mkdir -m 700 "$folder/tmp/runtime" &&
+            exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root XDG_RUNTIME_DIR=/tmp/runtime \
+                DEBIAN_FRONTEND=noninteractive chroot "$folder" "$@"' matrix "$folder" "$@"
+}
+
+# A root that is not finished has no mark and is made anew. Of this machine it gets the name servers and how apt fetches.
+matrix_make_root()
+{
+    local folder=$1 mirror=$2
+    if [[ ! -e $folder/made ]]; then
+        say "tools/dev: making a root of Debian $matrix_release in $folder"
+        as_root rm -rf --one-file-system "$folder"
+        mkdir -p "$folder"
+        quietly "$folder.log" as_root debootstrap --variant=minbase "$matrix_release" "$folder" "$mirror"
+        as_root touch "$folder/made"
+    fi
+    as_root cp /etc/resolv.conf /etc/hosts "$folder/etc/"
+    apt-config dump Acquire | as_root tee "$folder/etc/apt/apt.conf.d/90acquire" >/dev/null
+    if [[ $(cat "$folder/packages" 2>/dev/null) != "${matrix_packages[*]}" ]]; then
+        quietly "$folder.log" matrix_enter "$folder" apt-get -q update
+        quietly "$folder.log" matrix_enter "$folder" apt-get -y -q install --no-install-recommends "${matrix_packages[@]}"
+        printf '%s\n' "${matrix_packages[*]}" | as_root tee "$folder/packages" >/dev/null
+    fi
+}
+
+# The working tree as it is, built with warnings as errors.
+matrix_build()
+{
+    local folder=$1
+    matrix_enter "$folder" rm -rf /svocl
+    matrix_enter "$folder" mkdir /svocl
+    tar --exclude=./.git --exclude='./build*' --exclude=./demo -cf - . |
+        matrix_enter "$folder" tar -C /svocl --no-same-owner -xf -
+    quietly "$folder.log" matrix_enter "$folder" \
+        cmake -S /svocl -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DSVOCL_WERROR=ON
+    quietly "$folder.log" matrix_enter "$folder" cmake --build /build -j "$jobs"
+}
+
+# --- the hashes ------------------------------------------------------------------------------------------------------
+
+# The words before `svocl` that make it run by one implementation, one a line.
+matrix_runner()
+{
+    local column=$1 folder=$2 vendors=/etc/OpenCL/vendors
+    case $column in
+    "PoCL 3.1") printf '%s\n' env OCL_ICD_VENDORS=$vendors/pocl.icd "$program" ;;
+    # Functions as they are written: oclgrind 21.10 does not know all that the optimiser makes of them.
+    oclgrind) printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program" ;;
+    "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
+    rusticl)
+        printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/rusticl.icd RUSTICL_ENABLE=llvmpipe \
+            /build/bin/svocl
+        ;;
+    esac
+}
+
+# One hash by one implementation, or what failed: arguments are the column's name, the root and those of `svocl hash`.
+matrix_hash()
+{
+    local runner output
+    mapfile -t runner < <(matrix_runner "$1" "$2")
+    shift 2
+    output=$("${runner[@]}" hash "$@" 2>&1) || output="exit code $?: $output"
+    printf '%s\n' "${output##*$'\n'}"
+}
+
+# Whether the column takes part: oclgrind has small memory and no hurry, and cannot share a process with Mesa's llvmpipe.
+matrix_takes_part()
+{
+    local column=$1 frontend=$2 is_small=$3
+    [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
+}
+
+# One line of the table. The case's first hash is what the others must be; differences go to matrix_wrong.
+matrix_wrong=()
+matrix_expected=
+matrix_row()
+{
+    local folder=$1 is_small=$2 case=$3 frontend=$4 builder=$5 column hash cell
+    printf '  %-22s' "$frontend, $builder"
+    for column in "${matrix_columns[@]}"; do
+        cell=-
+        if matrix_takes_part "$column" "$frontend" "$is_small"; then
+            # shellcheck disable=SC2086 # one word per argument
+            hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder")
+            matrix_expected=${matrix_expected:-$hash}
+            cell=same
+            if [[ $hash != "$matrix_expected" || ! $hash =~ ^[0-9a-f]{32}$ ]]; then
+                cell=DIFFERS
+                matrix_wrong+=("$case, $frontend, $builder, $column: $hash")
+            fi
+        fi
+        printf ' %9s' "$cell"
+    done
+    printf '\n'
+}
+
+matrix_case()
+{
+    local folder=$1 is_small=$2 case=$3 way
+    matrix_expected=
+    printf '%s\n' "$case"
+    for way in "${matrix_ways[@]}"; do
+        # shellcheck disable=SC2086 # two words
+        matrix_row "$folder" "$is_small" "$case" $way
+    done
+    printf '  %s\n' "$matrix_expected"
+}
+
+matrix_versions()
+{
+    # shellcheck disable=SC2016 # expanded by dpkg-query
+    local folder=$1 show='${Package} ${Version}\n'
+    printf 'here: %s\n' "$(dpkg-query -W -f="$show" pocl-opencl-icd oclgrind libgl1-mesa-dri gcc | paste -s -d , | sed 's/,/, /g')"
+    printf 'Debian 13: %s\n' "$(matrix_enter "$folder" dpkg-query -W -f="$show" pocl-opencl-icd mesa-opencl-icd \
+        libgl1-mesa-dri gcc cmake | paste -s -d , | sed 's/,/, /g')"
+}
+
+matrix()
+{
+    local folder mirror=${2:-$matrix_mirror} case
+    mkdir -p "${1:-$build_matrix}"
+    folder=$(cd "${1:-$build_matrix}" && pwd)/$matrix_release
+    ((EUID == 0)) || command -v sudo >/dev/null || fail "matrix needs root or sudo"
+    build
+    prepare_run_time
+    command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2
+    matrix_make_root "$folder" "$mirror"
+    matrix_build "$folder"
+    matrix_versions "$folder"
+    printf '%-24s' ''
+    printf ' %9s' "${matrix_columns[@]}"
+    printf '\n'
+    for case in "${matrix_small_cases[@]}"; do
+        matrix_case "$folder" yes "$case"
+    done
+    for case in "${matrix_cases[@]}"; do
+        matrix_case "$folder" no "$case"
+    done
+    if ((${#matrix_wrong[@]} > 0)); then
+        printf 'matrix: not the same:\n'
+        printf '  %s\n' "${matrix_wrong[@]}"
+        return 1
+    fi
+    printf 'matrix: all hashes are the same\n'
+}
