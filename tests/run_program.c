@@ -186,3 +186,32 @@ int leave_folder(void **state)
     free(*state);
     return chdir("/") != 0 || system(line) != 0;
 }
+
+const cJSON *table_of(const cJSON *document, const char *id)
+{
+    const cJSON *table = NULL;
+    cJSON_ArrayForEach(table, array_of(document, "tables"))
+    {
+        if (strcmp(text_of(table, "id"), id) == 0) {
+            return table;
+        }
+    }
+    fail_msg("there is no table %s", id);
+    return NULL;
+}
+
+int column_of(const cJSON *table, const char *name)
+{
+    int index = 0;
+    const cJSON *column = NULL;
+    cJSON_ArrayForEach(column, array_of(table, "columns"))
+    {
+        if (strcmp(text_of(column, "name"), name) == 0) {
+            text_of(column, "unit");
+            return index;
+        }
+        ++index;
+    }
+    fail_msg("%s has no column %s", text_of(table, "id"), name);
+    return -1;
+}

@@ -60,4 +60,8 @@ int enter_folder(void **state);
 int leave_folder(void **state);
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
 
+/* A table of measurements by its id, and the index of its column of that name; the test fails without them. */
+const cJSON *table_of(const cJSON *document, const char *id);
+int column_of(const cJSON *table, const char *name);
+
 #endif

@@ -5,37 +5,6 @@
 
 #include "run_program.h"
 
-/* The table of that id in the document. */
-static const cJSON *table_of(const cJSON *document, const char *id)
-{
-    const cJSON *table = NULL;
-    cJSON_ArrayForEach(table, array_of(document, "tables"))
-    {
-        if (strcmp(text_of(table, "id"), id) == 0) {
-            return table;
-        }
-    }
-    fail_msg("there is no table %s", id);
-    return NULL;
-}
-
-/* Its column of that name: the index. */
-static int column_of(const cJSON *table, const char *name)
-{
-    int index = 0;
-    const cJSON *column = NULL;
-    cJSON_ArrayForEach(column, array_of(table, "columns"))
-    {
-        if (strcmp(text_of(column, "name"), name) == 0) {
-            text_of(column, "unit");
-            return index;
-        }
-        ++index;
-    }
-    fail_msg("%s has no column %s", text_of(table, "id"), name);
-    return -1;
-}
-
 static int row_count_of(const cJSON *table)
 {
     return cJSON_GetArraySize(array_of(table, "rows"));

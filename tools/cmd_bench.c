@@ -4,6 +4,7 @@
 
 #include "bench/bench.h"
 #include "commands.h"
+#include "errors/bench_errors.h"
 #include "json.h"
 #include "output.h"
 #include "table.h"
@@ -15,8 +16,15 @@ void command_bench_print_subjects(void)
         table_cell(rows, "%s", bench_describe(i)->name);
         table_cell(rows, "%s", bench_describe(i)->summary);
     }
+    const char *summary = NULL;
     table_cell(rows, "all");
-    table_cell(rows, "all of them; rays alone takes INPUT and the options of a build");
+    table_cell(rows, "all of these; rays alone takes INPUT and the options of a build");
+    for (size_t i = 0; bench_errors_describe(i, &summary) != NULL; ++i) {
+        table_cell(rows, "%s", bench_errors_describe(i, &summary));
+        table_cell(rows, "%s", summary);
+    }
+    table_cell(rows, "errors");
+    table_cell(rows, "e1 to e5");
     table_gap();
     table_heading("SUBJECT");
     table_print(rows);
@@ -29,7 +37,7 @@ static bool is_known(const char *wanted)
             return true;
         }
     }
-    return strcmp(wanted, "all") == 0;
+    return strcmp(wanted, "all") == 0 || bench_errors_know(wanted);
 }
 
 /* "voxelize, build, ..., all" */
@@ -40,7 +48,7 @@ static void list_subjects(char *text, size_t text_bytes)
         used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", bench_describe(i)->name);
     }
     if (used < text_bytes) {
-        snprintf(text + used, text_bytes - used, "all");
+        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5");
     }
 }
 

@@ -15,6 +15,7 @@ int command_render(program *state);
 int command_trace(program *state);
 int command_stress(program *state);
 int command_bench(program *state);
+int command_report(program *state);
 void command_bench_print_subjects(void);
 
 #endif

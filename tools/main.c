@@ -31,7 +31,9 @@ static const command commands[] = {
     {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
     {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
-     "Measures times, SUBJECT by subject or all; bench --help lists them."},
+     "Measures times and errors, SUBJECT by subject or all; bench --help lists them."},
+    {"report", command_report, OPTION_DEVICE | OPTION_MEASURE | OPTION_REPORT_COMMAND | OPTION_OUTPUT, NULL, false,
+     "Makes a page of every measurement, with charts, tables and pictures, in the folder -o DIR."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])

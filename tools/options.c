@@ -297,6 +297,8 @@ static const rule rules[] = {
      "at which depths, with commas between (each measurement's own)"},
     {"quick", '\0', OPTION_MEASURE, NULL, read_flag, FIELD(quick), 0, 0, NULL,
      "smaller scenes, fewer depths, 3 repeats: to see that it works"},
+    {"from", '\0', OPTION_REPORT_COMMAND, "FILE", read_text, FIELD(from), 0, 0, NULL,
+     "JSON that svocl bench -o wrote: shown in place of new measurements"},
     {"plan", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan), 0, 0, NULL,
      "print what the build is going to do, allocate and leave out, then build"},
     {"plan-only", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan_only), 0, 0, NULL,

@@ -29,7 +29,8 @@ enum option_group {
     OPTION_BENCH_COMMAND = 2048, /* what is measured, against what */
     OPTION_TRACE_COMMAND = 4096, /* rays, camera */
     OPTION_PICTURE_SIZE = 8192,
-    OPTION_MEASURE = 16384 /* on how much work, how often */
+    OPTION_MEASURE = 16384, /* on how much work, how often */
+    OPTION_REPORT_COMMAND = 32768 /* from */
 };
 
 enum option_frontend {
@@ -84,6 +85,7 @@ typedef struct options {
     uint64_t ray_count; /* bench: of a set */
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
     uint64_t quick; /* measurements: a flag */
+    const char *from; /* report: a file of measurements; NULL: they are made */
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 

@@ -42,6 +42,14 @@ typedef struct oracle_box {
 bool oracle_sat_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 bool oracle_clip_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 
+/* In double precision: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in grid
+   units from the box's corner; the box's middle where there is no area. */
+double oracle_part(const oracle_triangle *triangle, const oracle_box *box, double centroid[3]);
+/* What each corner weighs at a point of the triangle (in grid units from the box's corner) seen along the axis on which it
+   looks largest; at its rim where the point is beside it; thirds where there is no area. */
+void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *box, const double at[3],
+                           double weights[3]);
+
 /* A snapped mesh: borrowed arrays. A triangle with a coordinate of 2^29 and more touches nothing (it is refused). */
 typedef struct oracle_mesh {
     const int32_t *vertices; /* x, y, z per vertex */

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "errors/bench_errors.h"
 #include "svocl/version.h"
 
 #define REPEATS       11
@@ -199,13 +200,16 @@ static int run_all(bench_suite *all, const char *wanted)
     for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
         steps += is_meant(subjects[i], wanted) ? count_steps(all, subjects[i]) : 0;
     }
-    program_begin_progress(all->state, steps);
+    program_begin_progress(all->state, steps + bench_errors_step_count(wanted));
     int exit_code = session_open_both(all->state, &all->opened);
     if (exit_code == PROGRAM_DONE) {
         describe_machine(all);
     }
     for (size_t i = 0; i < SUBJECT_COUNT && exit_code == PROGRAM_DONE; ++i) {
         exit_code = is_meant(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = bench_errors_fill(all, wanted);
     }
     if (exit_code == PROGRAM_DONE && !result_is_whole(all->results)) {
         exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for the tables");

@@ -53,7 +53,8 @@ static bool add_mesh(embree *made, const float *vertices, size_t vertex_count, c
     return there && rtcGetDeviceError(made->device) == RTC_ERROR_NONE;
 }
 
-embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count)
+embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                      bool robust)
 {
     embree *made = calloc(1, sizeof *made);
     if (made == NULL) {
@@ -66,6 +67,7 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
                  (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
                  (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
         made->scene = rtcNewScene(made->device);
+        rtcSetSceneFlags(made->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     }
     if (made->scene == NULL || !add_mesh(made, vertices, vertex_count, indices, triangle_count)) {
         embree_destroy(&made);
@@ -168,8 +170,10 @@ bool embree_is_there(void)
     return false;
 }
 
-embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count)
+embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                      bool robust)
 {
+    (void)robust;
     (void)vertices;
     (void)vertex_count;
     (void)indices;

@@ -12,8 +12,10 @@ typedef struct embree embree;
 /* Whether this program was built with Embree. */
 bool embree_is_there(void);
 
-/* vertices: three floats each; indices: three per triangle. NULL when Embree cannot. */
-embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count);
+/* vertices: three floats each; indices: three per triangle. robust: its slower mode, which promises fewer gaps. NULL when
+   Embree cannot. */
+embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                      bool robust);
 void embree_destroy(embree **rival);
 /* Milliseconds that the hierarchy over the triangles took, on all cores, their copy left out. */
 double embree_build_ms(const embree *rival);

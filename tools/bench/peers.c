@@ -67,7 +67,8 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
 
 static double run_embree(const peer_mesh *made)
 {
-    embree *rival = embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count);
+    embree *rival =
+        embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count, false);
     const double ms = rival != NULL ? embree_build_ms(rival) : -1.0;
     embree_destroy(&rival);
     return ms;

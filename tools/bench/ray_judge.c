@@ -4,13 +4,12 @@
 
 #include <math.h>
 
-/* Two ts that are the same up to rounding in float. */
-static bool is_tied(double a, double b)
+bool ray_ties(double a, double b)
 {
     return fabs(a - b) <= 0x1p-21 * fmax(fabs(a), fabs(b));
 }
 
-static oracle_ray widen(const svo_ray *ray)
+oracle_ray ray_widen(const svo_ray *ray)
 {
     oracle_ray wide = {.t_min = (double)ray->t_min, .t_max = (double)ray->t_max};
     for (int axis = 0; axis < 3; ++axis) {
@@ -26,7 +25,7 @@ static void judge_one(const oracle_ray_hit *exact, uint32_t exact_id, const svo_
     const bool met = hit->triangle != SVO_NO_TRIANGLE;
     if (exact->hit && !met) {
         ++*missed;
-    } else if (exact->hit != met || (met && hit->triangle != exact_id && !is_tied((double)hit->t, exact->t))) {
+    } else if (exact->hit != met || (met && hit->triangle != exact_id && !ray_ties((double)hit->t, exact->t))) {
         ++*wrong_ids;
     }
 }
@@ -43,11 +42,11 @@ ray_verdict ray_judge(const oracle_ray_scene *scene, const uint32_t *triangle_id
         }
         ++verdict.differing;
         if (ours[i].triangle != SVO_NO_TRIANGLE && theirs[i].triangle != SVO_NO_TRIANGLE &&
-            is_tied((double)ours[i].t, (double)theirs[i].t)) {
+            ray_ties((double)ours[i].t, (double)theirs[i].t)) {
             ++verdict.tied;
             continue;
         }
-        const oracle_ray ray = widen(&rays[i]);
+        const oracle_ray ray = ray_widen(&rays[i]);
         const oracle_ray_hit exact = oracle_ray_closest(scene, &ray);
         const uint32_t exact_id = exact.hit ? triangle_ids[exact.triangle] : SVO_NO_TRIANGLE;
         judge_one(&exact, exact_id, &ours[i], &verdict.wrong_ids, &verdict.missed);

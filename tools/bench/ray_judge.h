@@ -6,6 +6,11 @@
 #include "oracle_rays.h"
 #include "svocl/svocl.h"
 
+/* Whether two ts are the same up to rounding in float. */
+bool ray_ties(double a, double b);
+/* The ray as the reference takes it. */
+oracle_ray ray_widen(const svo_ray *ray);
+
 typedef struct ray_verdict {
     size_t hits; /* of ours */
     double leaves; /* that ours looked into, mean over all rays */

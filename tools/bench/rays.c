@@ -14,6 +14,7 @@
 #include "embree.h"
 #include "job.h"
 #include "json.h"
+#include "lattice.h"
 #include "ray_judge.h"
 #include "ray_sets.h"
 #include "spread.h"
@@ -24,7 +25,6 @@
 #define DEFAULT_REPEATS 7u
 #define QUICK_REPEATS   3u
 #define QUICK_RAYS      100000u
-#define SNAP_MAX        1048575.0 /* 2^20 - 1 */
 
 /* One set of rays, and what came of it. */
 typedef struct ray_set {
@@ -51,39 +51,15 @@ typedef struct ray_bench {
 
 /* ---- the scene ---- */
 
-static double position_of(const svo_mesh *mesh, size_t index)
-{
-    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
-}
-
 /* Integers 0 .. 2^20 - 1 in place of coordinates; what is not finite stays so and is refused by the build. */
 static int snap_mesh(ray_bench *bench)
 {
     const svo_mesh *mesh = bench->work.source.mesh;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    double edge = 0;
-    bench->positions = calloc(mesh->vertex_count * 3 + 1, sizeof *bench->positions);
+    bench->positions = lattice_positions(mesh);
     if (bench->positions == NULL) {
         return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu vertices", mesh->vertex_count);
     }
-    for (int pass = 0; pass < 2; ++pass) {
-        for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-            const double at = position_of(mesh, i);
-            if (isfinite(at) && pass == 0) {
-                low[i % 3] = fmin(low[i % 3], at);
-            } else if (isfinite(at)) {
-                edge = fmax(edge, at - low[i % 3]);
-            }
-        }
-    }
-    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        bench->positions[i] = (float)rint((position_of(mesh, i) - low[i % 3]) * (SNAP_MAX / (edge > 0 ? edge : 1)));
-    }
-    bench->snapped = (svo_mesh){.struct_size = sizeof bench->snapped,
-                                .positions = bench->positions,
-                                .vertex_count = mesh->vertex_count,
-                                .indices = mesh->indices,
-                                .triangle_count = mesh->triangle_count};
+    bench->snapped = lattice_mesh(mesh, bench->positions);
     bench->work.source.mesh = &bench->snapped;
     return PROGRAM_DONE;
 }
@@ -99,8 +75,8 @@ static int open_rival(ray_bench *bench)
         for (size_t i = 0; i < (size_t)info->vertex_count * 3; ++i) {
             vertices[i] = (float)arrays.vertices[i];
         }
-        bench->rival =
-            embree_create(vertices, (size_t)info->vertex_count, arrays.indices, (size_t)info->list_triangle_count);
+        bench->rival = embree_create(vertices, (size_t)info->vertex_count, arrays.indices,
+                                     (size_t)info->list_triangle_count, false);
     }
     free(vertices);
     return bench->rival != NULL ? PROGRAM_DONE

@@ -13,7 +13,7 @@ static int compare_doubles(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-static double quantile(const double *sorted, size_t count, double fraction)
+double spread_quantile(const double *sorted, size_t count, double fraction)
 {
     const double at = fraction * (double)(count - 1);
     const size_t below = (size_t)at;
@@ -32,9 +32,9 @@ spread spread_of(double *values, size_t count)
         return spread_none();
     }
     qsort(values, count, sizeof *values, compare_doubles);
-    return (spread){.median = quantile(values, count, 0.5),
-                    .low = quantile(values, count, 0.25),
-                    .high = quantile(values, count, 0.75)};
+    return (spread){.median = spread_quantile(values, count, 0.5),
+                    .low = spread_quantile(values, count, 0.25),
+                    .high = spread_quantile(values, count, 0.75)};
 }
 
 void spread_add_columns(result_table *table, const char *name, const char *unit)

@@ -14,6 +14,8 @@ typedef struct spread {
 /* Interpolates between neighbours (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996). Sorts
    the values. */
 spread spread_of(double *values, size_t count);
+/* The value below which that fraction, 0 .. 1, of sorted values lies; count: above 0. */
+double spread_quantile(const double *sorted, size_t count, double fraction);
 /* Nothing measured. */
 spread spread_none(void);
 

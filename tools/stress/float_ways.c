@@ -225,24 +225,36 @@ static void drop_doubles(oracle_pairs *pairs)
     pairs->count = kept;
 }
 
-bool float_way_run(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out)
+void float_way_list(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,
+                    uint64_t end, float_list *list)
 {
-    float_list list = {0};
-    *out = (oracle_pairs){0};
-    for (uint64_t i = 0; i < info->list_triangle_count && !list.failed; ++i) {
+    for (uint64_t i = begin; i < end && !list->failed; ++i) {
         float_triangle triangle;
         fetch(info, arrays, i, &triangle);
         if (way == FLOAT_PLANES || way == FLOAT_CENTRED) {
-            ask_boxes(way, &triangle, &list);
+            ask_boxes(way, &triangle, list);
         } else {
-            float_raster(way, &triangle, &list);
+            float_raster(way, &triangle, list);
         }
     }
-    *out = (oracle_pairs){list.pairs, list.count};
-    if (list.failed || (list.count > 0 && !oracle_pairs_sort(list.pairs, list.count))) {
+}
+
+bool float_way_sort(float_list *list, oracle_pairs *out)
+{
+    const bool failed = list->failed;
+    *out = (oracle_pairs){list->pairs, list->count};
+    *list = (float_list){0};
+    if (failed || (out->count > 0 && !oracle_pairs_sort(out->pairs, out->count))) {
         oracle_pairs_free(out);
         return false;
     }
     drop_doubles(out);
     return true;
+}
+
+bool float_way_run(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out)
+{
+    float_list list = {0};
+    float_way_list(way, info, arrays, 0, info->list_triangle_count, &list);
+    return float_way_sort(&list, out);
 }

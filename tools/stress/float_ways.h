@@ -46,8 +46,15 @@ void float_list_add(float_list *list, const float_triangle *triangle, int x, int
 /* float_raster.c */
 void float_raster(float_way way, const float_triangle *triangle, float_list *list);
 
-/* All pairs of a tree's triangles, sorted, without doubles; info, arrays: of a downloaded tree with lists. Released by
-   oracle_pairs_free. Returns false when memory runs out. */
+/* Appends the pairs of triangles begin .. end - 1 of a tree, in no order, some of them twice; info, arrays: of a downloaded
+   tree with lists. */
+void float_way_list(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,
+                    uint64_t end, float_list *list);
+/* The list in order, without doubles: its array becomes that of out and is released by oracle_pairs_free. Returns false,
+   with both empty, when memory runs out. */
+bool float_way_sort(float_list *list, oracle_pairs *out);
+
+/* Both, for all triangles. */
 bool float_way_run(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out);
 
 #endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svocl bench e1 to e5 on little work: svocl's own ways have no errors but those of rounding once, the usual ways have those
+ * that are known of them, and every table has its ways. No time is judged.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "run_program.h"
+
+/* The table of one experiment; the document is released by cJSON_Delete. */
+static cJSON *measure(const char *subject, const char *id, const cJSON **table)
+{
+    char line[128];
+    snprintf(line, sizeof line, "$SVOCL bench %s --quick --repeat 1 --json", subject);
+    cJSON *document = run_json(line);
+    *table = table_of(document, id);
+    return document;
+}
+
+static double cell_of(const cJSON *table, const cJSON *row, const char *name)
+{
+    const cJSON *cell = cJSON_GetArrayItem(row, column_of(table, name));
+    if (!cJSON_IsNumber(cell)) {
+        fail_msg("%s: %s is no number", text_of(table, "id"), name);
+    }
+    return cell->valuedouble;
+}
+
+static const char *word_of(const cJSON *table, const cJSON *row, const char *name)
+{
+    const cJSON *cell = cJSON_GetArrayItem(row, column_of(table, name));
+    if (!cJSON_IsString(cell)) {
+        fail_msg("%s: %s is no text", text_of(table, "id"), name);
+    }
+    return cell->valuestring;
+}
+
+static bool begins(const char *text, const char *with)
+{
+    return strncmp(text, with, strlen(with)) == 0;
+}
+
+/* Rows whose way begins so: there are some, and all have that figure between the bounds. Returns the largest. */
+static double expect_within(const cJSON *table, const char *way, const char *name, double low, double high)
+{
+    double largest = -1.0;
+    size_t count = 0;
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        if (begins(word_of(table, row, "way"), way)) {
+            const double figure = cell_of(table, row, name);
+            if (!(figure >= low && figure <= high)) {
+                fail_msg("%s: %s of %s is %g", text_of(table, "id"), name, word_of(table, row, "way"), figure);
+            }
+            largest = figure > largest ? figure : largest;
+            ++count;
+        }
+    }
+    if (count == 0) {
+        fail_msg("%s has no row of %s", text_of(table, "id"), way);
+    }
+    return largest;
+}
+
+static void expect_times(const cJSON *table)
+{
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        assert_true(cell_of(table, row, "time") > 0.0);
+    }
+}
+
+static void voxels_are_exact_in_integers_alone(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e1", "e1-voxelization", &table);
+    expect_times(table);
+    expect_within(table, "exact integers, cl", "error", 0.0, 0.0);
+    if (gl_works()) {
+        expect_within(table, "exact integers, gl", "error", 0.0, 0.0);
+    }
+    assert_true(expect_within(table, "plain rasterization", "false negatives", 1.0, 100.0) > 30.0);
+    expect_within(table, "4x multisampling", "false negatives", 1.0, 100.0);
+    expect_within(table, "expansion alone", "false positives", 0.1, 1000.0);
+    assert_true(expect_within(table, "float32 test, box-centred", "missed", 0.0, 1e9) > 0.0);
+    assert_true(expect_within(table, "float32 test, world coordinates", "error", 0.0, 100.0) > 0.0);
+    cJSON_Delete(document);
+}
+
+static void aimed_rays_are_right(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e2", "e2-rays", &table);
+    expect_times(table);
+    expect_within(table, "svocl", "missed", 0.0, 0.0);
+    expect_within(table, "svocl", "wrong", 0.0, 0.0);
+    expect_within(table, "svocl", "error of t, largest", 0.0, 0x1p-24);
+    assert_true(expect_within(table, "Möller-Trumbore", "error", 0.0, 100.0) > 1.0);
+    expect_within(table, "watertight", "missed", 0.0, 10.0);
+    expect_within(table, "voxels alone, fine", "missed", 0.0, 0.0);
+    cJSON_Delete(document);
+}
+
+static void means_by_area_are_within_rounding(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e3", "e3-attributes", &table);
+    expect_times(table);
+    expect_within(table, "integers", "order, largest", 0.0, 0.0);
+    assert_true(expect_within(table, "RGBA8 running average", "error, largest", 1.0, 255.0) > 50.0);
+    assert_true(expect_within(table, "RGBA8 running average", "order, largest", 0.0, 255.0) > 1.0);
+    assert_true(expect_within(table, "float atomics", "order, largest", 0.0, 0.1) > 0.0);
+    expect_within(table, "integers, by area", "error, largest", 0.0, 1.0);
+    cJSON_Delete(document);
+}
+
+/* Half a diagonal is as far as a centre can be from a surface that its voxel holds. */
+static void levels_of_detail_keep_their_bounds(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e4", "e4-detail", &table);
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        assert_true(cell_of(table, row, "distance of centres, largest") <= 0.86603);
+        assert_true(cell_of(table, row, "area by fill, error") < 0.01);
+        assert_true(cell_of(table, row, "area by faces, error") > 10.0);
+        if (cell_of(table, row, "depth") >= 8.0) {
+            assert_true(cell_of(table, row, "volume, error") < 1.0);
+        }
+    }
+    assert_true(cJSON_GetArraySize(array_of(table, "rows")) >= 10);
+    cJSON_Delete(document);
+}
+
+static void stiff_meshes_break_the_others(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e5", "e5-stiffness", &table);
+    expect_times(table);
+    expect_within(table, "exact integers", "error", 0.0, 0.0);
+    expect_within(table, "svocl", "error", 0.0, 0.0);
+    assert_true(expect_within(table, "float32 test, world coordinates", "error", 0.0, 1e9) > 50.0);
+    assert_true(expect_within(table, "watertight", "error", 0.0, 100.0) > 20.0);
+    cJSON_Delete(document);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(voxels_are_exact_in_integers_alone), IN_FOLDER(aimed_rays_are_right),
+        IN_FOLDER(means_by_area_are_within_rounding),  IN_FOLDER(levels_of_detail_keep_their_bounds),
+        IN_FOLDER(stiff_meshes_break_the_others),
+    };
+    return cmocka_run_group_tests_name("errors", tests, NULL, NULL);
+}

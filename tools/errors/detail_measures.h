@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* Distance, area and volume of a set of voxels, and of the closed mesh they stand for. */
+#ifndef SVOCL_DETAIL_MEASURES_H
+#define SVOCL_DETAIL_MEASURES_H
+
+#include <stdbool.h>
+
+#include "session.h"
+
+typedef struct detail_reference {
+    svo_tree *tree; /* with lists, at the depth that suits queries */
+    double area, volume; /* of the snapped mesh, in double: world units */
+} detail_reference;
+
+/* mesh: closed, its triangles facing outwards. Returns false with nothing to release. */
+bool detail_reference_create(const session *opened, const svo_mesh *mesh, detail_reference *out);
+void detail_reference_free(detail_reference *made);
+
+typedef struct detail_measures {
+    double distance; /* the largest from a voxel's centre to the surface: world units */
+    double area_by_fill, area_by_faces, volume; /* world units */
+} detail_measures;
+
+/* tree: of the same mesh, downloaded, with fill. */
+bool detail_measure(const detail_reference *reference, const svo_tree *tree, cl_command_queue queue,
+                    detail_measures *out);
+
+#endif

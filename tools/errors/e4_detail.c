@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * E4: what a level of detail loses: how far its voxels are from the surface, and what its area and its enclosed volume are
+ * off, against the time and the bytes that it takes.
+ */
+#include <math.h>
+
+#include "errors/detail_measures.h"
+#include "errors/errors.h"
+#include "errors/turns.h"
+#include "input.h"
+
+#define FIRST_DEPTH 3u
+
+static result_table *begin_table(error_run *run)
+{
+    result_table *table = result_add_table(run->results, "e4-detail", "E4: level of detail", "");
+    result_set_note(
+        table,
+        "One closed scene at each depth. Distance: the largest from a voxel's centre to the surface (one-sided "
+        "Hausdorff distance of the centres; the surface itself is never outside its voxels), asked of the triangles by "
+        "svo_tree_nearest. Area: the sum of the leaves' fill, and the count of outer faces of the voxels as the usual "
+        "estimate, against the mesh's. Volume: what the voxels enclose, those of the surface counted half, against the "
+        "mesh's. All relative to the scene: lengths to its edge. Time: plan and build of nodes and fill; bytes: of "
+        "nodes and fill. Medians of %zu rounds after one that does not count.",
+        run->rounds);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "voxels", "");
+    result_add_column(table, "size", "B");
+    result_add_column(table, "time", "ms");
+    result_add_column(table, "distance of centres, largest", "voxels");
+    result_add_column(table, "distance of centres", "%");
+    result_add_column(table, "area by fill, error", "%");
+    result_add_column(table, "area by faces, error", "%");
+    result_add_column(table, "volume, error", "%");
+    return table;
+}
+
+typedef struct detail_build {
+    error_run *run;
+    const svo_mesh *mesh;
+    unsigned depth;
+    svo_tree *tree;
+} detail_build;
+
+static double build_once(void *user)
+{
+    detail_build *work = user;
+    const session *opened = &work->run->opened;
+    const svo_plan_options plan_options = {.struct_size = sizeof plan_options, .need = SVO_NEED_FILL};
+    svo_plan *plan = NULL;
+    svo_tree_destroy(&work->tree);
+    const double started_ms = input_now_ms();
+    const bool worked =
+        svo_plan_create(opened->device, work->mesh, work->depth, &plan_options, &plan) == SVO_OK &&
+        svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &work->tree, NULL) == SVO_OK;
+    const double ms = input_now_ms() - started_ms;
+    svo_plan_destroy(&plan);
+    return worked ? ms : -1.0;
+}
+
+static double percent_off(double measured, double exact)
+{
+    return exact > 0.0 ? 100.0 * fabs(measured - exact) / exact : NAN;
+}
+
+static int add_depth(error_run *run, result_table *table, const char *name, const detail_reference *reference,
+                     const svo_mesh *mesh, unsigned depth)
+{
+    detail_build work = {.run = run, .mesh = mesh, .depth = depth};
+    turn building = {.work_ms = build_once, .user = &work};
+    detail_measures found;
+    bool worked = turns_measure(&building, 1, run->rounds) &&
+                  svo_tree_download(work.tree, run->opened.queue) == SVO_OK &&
+                  detail_measure(reference, work.tree, run->opened.queue, &found);
+    if (worked) {
+        svo_tree_info info;
+        svo_tree_get_info(work.tree, &info);
+        const double voxel = info.edge / (double)(1u << depth);
+        result_add_text(table, "%s", name);
+        result_add_number(table, depth);
+        result_add_number(table, (double)info.leaf_count);
+        result_add_number(table, (double)(info.inner_count * 5 + info.node_count * 2));
+        result_add_number(table, building.median_ms);
+        result_add_number(table, found.distance / voxel);
+        result_add_number(table, 100.0 * found.distance / info.edge);
+        result_add_number(table, percent_off(found.area_by_fill, reference->area));
+        result_add_number(table, percent_off(found.area_by_faces, reference->area));
+        result_add_number(table, percent_off(found.volume, reference->volume));
+    }
+    svo_tree_destroy(&work.tree);
+    return worked ? PROGRAM_DONE : errors_fail(run);
+}
+
+static int measure_scene(error_run *run, result_table *table, const char *name, const char *spec, unsigned last_depth)
+{
+    detail_reference reference;
+    scene *made = errors_scene(run, spec);
+    if (made == NULL) {
+        return PROGRAM_FAILED;
+    }
+    progress_step(run->state->progress, "E4: level of detail");
+    int exit_code =
+        detail_reference_create(&run->opened, scene_mesh(made), &reference) ? PROGRAM_DONE : errors_fail(run);
+    for (unsigned depth = FIRST_DEPTH; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
+        exit_code = add_depth(run, table, name, &reference, scene_mesh(made), depth);
+    }
+    detail_reference_free(&reference);
+    scene_destroy(&made);
+    return exit_code;
+}
+
+int errors_detail(error_run *run)
+{
+    const unsigned last_depth = run->quick ? 8 : 9;
+    result_table *table = begin_table(run);
+    const int exit_code = measure_scene(run, table, "knot", run->quick ? "knot:20000" : "knot:100000", last_depth);
+    return exit_code == PROGRAM_DONE
+               ? measure_scene(run, table, "statue", run->quick ? "statue:20000" : "statue:120000", last_depth)
+               : exit_code;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* The usual ray-triangle tests in float32, and the exact one, as tests of a hierarchy. */
+#ifndef SVOCL_RAY_TESTS_H
+#define SVOCL_RAY_TESTS_H
+
+#include "errors/bvh.h"
+#include "oracle_rays.h"
+
+/* Triangles as float32 sees them: world coordinates, rounded. */
+typedef struct float_triangles {
+    const float *vertices; /* three per vertex */
+    const uint32_t *indices; /* three per triangle */
+} float_triangles;
+
+/* Moller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997, two-sided, without an epsilon.
+   triangles: a float_triangles. */
+bvh_test ray_test_moller_trumbore;
+/* Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", 2013: sheared to the ray, edge functions once more in
+   double where one of them is 0. triangles: a float_triangles. */
+bvh_test ray_test_watertight;
+/* The snapped triangles, and how far rays lean: what is added to their directions, in lengths of the longest component. */
+typedef struct exact_triangles {
+    const oracle_ray_scene *snapped;
+    double lean[3];
+} exact_triangles;
+
+/* In long double. triangles: an exact_triangles. */
+bvh_test ray_test_exact;
+
+#endif
