@@ -146,7 +146,8 @@ static svo_status check_values(const load_state *state)
     }
     const uint32_t can_be_constant = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL;
     if ((header->constant & ~(header->need & can_be_constant)) != 0) {
-        return damaged(state, "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
+        return damaged(state,
+                       "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
                        header->constant, header->need);
     }
     if (header->weights > SVO_WEIGHTS_CENTRE) {
