@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl in a program that has OpenCL of its own: its context, its out-of-order queues, its events, its buffers. Two builds
- * are in flight at once, each on a queue and a thread of its own, from one mesh that the device has not finished yet.
+ * of one mesh are in flight at once, each on a queue of its own, and a command of the program's waits for each.
  */
 #include <inttypes.h>
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "svocl/gl.h"
 #include "svocl/svocl.h"
 
 static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
@@ -24,16 +22,14 @@ typedef struct own_opencl {
     cl_event uploads[2];
 } own_opencl;
 
-/* One build: what it needs, and what it leaves. */
+/* One build: all the memory it needs, made before, and what it leaves. */
 typedef struct build_job {
-    const own_opencl *opencl;
-    cl_command_queue queue;
     unsigned depth;
-    bool done;
-    svo_tree_info info;
+    svo_plan *plan;
+    svo_workspace *workspace;
+    svo_tree *tree;
+    cl_event built, read;
     uint8_t root_mask;
-    char hash[SVO_HASH_TEXT_BYTES];
-    svo_message message;
 } build_job;
 
 static cl_mem upload(own_opencl *own, const void *data, size_t bytes, cl_event *event)
@@ -81,68 +77,78 @@ static void close_opencl(own_opencl *own)
         clReleaseContext(own->context);
 }
 
-/* Reads the root's mask out of the tree's buffer by a command of the program's. */
-static bool read_root(build_job *job, const svo_tree *tree)
+/* Memory for a build of the mesh, and a tree with room for it. */
+static bool prepare(svo_device *device, svo_frontend *frontend, const svo_mesh *mesh, cl_command_queue queue,
+                    build_job *job)
 {
-    return clEnqueueReadBuffer(job->queue, svo_tree_get_buffer(tree, SVO_TREE_CHILD_MASK), CL_TRUE, 0, 1,
-                               &job->root_mask, 0, NULL, NULL) == CL_SUCCESS;
+    return svo_plan_create(device, mesh, job->depth, NULL, &job->plan) == SVO_OK &&
+           svo_workspace_create(job->plan, frontend, queue, NULL, &job->workspace) == SVO_OK &&
+           svo_workspace_make_tree(job->workspace, &job->tree) == SVO_OK;
 }
 
-/* A thread. Handles belong to one thread at a time, so each has its own; the OpenCL context is shared. */
-static void *build(void *pointer)
+/* The build, and behind it a command of the program's: reading the root's mask out of the tree's buffer. Waits for
+   nothing. */
+static bool start(cl_command_queue queue, build_job *job)
 {
-    build_job *job = pointer;
-    const own_opencl *own = job->opencl;
-    svo_device *device = NULL;
-    svo_gl_context *context = NULL;
-    svo_gl *gl = NULL;
-    svo_mesh_copy *mesh = NULL;
-    svo_plan *plan = NULL;
-    svo_tree *tree = NULL;
-    job->done = svo_device_create(own->context, own->device, NULL, &device, &job->message) == SVO_OK &&
-                svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &job->message) == SVO_OK &&
-                svo_mesh_read(&own->mesh, job->queue, 2, own->uploads, &mesh, &job->message) == SVO_OK &&
-                svo_gl_create(device, context, NULL, &gl) == SVO_OK &&
-                svo_plan_create(device, svo_mesh_copy_get(mesh), job->depth, NULL, &plan) == SVO_OK &&
-                svo_build(plan, svo_gl_frontend(gl), job->queue, &tree, NULL) == SVO_OK &&
-                svo_tree_download(tree, job->queue) == SVO_OK &&
-                svo_tree_hash(tree, SVO_HASH_ALL, job->hash) == SVO_OK && read_root(job, tree);
-    if (job->done)
-        svo_tree_get_info(tree, &job->info);
-    else if (device != NULL && svo_device_message(device)[0] != '\0')
-        snprintf(job->message.text, sizeof job->message.text, "%s", svo_device_message(device));
-    svo_tree_destroy(&tree);
-    svo_plan_destroy(&plan);
-    svo_mesh_copy_destroy(&mesh);
-    svo_gl_destroy(&gl);
-    svo_gl_context_destroy(&context);
-    svo_device_destroy(&device);
-    return NULL;
+    return svo_build_enqueue(job->workspace, job->tree, queue, 0, NULL, &job->built) == SVO_OK &&
+           clEnqueueReadBuffer(queue, svo_tree_get_buffer(job->tree, SVO_TREE_CHILD_MASK), CL_FALSE, 0, 1,
+                               &job->root_mask, 1, &job->built, &job->read) == CL_SUCCESS &&
+           clFlush(queue) == CL_SUCCESS;
+}
+
+/* Waits for both, and prints what became of it. */
+static bool finish(cl_command_queue queue, build_job *job)
+{
+    const int trim = 1; /* to buffers as large as the tree */
+    svo_tree_info info;
+    char hash[SVO_HASH_TEXT_BYTES];
+    if (clWaitForEvents(1, &job->read) != CL_SUCCESS || svo_tree_finish(job->tree, queue, trim, NULL) != SVO_OK ||
+        svo_tree_download(job->tree, queue) != SVO_OK || svo_tree_hash(job->tree, SVO_HASH_ALL, hash) != SVO_OK)
+        return false;
+    svo_tree_get_info(job->tree, &info);
+    printf("depth %u: %" PRIu64 " leaves, root mask %02x, hash %s\n", job->depth, info.leaf_count, job->root_mask,
+           hash);
+    return true;
+}
+
+static void release(build_job *job)
+{
+    if (job->built != NULL)
+        clReleaseEvent(job->built);
+    if (job->read != NULL)
+        clReleaseEvent(job->read);
+    svo_tree_destroy(&job->tree);
+    svo_workspace_destroy(&job->workspace);
+    svo_plan_destroy(&job->plan);
 }
 
 int main(void)
 {
     own_opencl own = {0};
-    build_job jobs[2] = {{.opencl = &own}, {.opencl = &own}};
-    pthread_t threads[2];
-    int started = 0;
-    bool done = open_opencl(&own);
+    build_job jobs[2] = {{.depth = 6}, {.depth = 7}};
+    svo_message message = {"no OpenCL device with out-of-order queues"};
+    svo_device *device = NULL;
+    svo_frontend *frontend = NULL;
+    svo_mesh_copy *mesh = NULL;
+
+    bool done = open_opencl(&own) && svo_device_create(own.context, own.device, NULL, &device, &message) == SVO_OK &&
+                svo_mesh_read(&own.mesh, own.queues[0], 2, own.uploads, &mesh, &message) == SVO_OK &&
+                svo_frontend_create_cl(device, &frontend) == SVO_OK;
+    for (int i = 0; i < 2 && done; ++i)
+        done = prepare(device, frontend, svo_mesh_copy_get(mesh), own.queues[i], &jobs[i]);
+    for (int i = 0; i < 2 && done; ++i)
+        done = start(own.queues[i], &jobs[i]);
+    for (int i = 0; i < 2 && done; ++i)
+        done = finish(own.queues[i], &jobs[i]);
     if (!done)
-        fprintf(stderr, "no OpenCL device with out-of-order queues\n");
-    for (; started < 2 && done; started += done) {
-        jobs[started].queue = own.queues[started];
-        jobs[started].depth = 6 + (unsigned)started;
-        done = pthread_create(&threads[started], NULL, build, &jobs[started]) == 0;
-    }
-    for (int i = 0; i < started; ++i) {
-        pthread_join(threads[i], NULL);
-        done = done && jobs[i].done;
-        if (jobs[i].done)
-            printf("depth %u: %" PRIu64 " leaves, root mask %02x, hash %s\n", jobs[i].depth, jobs[i].info.leaf_count,
-                   jobs[i].root_mask, jobs[i].hash);
-        else
-            fprintf(stderr, "%s\n", jobs[i].message.text);
-    }
+        fprintf(stderr, "%s\n",
+                device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);
+
+    for (int i = 0; i < 2; ++i)
+        release(&jobs[i]);
+    svo_mesh_copy_destroy(&mesh);
+    svo_frontend_destroy(&frontend);
+    svo_device_destroy(&device);
     close_opencl(&own);
     return done ? 0 : 1;
 }
