@@ -191,7 +191,7 @@ static uint64_t expected_tile_bytes(const run *r, const svo_i_chunk *chunk)
         const svo_i_draw *draw = &r->layout->draws[i];
         for (uint32_t k = 0; k < draw->item_count; ++k) {
             const double fragments = (double)r->build->plan->item_fragments[draw->first_item + k];
-            tiles += fragments > SVO_TILE_COLUMNS ? fragments / (SVO_TILE_COLUMNS / 4) : 0.0;
+            tiles += fragments > SVO_TILE_COLUMNS ? fragments * 4.0 / SVO_TILE_COLUMNS : 0.0;
         }
     }
     return (uint64_t)tiles * sizeof(svo_tile_item);
@@ -279,7 +279,7 @@ static void release_run(run *r)
 }
 
 /* The whole list, not yet counted by the host. */
-static svo_status draw(run *r, svo_i_fragment_list *list)
+static svo_status make_list(run *r, svo_i_fragment_list *list)
 {
     svo_status status = r->build->mode != SVO_I_BUILD_MEASURES ? create_kernels(r) : SVO_OK;
     for (uint32_t i = 0; i < r->layout->chunk_count && status == SVO_OK; ++i) {
@@ -299,7 +299,7 @@ static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layou
     (void)self;
     svo_i_build build = begin(plan, queue, report);
     run r = {.build = &build, .layout = layout};
-    svo_status status = draw(&r, list);
+    svo_status status = make_list(&r, list);
     status = status == SVO_OK ? read_counters(&r, list) : status;
     end(&build);
     svo_i_build_free(&build, &r.counters);
@@ -311,7 +311,7 @@ svo_status svo_i_voxelize_enqueue(svo_i_build *build, const svo_i_layout *layout
 {
     run r = {.build = build, .layout = layout};
     cl_program kept = build->program;
-    const svo_status status = draw(&r, &build->list);
+    const svo_status status = make_list(&r, &build->list);
     build->program = kept;
     build->counters = r.counters;
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {

@@ -47,7 +47,7 @@ static void add_double_color(const svo_mesh *mesh, uint32_t triangle, const uint
 
 static oracle_triangle triangle_of(const payload_pair *pair)
 {
-    oracle_triangle triangle;
+    oracle_triangle triangle = {0};
     for (unsigned corner = 0; corner < 3; ++corner) {
         memcpy(triangle.vertex[corner], pair->corners[corner], sizeof triangle.vertex[corner]);
     }

@@ -140,7 +140,8 @@ static void hits_do_not_depend_on_the_company(void **state)
     uint64_t random = 5;
     build_for_rays(opened, scene_mesh(made), 7, NULL, 0, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
-        const double across[3] = {(double)(i % EDGE) / EDGE - 0.5, (double)(i / EDGE) / EDGE - 0.5, 1.0};
+        const size_t row = i / EDGE;
+        const double across[3] = {(double)(i % EDGE) / EDGE - 0.5, (double)row / EDGE - 0.5, 1.0};
         /* Every seventh row is broken up by rays that are none, or of their own direction. */
         const bool odd = i / EDGE % 7 == 0 && i % 3 == 0;
         rays[i] = (svo_ray){.t_min = 0, .t_max = i % 11 == 0 ? 2.0f : INFINITY};
