@@ -72,6 +72,15 @@ const char *svo_tree_buffer_name(svo_tree_buffer buffer)
     return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
+svo_tree_buffer svo_i_tree_buffer_named(const char *name)
+{
+    svo_tree_buffer buffer = SVO_TREE_CHILD_MASK;
+    while (buffer < SVO_TREE_BUFFER_COUNT && strcmp(svo_tree_buffer_name(buffer), name) != 0) {
+        ++buffer;
+    }
+    return buffer;
+}
+
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
 {
     switch (buffer) {

@@ -8,7 +8,7 @@
 #include "message.h"
 #include "svocl/build.h"
 
-typedef struct svo_i_pending svo_i_pending; /* workspace.c */
+typedef struct svo_i_pending svo_i_pending; /* enqueue.c */
 
 struct svo_tree {
     svo_tree_info info;
@@ -26,6 +26,9 @@ SVO_I_SHARED_BEGIN
 
 /* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
 svo_tree *svo_i_tree_new(void);
+
+/* The array of that name; SVO_TREE_BUFFER_COUNT: none. */
+svo_tree_buffer svo_i_tree_buffer_named(const char *name);
 
 /* Lets go of what was made of the tree's buffers, which are about to change. */
 void svo_i_tree_forget(svo_tree *tree);

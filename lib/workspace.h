@@ -1,12 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* A tree and the workspace whose builds go into it. */
+/* A plan's memory for builds that do not wait, and the trees that they go into. */
 #ifndef SVO_LIB_WORKSPACE_H
 #define SVO_LIB_WORKSPACE_H
 
-#include "svocl/build.h"
-#include "tree.h"
+#include "build.h"
 
-/* Waits for the tree's build in flight, if there is one, and lets no other go into it. */
+struct svo_workspace {
+    svo_device *device;
+    svo_plan *plan;
+    svo_frontend *frontend;
+    svo_i_layout layout; /* one chunk, or none for a plan without triangles */
+    svo_i_kept_tiles kept;
+    svo_i_allocations allocations;
+    svo_workspace_info info;
+    cl_mem scratch; /* owned, or the caller's retained */
+    cl_program program; /* the device's */
+    cl_event last; /* of the newest build; NULL at first */
+    svo_tree *trees; /* made from it, and not trimmed or destroyed */
+};
+
+/* enqueue.c: waits for the tree's build in flight, if there is one, and lets no other go into it. */
 void svo_i_tree_leave_workspace(svo_tree *tree);
 
 #endif
