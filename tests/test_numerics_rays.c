@@ -264,6 +264,40 @@ static void t12_random_rays(void **state)
     scene_destroy(&made);
 }
 
+/* Aimed at the middles of edges from ten thousand widths of the scene away, where a walk from cell to cell in floats once met
+   what lies behind. */
+static void t12_rays_from_far_away_at_edges(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 3000 };
+    static svo_ray rays[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 1000;
+    scene *made = make_scene("knot:4000");
+    const svo_mesh *mesh = scene_mesh(made);
+    built tree;
+    build_for_rays(opened, mesh, 7, NULL, 0, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const uint32_t *corners = mesh->indices + (size_t)random_below(&random, (uint32_t)mesh->triangle_count) * 3;
+        double way[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const double a = (double)mesh->positions[(size_t)corners[i % 3] * 3 + (size_t)axis];
+            const double b = (double)mesh->positions[(size_t)corners[(i + 1) % 3] * 3 + (size_t)axis];
+            way[axis] = (random_unit(&random) - 0.5) * 2e4 * tree.info.edge;
+            rays[i].origin[axis] = (float)((a + b) / 2 - way[axis]);
+            rays[i].direction[axis] = (float)(((a + b) / 2 - (double)rays[i].origin[axis]) * 8);
+        }
+        rays[i].t_min = 0;
+        rays[i].t_max = 1;
+    }
+    trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, hits);
+    for (size_t i = 0; i < RAYS; ++i) {
+        assert_is_closest("far away", &tree, &rays[i], &hits[i]);
+    }
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 /* ---- T13: bad rays ---- */
 
 static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
@@ -314,6 +348,7 @@ int main(void)
         cmocka_unit_test(t12_every_direction_from_every_origin),
         cmocka_unit_test(t12_a_long_ray_between_cells_of_16),
         cmocka_unit_test(t12_random_rays),
+        cmocka_unit_test(t12_rays_from_far_away_at_edges),
         cmocka_unit_test(t13_bad_rays_meet_nothing_and_cost_nothing),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
