@@ -136,13 +136,12 @@ typedef struct svo_payload {
     __global uint *colors;
     __global short *normals;
     __global ushort *fills;
-    uint begin; /* the node whose payload is the first in the arrays */
 } svo_payload;
 
-static void svo_store_payload(svo_sums sums, uint tree_node, svo_payload payload, uint fill_shift)
+/* node: counted from the first node that has payload. */
+static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
 {
     SVO_UNUSED(fill_shift);
-    const uint node = tree_node - payload.begin;
 #ifdef SVO_COLOR
     const uint4 mean = svo_mean_color(sums.color, sums.weight);
     payload.colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
@@ -160,7 +159,7 @@ static void svo_store_payload(svo_sums sums, uint tree_node, svo_payload payload
 /* No level above writes the root's payload: whoever sums up the root does. */
 static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
 {
-    if (node == 0u && payload.begin == 0u && sums.weight != 0) {
+    if (node == 0u && sums.weight != 0) {
         svo_store_payload(sums, 0u, payload, fill_shift + 2u);
     }
 }
@@ -230,7 +229,7 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
         return;
     }
     const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
-    const svo_payload payload = {colors, normals, fills, params.payload_begin};
+    const svo_payload payload = {colors, normals, fills};
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);
@@ -238,11 +237,13 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
     for (uint leaf = begin; leaf < end; ++leaf) {
         const uint link = heads[leaf - params.leaf_begin];
         const svo_sums part = svo_sum_list(svo_no_sums(), surface, fragments, links, link, params);
-        svo_store_payload(part, leaf, payload, params.fill_shift);
+        svo_store_payload(part, leaf - params.payload_begin, payload, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }
     svo_store_sums(sums, index, weights, color_sums, normal_sums);
-    svo_store_root(sums, node, payload, params.fill_shift);
+    if (params.payload_begin == 0u) {
+        svo_store_root(sums, node, payload, params.fill_shift);
+    }
 }
 
 /* Sums are indexed from the first node of their level; payload by the whole tree. */
@@ -257,7 +258,7 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     if (index >= params.level_count) {
         return;
     }
-    const svo_payload payload = {colors, normals, fills, params.payload_begin};
+    const svo_payload payload = {colors, normals, fills};
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);
@@ -265,11 +266,13 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     for (uint child = begin; child < end; ++child) {
         const svo_sums part =
             svo_load_sums(child - params.child_begin, child_weights, child_color_sums, child_normal_sums);
-        svo_store_payload(part, child, payload, params.fill_shift);
+        svo_store_payload(part, child - params.payload_begin, payload, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }
     svo_store_sums(sums, index, weights, color_sums, normal_sums);
-    svo_store_root(sums, node, payload, params.fill_shift);
+    if (params.payload_begin == 0u) {
+        svo_store_root(sums, node, payload, params.fill_shift);
+    }
 }
 
 #endif

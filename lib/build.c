@@ -126,20 +126,26 @@ void svo_i_build_fill_info(svo_i_build *build)
     to->fragments = build->fragment_count;
 }
 
+/* Of a tree too large to be built: builds refuse it, plans are made of it. */
+static uint32_t limited(uint64_t nodes)
+{
+    return nodes < UINT32_MAX ? (uint32_t)nodes : UINT32_MAX;
+}
+
 void svo_i_build_assume_counts(svo_i_build *build)
 {
     const svo_plan *plan = build->plan;
     svo_tree_info *info = &build->tree->info;
     uint64_t nodes = 0;
     for (uint32_t level = 0; level < info->depth; ++level) {
-        info->level_begin[level] = (uint32_t)nodes;
+        info->level_begin[level] = limited(nodes);
         nodes += svo_i_plan_level_nodes(plan, level, build->fragment_count, plan->options.certain_nodes != 0);
     }
-    info->level_begin[info->depth] = (uint32_t)nodes;
+    info->level_begin[info->depth] = limited(nodes);
     info->inner_count = nodes;
     info->leaf_count = build->fragment_count;
     info->node_count = nodes + build->fragment_count;
-    info->level_begin[info->depth + 1] = (uint32_t)info->node_count;
+    info->level_begin[info->depth + 1] = limited(info->node_count);
     info->fragments = build->fragment_count;
 }
 

@@ -3,6 +3,7 @@
  * The plan's list of buffers: kept while a build allocates, and predicted before it by a build that only measures, with the
  * plan's capacities in place of counts.
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "build.h"
@@ -13,6 +14,9 @@ void svo_i_plan_buffers_reset(svo_plan *plan)
     plan->live_bytes = 0;
     plan->peak_bytes = 0;
 }
+
+/* Lists of more chunks are predicted as if they had so many. */
+#define CHUNKS_MAX 32
 
 /* What the bytes of a buffer follow from, and whether it stays. */
 typedef enum basis { OF_MESH, OF_FRAGMENTS, OF_LEAVES, OF_NODES } basis;
@@ -120,12 +124,34 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-svo_status svo_i_plan_predict(svo_plan *plan)
+/* So many chunks of the same size, for a list that would be cut into many more: cutting it in earnest takes time and memory
+   that a plan should not. */
+static svo_status lay_out_roughly(const svo_plan *plan, svo_i_layout *layout)
+{
+    const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
+    *layout = (svo_i_layout){.chunks = calloc(CHUNKS_MAX, sizeof *layout->chunks), .chunk_count = CHUNKS_MAX};
+    for (uint32_t i = 0; layout->chunks != NULL && i < CHUNKS_MAX; ++i) {
+        layout->chunks[i].capacity = fragments / CHUNKS_MAX + 1;
+    }
+    return layout->chunks != NULL
+               ? SVO_OK
+               : svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
+}
+
+static svo_status lay_out(const svo_plan *plan, svo_i_layout *layout)
 {
     const uint64_t asked = plan->options.chunk_bytes;
     const uint64_t most = plan->device->max_allocation_bytes;
-    svo_i_layout layout;
-    svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &layout);
+    const uint64_t chunk_bytes = asked != 0 && asked < most ? asked : most;
+    const double chunks =
+        svo_i_plan_expected(plan, plan->info.depth) * svo_i_plan_fragment_bytes(plan) / (double)chunk_bytes;
+    return chunks < CHUNKS_MAX ? svo_i_layout_create(plan, chunk_bytes, layout) : lay_out_roughly(plan, layout);
+}
+
+svo_status svo_i_plan_predict(svo_plan *plan)
+{
+    svo_i_layout layout = {0};
+    svo_status status = lay_out(plan, &layout);
     if (status != SVO_OK) {
         return status;
     }

@@ -175,7 +175,7 @@ svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
     subdivider s = {.build = build,
                     .masks = build->tree->buffers[SVO_TREE_CHILD_MASK],
                     .first_child = build->tree->buffers[SVO_TREE_FIRST_CHILD]};
-    if (build->inner_capacity >= UINT32_MAX) {
+    if (build->mode != SVO_I_BUILD_MEASURES && build->inner_capacity >= UINT32_MAX) {
         return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the tree may have %llu inner nodes, above 2^32 - 1; lower the depth",
                                  (unsigned long long)build->inner_capacity);
