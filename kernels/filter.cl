@@ -32,7 +32,7 @@ typedef struct svo_sums {
 #endif
 } svo_sums;
 
-static svo_sums svo_no_sums(void)
+SVO_FUNCTION svo_sums svo_no_sums(void)
 {
     svo_sums sums;
     sums.weight = 0;
@@ -45,7 +45,7 @@ static svo_sums svo_no_sums(void)
     return sums;
 }
 
-static svo_sums svo_load_sums(uint node, __global const ulong *weights, __global const ulong *colors,
+SVO_FUNCTION svo_sums svo_load_sums(uint node, __global const ulong *weights, __global const ulong *colors,
                               __global const long *normals)
 {
     svo_sums sums;
@@ -62,7 +62,7 @@ static svo_sums svo_load_sums(uint node, __global const ulong *weights, __global
     return sums;
 }
 
-static svo_sums svo_join_sums(svo_sums a, svo_sums b)
+SVO_FUNCTION svo_sums svo_join_sums(svo_sums a, svo_sums b)
 {
     a.weight += b.weight;
 #ifdef SVO_COLOR
@@ -180,7 +180,7 @@ static void svo_add_pair(svo_sums *sums, svo_surface surface, uint triangle, svo
 }
 
 /* The sums of a leaf's list, on top of sums. link: its first fragment plus one. */
-static svo_sums svo_sum_list(svo_sums sums, svo_surface surface, __global const uint *fragments,
+SVO_FUNCTION svo_sums svo_sum_list(svo_sums sums, svo_surface surface, __global const uint *fragments,
                              __global const uint *links, uint link, svo_filter_params params)
 {
     while (link != 0u) {
@@ -197,9 +197,9 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
              __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
              __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
-             svo_filter_params given)
+             svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;
@@ -221,9 +221,9 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
                    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
                    __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
                    __global const uint *first_child, __global uint *colors, __global short *normals,
-                   __global ushort *fills, __global const svo_build_state *state, svo_filter_params given)
+                   __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;
@@ -251,9 +251,9 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_filter(__global const uchar *masks, __global const uint *first_child, __global const ulong *child_weights,
              __global const ulong *child_color_sums, __global const long *child_normal_sums, __global ulong *weights,
              __global ulong *color_sums, __global long *normal_sums, __global uint *colors, __global short *normals,
-             __global ushort *fills, __global const svo_build_state *state, svo_filter_params given)
+             __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;

@@ -13,9 +13,9 @@
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state,
-           svo_filter_params given)
+           svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index < params.fragment_count) {
         cursors[index] = atomic_xchg(heads + (cursors[index] - params.leaf_begin), index + 1u);

@@ -59,9 +59,9 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_scatter(__global const uint *fragments, __global const uint *cursors, __global const int *vertices,
                        __global const uint *indices, __global const svo_triangle_record *records,
                        __global const uint *list_begin, volatile __global uint *counts, __global ulong *entries,
-                       __global const svo_build_state *state, svo_filter_params given)
+                       __global const svo_build_state *state, svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index < params.fragment_count) {
         const svo_surface surface = {vertices, indices, records, 0, 0, 0, 0, 0};
@@ -99,9 +99,9 @@ static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __global ulong *entries,
                       __global ulong *spare, __global ushort *materials, __global const svo_build_state *state,
-                      svo_filter_params given)
+                      svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;
@@ -133,9 +133,9 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_merge(__global const uchar *masks, __global const uint *first_child, __global const uint *child_begins,
                      __global const uint *child_counts, __global const ulong *child_entries, __global uint *begins,
                      __global uint *counts, __global ulong *entries, __global ushort *materials,
-                     __global const svo_build_state *state, svo_filter_params given)
+                     __global const svo_build_state *state, svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;

@@ -20,9 +20,9 @@
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_count(__global const uint *cursors, volatile __global uint *counts, __global const svo_build_state *state,
-            svo_filter_params given)
+            svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         atomic_inc(counts + (cursors[index] - params.leaf_begin));
@@ -36,9 +36,9 @@ svo_k_count(__global const uint *cursors, volatile __global uint *counts, __glob
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
               __global const uint *list_begin, __global uint *list, __global const svo_build_state *state,
-              svo_filter_params given)
+              svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         const uint leaf = cursors[index] - params.leaf_begin;
@@ -65,9 +65,9 @@ static void svo_sort_gap(__global uint *list, uint begin, uint end, uint gap)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global uint *long_leaves,
-                 __global svo_build_state *state, svo_filter_params given)
+                 __global svo_build_state *state, svo_filter_params params)
 {
-    const svo_filter_params params = svo_current(given, state);
+    svo_make_current(&params, state);
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;

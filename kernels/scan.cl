@@ -170,7 +170,7 @@ static uint svo_count_numbers(svo_filter_params params, __global const svo_build
     (void)state;
     return params.leaf_count;
 #else
-    return svo_current(params, state).leaf_count;
+    return svo_count_leaves(params.depth, state);
 #endif
 }
 
