@@ -46,7 +46,7 @@ SVO_FUNCTION svo_sums svo_no_sums(void)
 }
 
 SVO_FUNCTION svo_sums svo_load_sums(uint node, __global const ulong *weights, __global const ulong *colors,
-                              __global const long *normals)
+                                    __global const long *normals)
 {
     svo_sums sums;
     sums.weight = weights[node];
@@ -181,7 +181,7 @@ static void svo_add_pair(svo_sums *sums, svo_surface surface, uint triangle, svo
 
 /* The sums of a leaf's list, on top of sums. link: its first fragment plus one. */
 SVO_FUNCTION svo_sums svo_sum_list(svo_sums sums, svo_surface surface, __global const uint *fragments,
-                             __global const uint *links, uint link, svo_filter_params params)
+                                   __global const uint *links, uint link, svo_filter_params params)
 {
     while (link != 0u) {
         svo_add_pair(&sums, surface, svo_fragment_triangle(fragments, link - 1u),
