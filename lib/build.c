@@ -5,7 +5,6 @@
  */
 #include "build.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -396,7 +395,7 @@ static svo_status compile_kernels(svo_i_build *build)
     bool fresh = false;
     svo_i_plan_keys(build->plan, keys, sizeof keys);
     svo_status status = SVO_OK;
-    if (!work->sorted || work->surface) {
+    if (work->builder_kernels) {
         status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
     }
     if (status == SVO_OK && fresh) {

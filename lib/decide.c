@@ -196,7 +196,8 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    if (!work->sorted || work->surface) {
+    work->builder_kernels = !work->sorted || work->surface;
+    if (work->builder_kernels) {
         svo_i_plan_keys(plan, add_kernels(work, "build"), SVO_I_KEYS_BYTES);
     }
     if (work->sorted) {

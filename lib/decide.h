@@ -36,6 +36,7 @@ typedef struct svo_i_work {
     int16_t constant_normal[3];
     uint16_t constant_material;
 
+    bool builder_kernels; /* any of kernels/subdivide.cl to filter.cl; nodes and lists by sorting do without */
     bool sorted; /* nodes are made of the sorted list, else level by level */
     bool lists; /* sorted leaf lists */
     bool ranges; /* where each leaf's entries begin: for the lists, or to choose materials from */
