@@ -5,10 +5,6 @@
 #include "rays.h"
 #include "svocl/trace.h"
 
-/* Rays of a work-item on CPUs; see kernels/trace.cl. */
-#define RAYS_PER_ITEM      16
-#define RAYS_PER_ITEM_TEXT "16"
-
 /* One batch: records in, records out, one work-item each. */
 typedef struct batch {
     const char *function; /* for messages */
@@ -87,9 +83,9 @@ static svo_status enqueue(const svo_tree *tree, const batch *asked, cl_mem input
         status = make_kernel(tree, asked, input, output, &kernel);
     }
     if (status == SVO_OK) {
-        const size_t local = SVO_GROUP_ITEMS;
-        const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
-        const size_t global = (items + local - 1) / local * local;
+        const size_t groups = (asked->count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+        const size_t local = SVO_GROUP_ITEMS / asked->per_item;
+        const size_t global = groups * local;
         /* Nothing to do: an event all the same. */
         const cl_int error =
             asked->count > 0 ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
@@ -159,19 +155,19 @@ static svo_status run_blocking(const svo_tree *tree, const batch *asked, const v
 static svo_status ray_batch(const svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
                             batch *out)
 {
-    const bool together = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->is_cpu;
+    const bool streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->is_cpu;
     *any = flags == SVO_TRACE_ANY;
     *out = (batch){.function = function,
                    .kernel_name = "svo_k_trace",
                    .keys = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
-                           : together               ? " -DSVO_RAYS_PER_ITEM=" RAYS_PER_ITEM_TEXT
+                           : streams                ? " -DSVO_RAY_STREAMS"
                                                     : "",
                    .input_name = "rays",
                    .output_name = "hits",
                    .input_bytes = sizeof(svo_ray),
                    .output_bytes = sizeof(svo_hit),
                    .count = ray_count,
-                   .per_item = together ? RAYS_PER_ITEM : 1,
+                   .per_item = streams ? SVO_GROUP_ITEMS : 1, /* see kernels/trace.cl */
                    .last_argument = any};
     return flags <= SVO_TRACE_COUNT
                ? SVO_OK

@@ -165,6 +165,77 @@ static void hits_do_not_depend_on_the_company(void **state)
     scene_destroy(&made);
 }
 
+/* Rays that each go their own way, in batches of sizes around those that go through stages together. */
+static void hits_do_not_depend_on_the_batch(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    static const size_t sizes[] = {1, 7, 8, 9, 15, 16, 17, 63, 64, 65, 71, 72, 73, 127, 128, 129, 200};
+    enum { RAYS = 200 };
+    svo_ray rays[RAYS];
+    svo_hit alone[RAYS];
+    svo_hit batch[RAYS];
+    scene *made = make_scene("knot:3000");
+    built tree;
+    size_t met = 0;
+    uint64_t random = 11;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 1.5);
+        rays[i].t_max = i % 13 == 5 ? -1.0f : rays[i].t_max; /* ends before it begins */
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * (double)rays[i].origin[axis]);
+        }
+        trace_rays(opened, &tree, &rays[i], 1, SVO_TRACE_CLOSEST, &alone[i]);
+        met += alone[i].triangle != SVO_NO_TRIANGLE;
+    }
+    assert_true(met > RAYS / 10 && met < RAYS - RAYS / 10);
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; ++k) {
+        memset(batch, 0x5a, sizeof batch);
+        trace_rays(opened, &tree, rays, sizes[k], SVO_TRACE_CLOSEST, batch);
+        assert_same_hits(batch, alone, sizes[k], 6);
+    }
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
+/* A pile of sheets, the last first: rays up and down that begin between two of them meet the next one, with hundreds of
+   boxes ahead and behind. */
+static void rays_through_a_pile_meet_the_next_sheet(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { SHEETS = 2000, EDGE = 1 << 12 };
+    static float corners[SHEETS * 9];
+    static svo_ray rays[2 * SHEETS];
+    static svo_hit hits[2 * SHEETS];
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = corners, .vertex_count = SHEETS * 3, .triangle_count = SHEETS};
+    const double origin[3] = {0, 0, 0};
+    built tree;
+    for (size_t i = 0; i < SHEETS; ++i) {
+        const float height = (float)(2 * (SHEETS - i));
+        const float sheet[9] = {0, 0, height, EDGE - 1, 0, height, 0, EDGE - 1, height};
+        memcpy(corners + 9 * i, sheet, sizeof sheet);
+        /* Up through all of them from below, the part that begins a unit under this one; and down likewise. */
+        rays[2 * i] = (svo_ray){{100, 200, -10}, {0, 0, 1}, height + 9, INFINITY};
+        rays[2 * i + 1] = (svo_ray){{300, 100, 5000}, {0, 0, -1}, 4999 - height, INFINITY};
+    }
+    build_for_rays(opened, &mesh, 5, origin, EDGE, &tree);
+    trace_rays(opened, &tree, rays, 2 * SHEETS, SVO_TRACE_CLOSEST, hits);
+    for (size_t i = 0; i < SHEETS; ++i) {
+        const float height = (float)(2 * (SHEETS - i));
+        assert_int_equal(hits[2 * i].triangle, i);
+        assert_true(hits[2 * i].t == height + 10);
+        assert_int_equal(hits[2 * i + 1].triangle, i);
+        assert_true(hits[2 * i + 1].t == 5000 - height);
+    }
+    trace_rays(opened, &tree, rays, 2 * SHEETS, SVO_TRACE_ANY, hits);
+    for (size_t i = 0; i < 2 * SHEETS; ++i) {
+        const bool up = i % 2 == 0;
+        assert_true(hits[i].triangle < SHEETS && (up ? hits[i].triangle <= i / 2 : hits[i].triangle >= i / 2));
+    }
+    built_destroy(&tree);
+}
+
 /* Triangles in one place, and ever smaller ones beside each other, which no cut can balance: every one is found. */
 static void crowds_and_nests_of_triangles_are_found(void **state)
 {
@@ -191,6 +262,10 @@ static void crowds_and_nests_of_triangles_are_found(void **state)
     for (size_t k = 0; k < NESTED; ++k) {
         assert_int_equal(hits[k].triangle, k); /* the first of its copies */
         assert_int_equal(hits[k].count, COPIES);
+    }
+    trace_rays(opened, &tree, rays, NESTED, SVO_TRACE_CLOSEST, hits);
+    for (size_t k = 0; k < NESTED; ++k) {
+        assert_int_equal(hits[k].triangle, k);
     }
     built_destroy(&tree);
 }
@@ -466,6 +541,8 @@ int main(void)
         cmocka_unit_test(any_hit_and_count_agree_with_the_reference),
         cmocka_unit_test(hits_do_not_depend_on_the_depth),
         cmocka_unit_test(hits_do_not_depend_on_the_company),
+        cmocka_unit_test(hits_do_not_depend_on_the_batch),
+        cmocka_unit_test(rays_through_a_pile_meet_the_next_sheet),
         cmocka_unit_test(crowds_and_nests_of_triangles_are_found),
         cmocka_unit_test(boxes_are_made_when_they_are_asked_for),
         cmocka_unit_test(boxes_are_refused_for_trees_without_lists),
