@@ -16,6 +16,7 @@ struct svo_i_pending {
     cl_event done;
     svo_build_state state; /* read back when it is done */
     cl_uint counter[2];
+    svo_i_pending *next; /* given up likewise */
 };
 
 /* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
@@ -116,6 +117,37 @@ static void release_pending(svo_i_pending *pending)
     free(pending);
 }
 
+static bool is_done(cl_event event)
+{
+    cl_int status = CL_QUEUED;
+    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL);
+    return status <= CL_COMPLETE;
+}
+
+void svo_i_workspace_release_given_up(svo_workspace *workspace, bool all)
+{
+    for (svo_i_pending **at = &workspace->given_up; *at != NULL;) {
+        svo_i_pending *pending = *at;
+        if (all || is_done(pending->done)) {
+            *at = pending->next;
+            release_pending(pending);
+        } else {
+            at = &pending->next;
+        }
+    }
+}
+
+/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to it. */
+static void give_up(svo_workspace *workspace, svo_i_pending *pending)
+{
+    if (pending->done == NULL || is_done(pending->done)) {
+        release_pending(pending);
+    } else {
+        pending->next = workspace->given_up;
+        workspace->given_up = pending;
+    }
+}
+
 /* What the build holds on to when it has been enqueued, or given up. */
 static void close_build(svo_workspace *workspace, svo_i_pending *pending)
 {
@@ -164,6 +196,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (wrong != NULL) {
         return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
     }
+    svo_i_workspace_release_given_up(workspace, false);
     svo_i_pending *pending = calloc(1, sizeof *pending);
     if (pending == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
@@ -184,14 +217,11 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     svo_status status = wait_first(workspace, &pending->build, num_wait, wait);
     status = status == SVO_OK ? enqueue_stages(workspace, pending) : status;
     close_build(workspace, pending);
+    clFlush(queue);
     if (status != SVO_OK) {
-        if (pending->done != NULL) {
-            clWaitForEvents(1, &pending->done);
-        }
-        release_pending(pending);
+        give_up(workspace, pending);
         return status;
     }
-    clFlush(queue);
     tree->pending = pending;
     if (event != NULL) {
         clRetainEvent(pending->done);

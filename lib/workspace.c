@@ -51,7 +51,7 @@ static uint64_t alignment_of(const svo_device *device)
     return bits >= 1024 ? bits / 8 : 128;
 }
 
-/* Lists the allocations of a build and places its scratch. */
+/* Lists the allocations of a build and places its scratch. The plan's list of buffers becomes theirs. */
 static svo_status measure(svo_workspace *workspace)
 {
     svo_i_allocations *list = &workspace->allocations;
@@ -93,12 +93,14 @@ svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_wor
         return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
                                  "svo_workspace_measure: %s is NULL", plan == NULL ? "plan" : "info");
     }
+    const svo_plan before = *plan;
     svo_workspace measured = {.device = plan->device, .plan = plan, .frontend = frontend};
     const svo_status status = measure(&measured);
     if (status == SVO_OK) {
         *info = measured.info;
     }
     release(&measured);
+    *plan = before; /* nothing but its list was changed */
     return status;
 }
 
@@ -196,6 +198,7 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     }
     *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
     const svo_workspace_options *given = options != NULL ? options : &defaults;
+    const svo_plan before = *plan;
     svo_status status = measure(workspace);
     if (status == SVO_OK) {
         status = get_scratch(workspace, given);
@@ -208,6 +211,7 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     }
     if (status != SVO_OK) {
         svo_workspace_destroy(&workspace);
+        *plan = before; /* its list */
         return status;
     }
     *out = workspace;
@@ -223,6 +227,7 @@ void svo_workspace_destroy(svo_workspace **workspace)
         clWaitForEvents(1, &(*workspace)->last);
         clReleaseEvent((*workspace)->last);
     }
+    svo_i_workspace_release_given_up(*workspace, true);
     for (svo_tree *tree = (*workspace)->trees; tree != NULL; tree = tree->next) {
         tree->workspace = NULL;
     }

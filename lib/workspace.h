@@ -16,9 +16,12 @@ struct svo_workspace {
     cl_mem scratch; /* owned, or the caller's retained */
     cl_program program; /* the device's */
     cl_event last; /* of the newest build; NULL at first */
+    svo_i_pending *given_up; /* builds that failed half-way, with commands that have not ended */
     svo_tree *trees; /* made from it, and not trimmed or destroyed */
 };
 
+/* enqueue.c: releases builds that were given up, those that have ended or, after waiting for the last one, all. */
+void svo_i_workspace_release_given_up(svo_workspace *workspace, bool all);
 /* enqueue.c: waits for the tree's build in flight, if there is one, and lets no other go into it. */
 void svo_i_tree_leave_workspace(svo_tree *tree);
 

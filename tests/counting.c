@@ -32,6 +32,7 @@ static struct {
     counted figures;
     noted_buffer buffers[BUFFERS_MAX];
     noted_build builds[BUILDS_MAX];
+    size_t launches_to_failure; /* 0: none is to fail; 1: the next one */
 } notes;
 
 /* The linker's names, for the calls themselves and for what stands in for them. */
@@ -57,6 +58,12 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
                              build_callback done, void *user);
 cl_kernel __real_clCreateKernel(cl_program program, const char *name, cl_int *error);
 cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error);
+cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event);
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event);
 
 void counting_begin(void)
 {
@@ -197,5 +204,23 @@ cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *er
     const cl_kernel kernel = __real_clCreateKernel(program, name, error);
     notes.figures.kernels += kernel != NULL ? 1 : 0;
     return kernel;
+}
+
+/* ---- launches ---- */
+
+void counting_fail_launch(size_t index)
+{
+    notes.launches_to_failure = index + 1;
+}
+
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event)
+{
+    if (notes.launches_to_failure > 0 && --notes.launches_to_failure == 0) {
+        ++notes.figures.failed_launches;
+        return CL_INVALID_KERNEL_ARGS;
+    }
+    return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels. The linker puts it between a test and
+ * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The linker puts it between a test and
  * the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named there (ld --wrap), in the test and in the
  * libraries linked into it; so svocl must be static. Drivers' own calls are not seen.
  *
@@ -29,10 +29,14 @@ typedef struct counted {
     uint64_t programs; /* calls of clCreateProgramWithSource that succeeded */
     uint64_t builds, built_kernels; /* programs that clBuildProgram compiled, and the kernels in them */
     uint64_t kernels; /* calls of clCreateKernel that succeeded */
+    uint64_t failed_launches; /* as counting_fail_launch asked for */
 } counted;
 
 void counting_begin(void);
 counted counting_read(void);
+
+/* From now on the index-th launch of a kernel, counted from 0, fails with CL_INVALID_KERNEL_ARGS, once. */
+void counting_fail_launch(size_t index);
 
 /* Of the index-th program built since counting_begin: its options, and its kernels as "one;another". index is below
    counting_read().builds. Both live until the next counting_begin. */

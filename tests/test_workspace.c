@@ -261,6 +261,76 @@ static void builds_of_a_workspace_follow_each_other(void **state)
     scene_destroy(&made);
 }
 
+/* Whichever launch fails, the call comes back at once, although the build before it waits for an event that nobody has
+   set; and what was enqueued is in nobody's way. */
+static void a_build_that_fails_half_way_waits_for_nothing(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    const svo_plan_options options = {.need = SVO_NEED_DEFAULT | SVO_NEED_RAYS};
+    size_t failed = 0;
+    int all = 0;
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, options);
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *tree = make_tree(&opened, workspace);
+    while (all == 0) {
+        cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        counting_begin();
+        counting_fail_launch(failed);
+        const svo_status status = svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL);
+        all = counting_read().failed_launches == 0;
+        assert_int_equal(status, all != 0 ? SVO_OK : SVO_CL_ERROR);
+        if (all == 0) {
+            assert_non_null(strstr(svo_device_message(opened.device), "CL_INVALID_KERNEL_ARGS"));
+            assert_int_equal(svo_tree_finish(tree, opened.queue, 0, NULL), SVO_INVALID_ARGUMENT);
+            succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+            ++failed;
+        }
+        clSetUserEventStatus(gate, CL_COMPLETE);
+        succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
+        clReleaseEvent(gate);
+        char hash[SVO_HASH_TEXT_BYTES];
+        hash_of(&opened, tree, hash);
+        assert_string_equal(hash, expected.hash);
+    }
+    assert_true(failed > 20); /* launches of a build */
+    /* One is given up last, and the workspace goes with it. */
+    counting_fail_launch(failed / 2);
+    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* Measuring leaves a plan as it is, and so does a workspace that cannot be made. */
+static void a_plan_stays_as_it_is_until_there_is_a_workspace(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, (svo_plan_options){.need = SVO_NEED_DEFAULT});
+    const uint64_t peak = svo_plan_peak_bytes(plan);
+    const cl_mem small = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, 16, NULL, NULL);
+    const svo_workspace_options given = {.struct_size = sizeof given, .scratch = small};
+    svo_workspace *workspace = NULL;
+    svo_workspace_info info;
+    succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
+    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_equal(svo_workspace_measure(plan, NULL, &info), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &given, &workspace),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    workspace = make_workspace(&opened, plan);
+    assert_int_not_equal(svo_plan_peak_bytes(plan), peak);
+    svo_workspace_destroy(&workspace);
+    clReleaseMemObject(small);
+    svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
 /* A list too short by one, and by much; nodes that do not fit. The figures that come back are enough. */
 static void too_little_room_comes_back_with_figures(void **state)
 {
@@ -459,6 +529,8 @@ int main(void)
         cmocka_unit_test(nothing_and_next_to_nothing),
         cmocka_unit_test(enqueuing_allocates_nothing),
         cmocka_unit_test(builds_of_a_workspace_follow_each_other),
+        cmocka_unit_test(a_build_that_fails_half_way_waits_for_nothing),
+        cmocka_unit_test(a_plan_stays_as_it_is_until_there_is_a_workspace),
         cmocka_unit_test(too_little_room_comes_back_with_figures),
         cmocka_unit_test(nodes_short_of_room_come_back_too),
         cmocka_unit_test(scratch_may_be_the_callers),

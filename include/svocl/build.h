@@ -120,7 +120,7 @@ typedef struct svo_workspace_info {
     uint64_t fragment_capacity, inner_capacity; /* fragments and inner nodes there is room for */
 } svo_workspace_info;
 
-/* What svo_workspace_create would ask for. frontend: see there. Returns what it returns. */
+/* What svo_workspace_create would ask for, without changing the plan. frontend: see there. Returns what it returns. */
 SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info);
 
 /*
