@@ -65,6 +65,16 @@ static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, u
     }
 }
 
+/* As random_ray, in the unit of the tree's edge. */
+static svo_ray random_ray_near(const built *tree, uint64_t *random, double spread)
+{
+    svo_ray ray = random_ray(random, spread);
+    for (int axis = 0; axis < 3; ++axis) {
+        ray.origin[axis] = (float)(tree->info.origin[axis] + tree->info.edge * (double)ray.origin[axis]);
+    }
+    return ray;
+}
+
 static void hits_do_not_depend_on_the_depth(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -78,10 +88,7 @@ static void hits_do_not_depend_on_the_depth(void **state)
         built tree;
         build_for_rays(opened, scene_mesh(made), depth, NULL, 0, &tree);
         for (size_t i = 0; i < RAYS && depth == 1; ++i) {
-            rays[i] = random_ray(&random, 3.0);
-            for (int axis = 0; axis < 3; ++axis) {
-                rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * (double)rays[i].origin[axis]);
-            }
+            rays[i] = random_ray_near(&tree, &random, 3.0);
         }
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, depth == 1 ? first : hits);
         assert_same_hits(depth == 1 ? first : hits, first, RAYS, depth);
@@ -180,11 +187,8 @@ static void hits_do_not_depend_on_the_batch(void **state)
     uint64_t random = 11;
     build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
-        rays[i] = random_ray(&random, 1.5);
+        rays[i] = random_ray_near(&tree, &random, 1.5);
         rays[i].t_max = i % 13 == 5 ? -1.0f : rays[i].t_max; /* ends before it begins */
-        for (int axis = 0; axis < 3; ++axis) {
-            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * (double)rays[i].origin[axis]);
-        }
         trace_rays(opened, &tree, &rays[i], 1, SVO_TRACE_CLOSEST, &alone[i]);
         met += alone[i].triangle != SVO_NO_TRIANGLE;
     }

@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
 #
-# `tools/dev matrix`: the same scenes by several implementations of OpenCL, whose hashes must all be the same. Of this
+# `tools/dev matrix`: the same scenes and rays by several implementations of OpenCL; hashes and hits must be the same. Of this
 # machine (Debian 12): PoCL 3.1 and, for small scenes, oclgrind. Of Debian 13, in a root of its own made by debootstrap:
 # PoCL 6 and Mesa's rusticl, with svocl compiled there by that release's compiler. tools/dev sources this file, whose
 # functions and settings it uses.
@@ -34,6 +34,12 @@ readonly matrix_cases=(
     "scene:knot:5000 -d 11 --need none --coverage thin"
 )
 readonly matrix_ways=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
+# Arguments of `svocl trace`; matrix_rays is on its standard input.
+readonly matrix_small_traces=("scene:cornell:60 -d 4 --camera auto --size 24x16")
+readonly matrix_traces=(
+    "scene:atrium -d 6 --camera auto --size 320x240"
+    "scene:knot:5000 -d 6 --rays /dev/stdin"
+)
 readonly matrix_columns=("PoCL 3.1" "oclgrind" "PoCL 6" "rusticl")
 
 # --- the root --------------------------------------------------------------------------------------------------------
@@ -98,8 +104,9 @@ matrix_runner()
     oclgrind) printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program" ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
+        # Doubles, which rays are decided in, have to be asked for.
         printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/rusticl.icd RUSTICL_ENABLE=llvmpipe \
-            /build/bin/svocl
+            RUSTICL_FEATURES=fp64 /build/bin/svocl
         ;;
     esac
 }
@@ -114,6 +121,34 @@ matrix_hash()
     printf '%s\n' "${output##*$'\n'}"
 }
 
+# A CSV file of rays that go all ways, past the middle of a scene as wide as 1. Random numbers by Park and Miller, "Random
+# Number Generators: Good Ones Are Hard to Find", 1988.
+matrix_rays()
+{
+    awk 'function within(reach) { state = state * 16807 % 2147483647; return (state / 1073741823.5 - 1) * reach }
+        BEGIN {
+            state = 1
+            for (ray = 0; ray < 20000; ++ray) {
+                x = within(2); y = within(2); z = within(2)
+                printf "%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", x, y, z, within(0.5) - x, within(0.5) - y, within(0.5) - z
+            }
+        }'
+}
+
+# A hash of the hits by one implementation, or what failed: arguments as those of matrix_hash, for `svocl trace`.
+matrix_hits()
+{
+    local runner output
+    mapfile -t runner < <(matrix_runner "$1" "$2")
+    shift 2
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    output=$("${runner[@]::${#runner[@]}-1}" sh -c '
+        hits=$(mktemp --suffix=.csv) && "$0" trace "$@" -o "$hits" >&2 && md5sum <"$hits" && rm "$hits"' \
+        "${runner[-1]}" "$@" 2>&1 < <(matrix_rays)) || output="exit code $?: $output"
+    output=${output##*$'\n'}
+    printf '%s\n' "${output%  -}"
+}
+
 # Whether the column takes part: oclgrind has small memory and no hurry, and cannot share a process with Mesa's llvmpipe.
 matrix_takes_part()
 {
@@ -121,7 +156,8 @@ matrix_takes_part()
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table. The case's first hash is what the others must be; differences go to matrix_wrong.
+# One line of the table: a way to build, or to trace with the builder "hits". The case's first hash is what the others must
+# be; differences go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()
@@ -132,7 +168,11 @@ matrix_row()
         cell=-
         if matrix_takes_part "$column" "$frontend" "$is_small"; then
             # shellcheck disable=SC2086 # one word per argument
-            hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder")
+            if [[ $builder == hits ]]; then
+                hash=$(matrix_hits "$column" "$folder" $case --frontend "$frontend")
+            else
+                hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder")
+            fi
             matrix_expected=${matrix_expected:-$hash}
             cell=same
             if [[ $hash != "$matrix_expected" || ! $hash =~ ^[0-9a-f]{32}$ ]]; then
@@ -145,12 +185,14 @@ matrix_row()
     printf '\n'
 }
 
+# A case by every way there is: the rest of the arguments.
 matrix_case()
 {
     local folder=$1 is_small=$2 case=$3 way
+    shift 3
     matrix_expected=
     printf '%s\n' "$case"
-    for way in "${matrix_ways[@]}"; do
+    for way in "$@"; do
         # shellcheck disable=SC2086 # two words
         matrix_row "$folder" "$is_small" "$case" $way
     done
@@ -182,15 +224,21 @@ matrix()
     printf ' %9s' "${matrix_columns[@]}"
     printf '\n'
     for case in "${matrix_small_cases[@]}"; do
-        matrix_case "$folder" yes "$case"
+        matrix_case "$folder" yes "$case" "${matrix_ways[@]}"
     done
     for case in "${matrix_cases[@]}"; do
-        matrix_case "$folder" no "$case"
+        matrix_case "$folder" no "$case" "${matrix_ways[@]}"
+    done
+    for case in "${matrix_small_traces[@]}"; do
+        matrix_case "$folder" yes "$case" "cl hits"
+    done
+    for case in "${matrix_traces[@]}"; do
+        matrix_case "$folder" no "$case" "cl hits"
     done
     if ((${#matrix_wrong[@]} > 0)); then
         printf 'matrix: not the same:\n'
         printf '  %s\n' "${matrix_wrong[@]}"
         return 1
     fi
-    printf 'matrix: all hashes are the same\n'
+    printf 'matrix: all hashes and hits are the same\n'
 }
