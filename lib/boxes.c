@@ -15,7 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BINS 16
+/* Bins along an axis: these, or half as many for few items, where looking through them would take longer than filling them. */
+#define BINS      16
+#define FEW_ITEMS 64
 /* Beyond the last leaf: kernels read eight numbers where fewer are left. */
 #define PADDING_WORDS 8
 
@@ -100,6 +102,7 @@ typedef struct bin {
 
 /* Where bins lie: an item's is (middle - begin) * per_unit, rounded down. */
 typedef struct binning {
+    int bin_count; /* along each axis */
     float begin[3], per_unit[3];
 } binning;
 
@@ -119,17 +122,18 @@ static void place_bins(const item *items, uint32_t count, binning *out)
             greatest[axis] = middle > greatest[axis] ? middle : greatest[axis];
         }
     }
+    out->bin_count = count < FEW_ITEMS ? BINS / 2 : BINS;
     for (int axis = 0; axis < 3; ++axis) {
         const float width = greatest[axis] - least[axis];
         out->begin[axis] = least[axis];
-        out->per_unit[axis] = width > 0.0f ? (float)BINS * 0.9999f / width : 0.0f;
+        out->per_unit[axis] = width > 0.0f ? (float)out->bin_count * 0.9999f / width : 0.0f;
     }
 }
 
 static void fill_bins(const item *items, uint32_t count, const binning *by, bin bins[3][BINS])
 {
     for (int axis = 0; axis < 3; ++axis) {
-        for (int k = 0; k < BINS; ++k) {
+        for (int k = 0; k < by->bin_count; ++k) {
             box_clear(&bins[axis][k].bounds);
             bins[axis][k].count = 0;
         }
@@ -151,14 +155,14 @@ typedef struct cut {
     box parts[2];
 } cut;
 
-static void find_cut_along(const bin bins[BINS], int axis, cut *best)
+static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *best)
 {
     box after[BINS];
     uint32_t count_after[BINS];
     box sum;
     uint32_t count = 0;
     box_clear(&sum);
-    for (int k = BINS - 1; k > 0; --k) {
+    for (int k = bin_count - 1; k > 0; --k) {
         box_grow(&sum, &bins[k].bounds);
         count += bins[k].count;
         after[k] = sum;
@@ -166,7 +170,7 @@ static void find_cut_along(const bin bins[BINS], int axis, cut *best)
     }
     box_clear(&sum);
     count = 0;
-    for (int k = 1; k < BINS; ++k) {
+    for (int k = 1; k < bin_count; ++k) {
         box_grow(&sum, &bins[k - 1].bounds);
         count += bins[k - 1].count;
         if (count == 0 || count_after[k] == 0) {
@@ -229,7 +233,7 @@ static void halve(item *all, const range *whole, range *first, range *second)
         place_bins(items, whole->count, &by);
         fill_bins(items, whole->count, &by, bins);
         for (int axis = 0; axis < 3; ++axis) {
-            find_cut_along(bins[axis], axis, &where);
+            find_cut_along(bins[axis], by.bin_count, axis, &where);
         }
         front = where.axis < 0 ? front : part_items(items, whole->count, &by, &where);
     }

@@ -94,6 +94,12 @@ static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, 
         keep_times(&way->report, input_now_ms() - start_ms, times);
         keep_facts(plan, tree, way);
     }
+    if (status == SVO_OK && way->for_rays) {
+        const double built_ms = input_now_ms();
+        status = svo_tree_prepare_rays(tree, all->opened.queue);
+        times[SERIES_RAYS] = input_now_ms() - built_ms;
+        way->ray_bytes = svo_tree_ray_bytes(tree);
+    }
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     return status;

@@ -15,6 +15,7 @@ typedef struct series_way {
     svo_frontend *frontend; /* NULL: there is none, and the reason says why */
     bool in_gl; /* by OpenGL's compute shaders */
     svo_plan_options plan;
+    bool for_rays; /* with the boxes that rays walk through: SERIES_RAYS */
 
     char reason[256]; /* not "": this way does not work here, or not at this size */
     double *times; /* [turn][SERIES_CLOCKS], the first turn apart at the front */
@@ -22,11 +23,14 @@ typedef struct series_way {
     svo_build_report report; /* of the last build */
     svo_tree_info info;
     uint64_t peak_bytes, list_bytes, tree_bytes; /* of device memory: at most at one time; the list; what remains */
+    uint64_t ray_bytes; /* of the boxes */
 } series_way;
 
-/* Times of a build: the stages of the report, and the wall clock around plan and build together. */
+/* Times of a build: the stages of the report, the wall clock around plan and build together, and the wall clock around
+   svo_tree_prepare_rays. */
 #define SERIES_WALL       SVO_STAGE_COUNT
-#define SERIES_CLOCKS     (SVO_STAGE_COUNT + 1)
+#define SERIES_RAYS       (SVO_STAGE_COUNT + 1)
+#define SERIES_CLOCKS     (SVO_STAGE_COUNT + 2)
 #define SERIES_BIT(stage) (1u << (stage))
 /* From the mesh on the host to the finished tree, without the compiler. */
 #define SERIES_BUILD \

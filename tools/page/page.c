@@ -52,7 +52,7 @@ static const section sections[] = {
      "Its scenes' stand-ins and sizes, with its published figures."},
     {NULL, "older-b", "The second older system", "Its grids and measures, with its published figures."},
     {"Beside other libraries", "rays", "Rays beside Embree", "The same rays against the same triangles."},
-    {NULL, "peer-embree", "Structures for rays", "The octree beside Embree's hierarchy."},
+    {NULL, "peer-embree", "Structures for rays", "The octree and its boxes beside Embree's hierarchy."},
     {NULL, "peer-openvdb", "Volumes", "The octree beside OpenVDB's volume of the same resolution."},
 };
 
