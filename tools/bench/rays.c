@@ -24,7 +24,6 @@
 #define QUICK_INPUT     "scene:knot:8000"
 #define DEFAULT_REPEATS 7u
 #define QUICK_REPEATS   3u
-#define QUICK_RAYS      100000u
 
 /* One set of rays, and what came of it. */
 typedef struct ray_set {
@@ -273,11 +272,6 @@ static unsigned count_threads(const options *given)
     return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
-static size_t count_rays(const options *given)
-{
-    return given->quick && given->ray_count > QUICK_RAYS ? QUICK_RAYS : (size_t)given->ray_count;
-}
-
 static int run_bench(ray_bench *bench)
 {
     program *state = bench->state;
@@ -334,7 +328,7 @@ int bench_rays_alone(program *state)
     given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
     ray_bench bench = {.state = state,
                        .threads = count_threads(given),
-                       .ray_count = count_rays(given),
+                       .ray_count = (size_t)given->ray_count,
                        .repeats = given->has_repeat ? (size_t)given->repeat
                                   : given->quick    ? QUICK_REPEATS
                                                     : DEFAULT_REPEATS};
@@ -417,8 +411,10 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     given->depth_for_rays = depth == BENCH_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
     given->versus = embree_is_there();
-    ray_bench bench = {
-        .state = all->state, .threads = count_threads(given), .ray_count = count_rays(given), .repeats = all->repeats};
+    ray_bench bench = {.state = all->state,
+                       .threads = count_threads(given),
+                       .ray_count = (size_t)given->ray_count,
+                       .repeats = all->repeats};
     progress_hold(all->state->progress, true);
     const int exit_code = run_bench(&bench);
     progress_hold(all->state->progress, false);
