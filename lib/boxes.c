@@ -158,7 +158,7 @@ typedef struct cut {
 static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *best)
 {
     box after[BINS];
-    uint32_t count_after[BINS];
+    uint32_t count_after[BINS] = {0};
     box sum;
     uint32_t count = 0;
     box_clear(&sum);
