@@ -153,7 +153,8 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  * tree: of this workspace, and not trimmed. Until svo_tree_finish its info and arrays are undefined; its buffers may be
  *        given to kernels that wait for *event.
  * queue: in-order or out-of-order. num_wait, wait, event: as with OpenCL's own commands; event may be NULL.
- * Returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY. That a capacity was too small shows in
+ * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY, at once as well: what was
+ * enqueued until then runs to its end, and the next build waits for that. That a capacity was too small shows in
  * svo_tree_finish.
  */
 SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
