@@ -35,11 +35,11 @@ static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
 /* Waits for the caller's events and for the build before. */
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
-    cl_event *all = calloc(num_wait + 1u, sizeof *all);
+    cl_event *all = calloc((size_t)num_wait + 1, sizeof *all);
     cl_uint count = num_wait;
     if (all == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "svo_build_enqueue: no memory for %u events", num_wait + 1u);
+                                 "svo_build_enqueue: no memory for %u events to wait for", num_wait);
     }
     if (num_wait > 0) {
         memcpy(all, wait, num_wait * sizeof *all);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The linker puts it between a test and
- * the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named there (ld --wrap), in the test and in the
- * libraries linked into it; so svocl must be static. Drivers' own calls are not seen.
+ * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The linker
+ * puts it between a test and the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named there (ld
+ * --wrap), in the test and in the libraries linked into it; so svocl must be static. Drivers' own calls are not seen.
  *
  *     counting_begin();
  *     ... svo_build(plan, frontend, queue, &tree, NULL) ...

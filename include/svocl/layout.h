@@ -296,9 +296,9 @@ SVO_RECORD(svo_ray_node)
 };
 
 /* A leaf: a head, the corners, the triangles' input ids. The head is the least coordinates, which those of the corners are
-   relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows with an entry per triangle, x of the first
-   corner, x of the second, x of the third, y of the first and so on: 16 bits each, or a word each in a wide leaf. The ids
-   begin at the next whole word, and the next leaf at the next 16 bytes. */
+   relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows with an
+   entry per triangle, x of the first corner, x of the second, x of the third, y of the first and so on: 16 bits each, or a
+   word each in a wide leaf. The ids begin at the next whole word, and the next leaf at the next 16 bytes. */
 #define SVO_RAY_LEAF_HEAD_WORDS 8
 #define SVO_RAY_LEAF_WIDE       0x80000000u
 

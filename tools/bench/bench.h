@@ -46,7 +46,8 @@ typedef struct bench_subject {
 const bench_subject *bench_describe(size_t index);
 
 /*
- * Runs one subject, all of them for "all", or experiments of tools/errors ("errors", "e1" to "e5") into a set, whose machine it fills in, with one progress bar for the whole.
+ * Runs one subject, all of them for "all", or experiments of tools/errors ("errors", "e1" to "e5") into a set, whose
+ * machine it fills in, with one progress bar for the whole.
  * The options are those of OPTION_DEVICE and OPTION_MEASURE, and the context. Returns the exit code, its line printed.
  */
 int bench_collect(program *state, const char *subject, result_set *results);

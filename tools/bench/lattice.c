@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static double position_of(const svo_mesh *mesh, size_t index)
+double lattice_position_of(const svo_mesh *mesh, size_t index)
 {
     return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
 }
@@ -20,7 +20,7 @@ float *lattice_positions(const svo_mesh *mesh)
     }
     for (int pass = 0; pass < 2; ++pass) {
         for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-            const double at = position_of(mesh, i);
+            const double at = lattice_position_of(mesh, i);
             if (isfinite(at) && pass == 0) {
                 low[i % 3] = fmin(low[i % 3], at);
             } else if (isfinite(at)) {
@@ -29,7 +29,7 @@ float *lattice_positions(const svo_mesh *mesh)
         }
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        positions[i] = (float)rint((position_of(mesh, i) - low[i % 3]) * (LATTICE_MAX / (edge > 0 ? edge : 1)));
+        positions[i] = (float)rint((lattice_position_of(mesh, i) - low[i % 3]) * (LATTICE_MAX / (edge > 0 ? edge : 1)));
     }
     return positions;
 }

@@ -7,6 +7,9 @@
 
 #define LATTICE_MAX 1048575.0 /* 2^20 - 1: grid units are world units then */
 
+/* A coordinate of the mesh, in whichever precision it has them; index: 3 * vertex + axis. */
+double lattice_position_of(const svo_mesh *mesh, size_t index);
+
 /* x, y, z of every vertex, moved and scaled to whole numbers 0 .. LATTICE_MAX; what is not finite stays so. By malloc; NULL
    when out of memory. */
 float *lattice_positions(const svo_mesh *mesh);

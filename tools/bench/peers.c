@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "embree.h"
+#include "lattice.h"
 #include "openvdb.h"
 #include "series.h"
 
@@ -33,11 +34,6 @@ typedef struct peer_mesh {
 
 /* ---- the mesh ---- */
 
-static double position_of(const svo_mesh *mesh, size_t index)
-{
-    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
-}
-
 /* In units of voxels from the middle of the first one, on the grid that a plan would fit. Peers get no more care than that:
    a mesh with refused triangles is not for them. */
 static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
@@ -51,14 +47,14 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
         return false;
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        low[i % 3] = fmin(low[i % 3], position_of(mesh, i));
+        low[i % 3] = fmin(low[i % 3], lattice_position_of(mesh, i));
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        edge = fmax(edge, position_of(mesh, i) - low[i % 3]);
+        edge = fmax(edge, lattice_position_of(mesh, i) - low[i % 3]);
     }
     const double scale = edge > 0.0 ? (double)(1u << depth) / edge : 1.0;
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        out->points[i] = (float)((position_of(mesh, i) - low[i % 3]) * scale - 0.5);
+        out->points[i] = (float)((lattice_position_of(mesh, i) - low[i % 3]) * scale - 0.5);
     }
     for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
         out->indices[i] = mesh->indices != NULL ? mesh->indices[i] : (uint32_t)i;
@@ -111,11 +107,10 @@ static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, se
 
 /* ---- tables ---- */
 
-static const char embree_note[] = "in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that "
-                                  "suits rays, and the boxes that rays "
-                                  "walk through, which one thread of the host makes; boxes: those alone; Embree: "
-                                  "geometry and scene committed, on all "
-                                  "cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
+static const char embree_note[] =
+    "in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays, and the boxes that "
+    "rays walk through, which one thread of the host makes; boxes: those alone; Embree: geometry and scene committed, "
+    "on all cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
 
 static int begin_embree(bench_suite *all)
 {

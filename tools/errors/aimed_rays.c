@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "bench/lattice.h"
 #include "bench/ray_sets.h"
 #include "scenes/maths.h"
 
@@ -20,11 +21,8 @@ const char *aim_name(aim kind)
 
 static vector3 vertex_of(const svo_mesh *mesh, size_t index)
 {
-    return mesh->positions_double != NULL
-               ? vector(mesh->positions_double[3 * index], mesh->positions_double[3 * index + 1],
-                        mesh->positions_double[3 * index + 2])
-               : vector((double)mesh->positions[3 * index], (double)mesh->positions[3 * index + 1],
-                        (double)mesh->positions[3 * index + 2]);
+    return vector(lattice_position_of(mesh, 3 * index), lattice_position_of(mesh, 3 * index + 1),
+                  lattice_position_of(mesh, 3 * index + 2));
 }
 
 static double share(random_stream *random)
