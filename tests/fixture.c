@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "../lib/plan.h"
+#include "plan/plan.h"
 #include "scenes.h"
 
 void fixture_skip(fixture *opened, const char *reason)

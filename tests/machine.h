@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "context.h"
+#include "context/context.h"
 #include "svocl/svocl.h"
 
 /* The default device; skips the test when there is none. */

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clip.clh"
+#include "shared/clip.clh"
 #include "payload_pair.h"
 
 #define WEIGHT_BITS 16

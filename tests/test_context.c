@@ -14,10 +14,10 @@
 #include <cmocka.h>
 #include <pthread.h>
 
-#include "context.h"
-#include "device.h"
+#include "context/context.h"
+#include "core/device.h"
 #include "machine.h"
-#include "share.h"
+#include "share/share.h"
 
 enum { BUFFER_WORDS = 1000, THREAD_ROUNDS = 50, SHARE_WORDS = 100003, SHARE_ROUNDS = 3 };
 

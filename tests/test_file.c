@@ -24,8 +24,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "../lib/io/file.h"
-#include "../lib/tree.h"
+#include "io/file.h"
+#include "core/tree.h"
 #include "svocl/io.h"
 #include "svocl/plan.h"
 

@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "attributed_mesh.h"
-#include "context.h"
+#include "context/context.h"
 #include "fixture.h"
 #include "scenes.h"
 

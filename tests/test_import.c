@@ -23,8 +23,8 @@
 
 #include <stb/stb_image_write.h>
 
-#include "../lib/io/import_process.h"
-#include "../lib/io/import_stream.h"
+#include "io/import_process.h"
+#include "io/import_stream.h"
 #include "svocl/io.h"
 
 /* In the library, but not in its header. The result is freed by free. */

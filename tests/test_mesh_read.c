@@ -15,10 +15,10 @@
 #include <pthread.h>
 #include <time.h>
 
-#include "device.h"
+#include "core/device.h"
 #include "fixture.h"
 #include "machine.h"
-#include "odd_state.h"
+#include "nondefault_state.h"
 #include "own_context.h"
 
 enum { CUBE_VERTICES = 8, CUBE_TRIANGLES = 12, DEPTH = 6, DELAY_MS = 30, INDEX_OFFSET = 6, VERTEX_OFFSET = 20 };

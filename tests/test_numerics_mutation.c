@@ -18,7 +18,7 @@
 #include "golden.h"
 #include "machine.h"
 #include "oracle.h"
-#include "raster.h"
+#include "raster/raster.h"
 
 typedef struct mutant {
     const char *name;

@@ -21,8 +21,8 @@
 #include "fixture.h"
 #include "machine.h"
 #include "meshes.h"
-#include "raster.h"
-#include "selftest.h"
+#include "raster/raster.h"
+#include "raster/selftest.h"
 
 #define NV          "GL_NV_conservative_raster"
 #define NV_PRE_SNAP "GL_NV_conservative_raster_pre_snap_triangles"

@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/result.h"
-#include "bench/spread.h"
+#include "measure/result.h"
+#include "measure/spread.h"
 
 /* Two tables: one with every kind of cell, one without rows. */
 static result_set *make_set(void)

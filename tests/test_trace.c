@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "svocl/svocl.h"
-#include "tree.h"
+#include "core/tree.h"
 
 #define TEST_DEPTH_MAX 5u
 #define TEST_CELLS_MAX (1u << (3 * TEST_DEPTH_MAX))

@@ -13,12 +13,12 @@
 #include <cmocka.h>
 #include <pthread.h>
 
-#include "device.h"
+#include "core/device.h"
 #include "fixture.h"
-#include "gl_sharing_shim.h"
+#include "gl_interop_shim.h"
 #include "machine.h"
 #include "meshes.h"
-#include "odd_state.h"
+#include "nondefault_state.h"
 #include "own_context.h"
 
 enum { TRIANGLES = 150 };

@@ -7,7 +7,7 @@
 #ifndef SVOCL_WALK_FRONTEND_H
 #define SVOCL_WALK_FRONTEND_H
 
-#include "frontend.h"
+#include "build/frontend.h"
 
 typedef struct walk_frontend {
     svo_frontend frontend; /* for svo_build */

@@ -2,9 +2,9 @@
 /* The last step of loading a .svo file: every link, list entry and index of the arrays is where a build would put it. */
 #include <inttypes.h>
 
-#include "../message.h"
-#include "../tree.h"
-#include "file.h"
+#include "core/message.h"
+#include "core/tree.h"
+#include "io/file.h"
 #include "svocl/plan.h"
 
 #define SNAPPED_MAX (1 << 29) /* vertices of accepted triangles lie below this (lib/grid.c) */

@@ -17,9 +17,9 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "../message.h"
-#include "../tree.h"
-#include "file.h"
+#include "core/message.h"
+#include "core/tree.h"
+#include "io/file.h"
 #include "svocl/plan.h"
 
 /* A zstd block is at least 4 bytes long and gives at most 128 KiB: no honest chunk promises more. */

@@ -16,9 +16,9 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "../message.h"
-#include "../tree.h"
-#include "file.h"
+#include "core/message.h"
+#include "core/tree.h"
+#include "io/file.h"
 
 #define COMPRESSION_LEVEL 3
 #define NAME_ATTEMPTS     1000

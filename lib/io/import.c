@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../message.h"
-#include "import_process.h"
-#include "import_stream.h"
+#include "core/message.h"
+#include "io/import_process.h"
+#include "io/import_stream.h"
 
 #define DEFAULT_MEMORY_BYTES  ((uint64_t)8 << 30)
 #define DEFAULT_TIME_SECONDS  120

@@ -13,11 +13,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "../message.h"
-#include "import_gather.h"
-#include "import_process.h"
-#include "import_scene.h"
-#include "import_stream.h"
+#include "core/message.h"
+#include "io/import_gather.h"
+#include "io/import_process.h"
+#include "io/import_scene.h"
+#include "io/import_stream.h"
 
 /* The address sanitizer reserves terabytes of address space: no limit on that can be set beside it. */
 #if defined(__SANITIZE_ADDRESS__)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Growing arrays of an import child and the hash table that keeps their vertices distinct. */
-#include "import_gather.h"
+#include "io/import_gather.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "../message.h"
-#include "import_stream.h"
+#include "core/message.h"
+#include "io/import_stream.h"
 
 #define EMPTY            UINT32_MAX
 #define FIRST_CAPACITY   ((size_t)1024)

@@ -3,12 +3,12 @@
  * Materials in the import child. Of all that assimp knows about a material only its diffuse (or base) colour and that
  * colour's texture matter here.
  */
-#include "import_material.h"
+#include "io/import_material.h"
 
 #include <assimp/material.h>
 #include <string.h>
 
-#include "import_stream.h"
+#include "io/import_stream.h"
 
 #define DEFAULT_GREY 0.6f /* assimp's colour for materials that no file asked for */
 

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "import_texture.h"
+#include "io/import_texture.h"
 
 /* How a material wants its texture's coordinates: a channel of the mesh, and channel * scale + offset in assimp's
    orientation, which has v = 0 in the last row. */

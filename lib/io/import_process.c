@@ -4,7 +4,7 @@
  * time is over, then buried. Crash, hang and flood all end in a status here.
  */
 #define _GNU_SOURCE /* pipe2: no moment in which another thread's child could inherit the pipe */
-#include "import_process.h"
+#include "io/import_process.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -20,8 +20,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../message.h"
-#include "import_stream.h"
+#include "core/message.h"
+#include "io/import_stream.h"
 
 #define FIRST_READ_BYTES ((size_t)1 << 20)
 #define NOT_STARTED_CODE 127 /* posix_spawn's, where it notices too late that the program cannot be run */

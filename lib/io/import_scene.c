@@ -3,13 +3,13 @@
  * The walk over assimp's scene: node transforms are applied, attributes that only some meshes have are filled up, and
  * every triangle is gathered, degenerate ones too: they are geometry here.
  */
-#include "import_scene.h"
+#include "io/import_scene.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "import_material.h"
-#include "import_stream.h"
+#include "io/import_material.h"
+#include "io/import_stream.h"
 
 #define NODE_DEPTH_MAX 1000 /* deeper is a damaged file; keeps the recursion within any stack */
 #define MATERIALS_MAX  UINT16_MAX

@@ -5,7 +5,7 @@
 
 #include <assimp/scene.h>
 
-#include "import_gather.h"
+#include "io/import_gather.h"
 
 /*
  * Gathers every triangle of the scene in node order, textures and warnings going to the stream on the way.

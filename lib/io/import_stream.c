@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The answer of an import child, written frame by frame and read with suspicion. */
 #define _POSIX_C_SOURCE 200809L
-#include "import_stream.h"
+#include "io/import_stream.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../message.h"
+#include "core/message.h"
 
 /* Child side */
 

@@ -4,7 +4,7 @@
  * the parent, since they come from strangers just as meshes do.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "import_texture.h"
+#include "io/import_texture.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "import_stream.h"
+#include "io/import_stream.h"
 
 /* Private to this file, used or not: the program that links the library may have a stb_image of its own. */
 #define STB_IMAGE_STATIC

@@ -3,7 +3,7 @@
 #ifndef SVO_TESTS_MESH_LAYOUT_H
 #define SVO_TESTS_MESH_LAYOUT_H
 
-#include "plan.h"
+#include "plan/plan.h"
 
 /* chunk_bytes: at least 16384. seed: what the chunks turn out to need when the cut is grown. */
 void check_layouts(const svo_plan *plan, uint64_t chunk_bytes, uint64_t seed);

@@ -11,7 +11,7 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "../../lib/io/file.h"
+#include "io/file.h"
 #include "fuzz.h"
 
 #define PLAIN_BYTES_MAX ((size_t)1 << 20)

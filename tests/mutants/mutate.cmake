@@ -1,9 +1,11 @@
-# svocl_mutate(folder files file from to): copies files into folder with one mistake in the one named file: its text from,
+# svocl_mutate(folder files file from to): copies files into folder, each into the room that it comes from, with one mistake in the one named file: its text from,
 # which it must have exactly once, is replaced by to. For the tests that show that the tests find such mistakes.
 function(svocl_mutate folder files file from to)
   foreach(path IN LISTS files)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
     cmake_path(GET path FILENAME name)
+    cmake_path(GET path PARENT_PATH room)
+    cmake_path(GET room FILENAME room)
     file(READ ${path} text)
     if(name STREQUAL file)
       string(FIND "${text}" "${from}" first)
@@ -13,6 +15,6 @@ function(svocl_mutate folder files file from to)
       endif()
       string(REPLACE "${from}" "${to}" text "${text}")
     endif()
-    file(CONFIGURE OUTPUT ${folder}/${name} CONTENT "${text}" @ONLY)
+    file(CONFIGURE OUTPUT ${folder}/${room}/${name} CONTENT "${text}" @ONLY)
   endforeach()
 endfunction()

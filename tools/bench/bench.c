@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Goes through the subjects: opens the session and each scene, calls the subject for each depth. */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <stdio.h>
 #include <stdlib.h>

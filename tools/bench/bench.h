@@ -7,9 +7,9 @@
 #ifndef SVOCL_BENCH_H
 #define SVOCL_BENCH_H
 
-#include "input.h"
-#include "result.h"
-#include "session.h"
+#include "support/input.h"
+#include "measure/result.h"
+#include "support/session.h"
 
 #define BENCH_LIST_MAX 16
 /* In place of a depth: the one that svo_plan_ray_depth finds. */

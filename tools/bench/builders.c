@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "series.h"
+#include "bench/series.h"
 
 static const char builders_id[] = "builders";
 static const char share_id[] = "share";

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Starts this program again, reads what it prints, and removes the folder of caches behind it. */
 #define _XOPEN_SOURCE 700
-#include "child.h"
+#include "bench/child.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "input.h"
+#include "support/input.h"
 
 #define OUTPUT_BYTES_MAX ((size_t)1 << 20)
 #define ARGUMENTS_MAX    24

@@ -2,7 +2,7 @@
 /* What payload costs: by the weights of its means, and each kind of it alone. */
 #include <string.h>
 
-#include "series.h"
+#include "bench/series.h"
 
 static const char table_id[] = "filter";
 

@@ -2,7 +2,7 @@
 /* What the plan saves by leaving out what nobody reads: the same scene with each need, weight and builder in turn. */
 #include <string.h>
 
-#include "series.h"
+#include "bench/series.h"
 
 static const char table_id[] = "e6-leaving-out";
 

@@ -6,7 +6,7 @@
  */
 #include <math.h>
 
-#include "series.h"
+#include "bench/series.h"
 
 /* ---- older-a: structures at small depths ---- */
 

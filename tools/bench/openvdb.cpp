@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The only file that knows OpenVDB, and the only C++ of the program: compiled where libopenvdb-dev is there. */
-#include "openvdb.h"
+#include "bench/openvdb.h"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* In place of openvdb.cpp where libopenvdb-dev is not there. */
-#include "openvdb.h"
+#include "bench/openvdb.h"
 
 bool openvdb_is_there(void)
 {

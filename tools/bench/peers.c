@@ -6,10 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "embree.h"
-#include "lattice.h"
-#include "openvdb.h"
-#include "series.h"
+#include "measure/embree.h"
+#include "measure/quantization.h"
+#include "bench/openvdb.h"
+#include "bench/series.h"
 
 static const char embree_id[] = "peer-embree";
 static const char openvdb_id[] = "peer-openvdb";

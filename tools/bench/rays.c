@@ -10,15 +10,15 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bench.h"
-#include "embree.h"
-#include "job.h"
-#include "json.h"
-#include "lattice.h"
-#include "ray_judge.h"
-#include "ray_sets.h"
-#include "spread.h"
-#include "table.h"
+#include "bench/bench.h"
+#include "measure/embree.h"
+#include "support/job.h"
+#include "support/json.h"
+#include "measure/quantization.h"
+#include "measure/ray_judge.h"
+#include "measure/ray_sets.h"
+#include "measure/spread.h"
+#include "support/table.h"
 
 #define DEFAULT_INPUT   "scene:statue:120000"
 #define QUICK_INPUT     "scene:knot:8000"

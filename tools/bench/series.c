@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Builds in turns, and the order statistics of their stages. */
-#include "series.h"
+#include "bench/series.h"
 
 #include <inttypes.h>
 #include <math.h>

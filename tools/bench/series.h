@@ -6,8 +6,8 @@
 #ifndef SVOCL_SERIES_H
 #define SVOCL_SERIES_H
 
-#include "bench.h"
-#include "spread.h"
+#include "bench/bench.h"
+#include "measure/spread.h"
 
 /* One way from the mesh to the tree, and what came of it. */
 typedef struct series_way {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What scenes of no triangle, of one and of a million take; and memory per leaf beside ways that leave nothing out. */
-#include "series.h"
+#include "bench/series.h"
 
 /* ---- scene-sizes ---- */
 

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "child.h"
-#include "series.h"
+#include "bench/child.h"
+#include "bench/series.h"
 
 static const char table_id[] = "startup";
 

@@ -2,7 +2,7 @@
 /* The front ends beside each other: triangles to exact fragments, by OpenCL alone and by OpenGL's rasterizer. */
 #include <math.h>
 
-#include "series.h"
+#include "bench/series.h"
 
 static const char table_id[] = "voxelize";
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Goes through the leaf lists once; attributes are interpolated in double. */
-#include "attribute_samples.h"
+#include "errors/attribute_samples.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle.h"
+#include "reference/oracle.h"
 #include "scenes/maths.h"
 
 #define LEAST_AREA   1e-6 /* of a face of the voxel: below, a triangle only touches */

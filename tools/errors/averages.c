@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Buffers, launches and the way back from octets. */
-#include "averages.h"
+#include "errors/averages.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "input.h"
+#include "support/input.h"
 
 #define GROUP_ITEMS 64u
 

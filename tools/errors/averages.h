@@ -4,7 +4,7 @@
 #define SVOCL_AVERAGES_H
 
 #include "errors/attribute_samples.h"
-#include "session.h"
+#include "support/session.h"
 
 typedef enum average_way { AVERAGE_RGBA8 = 0, AVERAGE_FLOAT, AVERAGE_WAY_COUNT } average_way;
 

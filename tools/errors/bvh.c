@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Built by halving along the longest side of the boxes' middles; walked with a stack, nearer child first. */
-#include "bvh.h"
+#include "errors/bvh.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "errors/crew.h"
-#include "input.h"
+#include "measure/threads.h"
+#include "support/input.h"
 
 #define LEAF_TRIANGLES    4u
 #define STACK_NODES       64u

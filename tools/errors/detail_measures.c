@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The grid is flooded from outside; half-open voxels are 6-separating, so that the flood stays outside a closed surface. */
-#include "detail_measures.h"
+#include "errors/detail_measures.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle.h"
+#include "reference/oracle.h"
 
 #define FILL_OF_A_FACE 4096.0
 

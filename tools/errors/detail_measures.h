@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "session.h"
+#include "support/session.h"
 
 typedef struct detail_reference {
     svo_tree *tree; /* with lists, at the depth that suits queries */

@@ -2,7 +2,7 @@
 /* E1: voxels that are missed and voxels too many, for every way to voxelize, at 64^3 to 1024^3. */
 #include <stdio.h>
 
-#include "errors/voxel_ways.h"
+#include "errors/voxel_methods.h"
 
 #define DEPTH_FIRST 6u
 

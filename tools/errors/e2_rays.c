@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "bench/lattice.h"
-#include "errors/aimed_rays.h"
-#include "errors/ray_ways.h"
+#include "measure/quantization.h"
+#include "errors/adversarial_rays.h"
+#include "errors/ray_methods.h"
 
 #define UNIT       32.0 /* corners are multiples of it, 0 .. 2^20 - 32: 15 bits, so that long double decides exactly */
 #define GRID_EDGE  1048576.0

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* E3: how far the colours and normals of voxels are from the means they stand for, and how much the order matters. */
-#include "errors/attribute_ways.h"
+#include "errors/attribute_methods.h"
 
 static result_table *begin_table(error_run *run)
 {

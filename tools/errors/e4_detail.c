@@ -7,8 +7,8 @@
 
 #include "errors/detail_measures.h"
 #include "errors/errors.h"
-#include "errors/turns.h"
-#include "input.h"
+#include "measure/interleave.h"
+#include "support/input.h"
 
 #define FIRST_DEPTH 3u
 

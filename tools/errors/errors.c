@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens what the experiments share and runs them one after the other. */
-#include "errors.h"
+#include "errors/errors.h"
 
 #include <string.h>
 
 #include "errors/bench_errors.h"
-#include "errors/crew.h"
+#include "measure/threads.h"
 
 #define QUICK_ROUNDS 2u
 #define FULL_ROUNDS  11u

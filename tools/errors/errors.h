@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "bench/result.h"
+#include "measure/result.h"
 #include "scenes/scenes.h"
-#include "session.h"
+#include "support/session.h"
 
 /* What the experiments share. */
 typedef struct error_run {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* One ray and one triangle at a time. */
-#include "ray_tests.h"
+#include "errors/ray_tests.h"
 
 #include <math.h>
 
-#include "bench/ray_judge.h"
+#include "measure/ray_judge.h"
 
 static const float *corner_of(const float_triangles *from, size_t triangle, size_t corner)
 {

@@ -4,7 +4,7 @@
 #define SVOCL_RAY_TESTS_H
 
 #include "errors/bvh.h"
-#include "oracle_rays.h"
+#include "reference/oracle_rays.h"
 
 /* Triangles as float32 sees them: world coordinates, rounded. */
 typedef struct float_triangles {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* One work-item per ray. */
-#include "voxel_cast.h"
+#include "errors/voxel_cast.h"
 
 #include <stdlib.h>
 
-#include "input.h"
+#include "support/input.h"
 
 #define GROUP_ITEMS 64u
 

@@ -3,7 +3,7 @@
 #ifndef SVOCL_VOXEL_CAST_H
 #define SVOCL_VOXEL_CAST_H
 
-#include "session.h"
+#include "support/session.h"
 
 typedef struct voxel_cast voxel_cast;
 

@@ -5,7 +5,7 @@
  * wings, the folds and the veins of the marble.
  */
 #include "parts.h"
-#include "polygonise.h"
+#include "polygonize.h"
 
 #define FEATHERS 14
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "stress/stress.h"
-#include "tree_check.h"
+#include "support/tree_check.h"
 
 static void expect_voxels(stress_case *one, uint64_t expected, uint64_t found, unsigned depth)
 {

@@ -6,7 +6,7 @@
  */
 #include <math.h>
 
-#include "float_ways.h"
+#include "stress/float_methods.h"
 
 #define SUBPIXELS 256
 

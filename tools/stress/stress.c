@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "input.h"
-#include "snap_check.h"
-#include "stress/float_ways.h"
-#include "tree_check.h"
+#include "support/input.h"
+#include "support/snap_check.h"
+#include "stress/float_methods.h"
+#include "support/tree_check.h"
 
 size_t stress_amount(const stress *run, size_t per_count, size_t least)
 {

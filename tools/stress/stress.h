@@ -6,8 +6,8 @@
 #ifndef SVOCL_STRESS_H
 #define SVOCL_STRESS_H
 
-#include "program.h"
-#include "session.h"
+#include "support/program.h"
+#include "support/session.h"
 #include "stress/stress_mesh.h"
 
 #define STRESS_NAME_BYTES 64

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes the classes of triangles. */
-#include "stress_mesh.h"
+#include "stress/stress_mesh.h"
 
 #include <stdlib.h>
 #include <string.h>

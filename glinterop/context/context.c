@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/* OpenGL contexts: what the kinds have in common, and how one is made current and given up again. */
+#include "context/context.h"
+
+#include <stdlib.h>
+
+#include "core/message.h"
+
+const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
+{
+    switch (kind) {
+    case SVO_GL_SURFACELESS:
+        return "surfaceless";
+    case SVO_GL_EGL_DEVICE:
+        return "egl-device";
+    case SVO_GL_OSMESA:
+        return "osmesa";
+    case SVO_GL_WRAPPED:
+        return "wrapped";
+    case SVO_GL_CONTEXT_KINDS:
+        break;
+    }
+    return "unknown context kind";
+}
+
+static void take_binding(svo_i_gl_binding *binding)
+{
+    binding->taken = true;
+    svo_i_egl_binding_take(&binding->egl);
+    svo_i_osmesa_binding_take(&binding->osmesa);
+}
+
+static void restore_binding(const svo_i_gl_binding *binding)
+{
+    svo_i_osmesa_binding_restore(&binding->osmesa);
+    svo_i_egl_binding_restore(&binding->egl);
+}
+
+svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *message)
+{
+    if (context->nesting == SVO_I_GL_NESTING_LIMIT) {
+        return svo_i_fail(message, SVO_INTERNAL, "svo_i_gl_context_make_current: nested deeper than %d",
+                          SVO_I_GL_NESTING_LIMIT);
+    }
+    svo_i_gl_binding *previous = &context->previous[context->nesting];
+    *previous = (svo_i_gl_binding){0};
+    if (!context->platform->is_current(context->native)) {
+        take_binding(previous);
+        svo_status status = context->platform->make_current(context->native, message);
+        if (status != SVO_OK) {
+            restore_binding(previous);
+            return status;
+        }
+    }
+    if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
+        svo_i_gl_state_save(&context->functions, &context->callers_state);
+    }
+    ++context->nesting;
+    return SVO_OK;
+}
+
+void svo_i_gl_context_release_current(svo_gl_context *context)
+{
+    if (context->nesting == 0) {
+        return;
+    }
+    --context->nesting;
+    if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
+        svo_i_gl_state_restore(&context->functions, &context->callers_state);
+    }
+    const svo_i_gl_binding *previous = &context->previous[context->nesting];
+    if (previous->taken) {
+        svo_i_gl_binding own;
+        take_binding(&own);
+        restore_binding(previous);
+    }
+}
+
+const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *context)
+{
+    return &context->functions;
+}
+
+static svo_status load_functions(svo_gl_context *context, svo_message *message)
+{
+    svo_status status = svo_i_gl_context_make_current(context, message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    status = svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
+    svo_i_gl_context_release_current(context);
+    return status;
+}
+
+svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_message *message)
+{
+    const bool promised = context->platform->promises_gpu != NULL && context->platform->promises_gpu(context->native);
+    if (promised && svo_i_gl_is_software(&context->functions)) {
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL device %u is a GPU, but %s renders for it",
+                          context->device_index, context->functions.renderer);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
+                                 svo_message *message)
+{
+    if (out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: out is NULL");
+    }
+    if ((unsigned)kind >= SVO_GL_CONTEXT_KINDS) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: kind %d is not below %d", (int)kind,
+                          SVO_GL_CONTEXT_KINDS);
+    }
+    svo_gl_context *context = calloc(1, sizeof *context);
+    if (context == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
+    }
+    context->opencl = &svo_i_opencl_installed;
+    context->kind = kind;
+    context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
+    context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
+    svo_status status = context->platform->create(kind, context->device_index, &context->native, message);
+    if (status == SVO_OK) {
+        status = load_functions(context, message);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_gl_context_check_promise(context, message);
+    }
+    if (status != SVO_OK) {
+        svo_gl_context_destroy(&context);
+        return status;
+    }
+    *out = context;
+    return SVO_OK;
+}
+
+svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
+                               svo_message *message)
+{
+    if (get_proc_address == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_wrap: %s is NULL",
+                          out == NULL ? "out" : "get_proc_address");
+    }
+    svo_gl_context *context = calloc(1, sizeof *context);
+    if (context == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
+    }
+    context->opencl = &svo_i_opencl_installed;
+    context->kind = SVO_GL_WRAPPED;
+    context->platform = &svo_i_wrap_platform;
+    svo_status status = context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message);
+    if (status == SVO_OK) {
+        status = svo_i_gl_load(&context->functions, get_proc_address, user, message);
+    }
+    if (status != SVO_OK) {
+        svo_i_message_rename(message, "svo_gl_context_wrap");
+        svo_gl_context_destroy(&context);
+        return status;
+    }
+    *out = context;
+    return SVO_OK;
+}
+
+void svo_gl_context_destroy(svo_gl_context **context)
+{
+    if (context == NULL || *context == NULL) {
+        return;
+    }
+    svo_gl_context *dying = *context;
+    if (dying->native != NULL) {
+        dying->platform->destroy(dying->native);
+    }
+    svo_i_gl_unload(&dying->functions);
+    free(dying);
+    *context = NULL;
+}
+
+void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info)
+{
+    info->kind = context->kind;
+    info->device_index = context->device_index;
+    info->vendor = context->functions.vendor;
+    info->renderer = context->functions.renderer;
+    info->version = context->functions.version_text;
+    info->is_software = svo_i_gl_is_software(&context->functions);
+}

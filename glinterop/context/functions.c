@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+/* Fills the table of OpenGL entry points of one context; called when a context is made, before anything is drawn. */
+#include "context/functions.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/message.h"
+
+typedef struct entry_point {
+    const char *name;
+    size_t offset_bytes; /* into svo_i_gl_functions */
+    int core_version;
+    const char *extension;
+} entry_point;
+
+static const entry_point entry_points[] = {
+#define ENTRY_POINT(member, type, core_version, extension) \
+    {"gl" #member, offsetof(svo_i_gl_functions, member), core_version, extension},
+    SVO_I_GL_FUNCTION_LIST(ENTRY_POINT)
+#undef ENTRY_POINT
+};
+enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0], EXTENSIONS_MAX = 4096 };
+
+/* Stores the pointer in the table, whatever its type: all function pointers have one representation. */
+static void store_function(svo_i_gl_functions *gl, const entry_point *entry, svo_i_function function)
+{
+    memcpy((char *)gl + entry->offset_bytes, &function, sizeof function);
+}
+
+/* Looks up all required functions and returns the name of the first one that is missing, or NULL. */
+static const char *load_required(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user)
+{
+    const char *missing = NULL;
+    for (size_t i = 0; i < ENTRY_POINT_COUNT; ++i) {
+        if (entry_points[i].core_version > SVO_I_GL_MINIMUM_VERSION) {
+            continue;
+        }
+        svo_i_function function = get_proc_address(user, entry_points[i].name);
+        store_function(gl, &entry_points[i], function);
+        if (function == NULL && missing == NULL) {
+            missing = entry_points[i].name;
+        }
+    }
+    return missing;
+}
+
+static svo_status fail_missing(const char *missing, svo_message *message)
+{
+    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: the context has no function %s", missing);
+}
+
+static void load_optional(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user)
+{
+    for (size_t i = 0; i < ENTRY_POINT_COUNT; ++i) {
+        const entry_point *entry = &entry_points[i];
+        if (entry->core_version <= SVO_I_GL_MINIMUM_VERSION) {
+            continue;
+        }
+        if (gl->version >= entry->core_version || svo_i_gl_has_extension(gl, entry->extension)) {
+            store_function(gl, entry, get_proc_address(user, entry->name));
+        }
+    }
+}
+
+static const char *driver_string(const svo_i_gl_functions *gl, GLenum name)
+{
+    const char *text = (const char *)gl->GetString(name);
+    return text != NULL ? text : "";
+}
+
+static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
+{
+    GLint major = 0, minor = 0; /* stay 0 below OpenGL 3.0, which does not know the question */
+    gl->GetIntegerv(GL_MAJOR_VERSION, &major);
+    gl->GetIntegerv(GL_MINOR_VERSION, &minor);
+    gl->version = major * 10 + minor;
+    gl->vendor = driver_string(gl, GL_VENDOR);
+    gl->renderer = driver_string(gl, GL_RENDERER);
+    gl->version_text = driver_string(gl, GL_VERSION);
+    if (gl->version_text[0] == '\0') {
+        return svo_i_fail(message, SVO_NO_GL,
+                          "svo_gl_context_create: the context does not say its version; is it current on this thread?");
+    }
+    if (gl->version < SVO_I_GL_MINIMUM_VERSION) {
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: OpenGL \"%s\" of \"%s\" is below %d.%d",
+                          gl->version_text, gl->renderer, SVO_I_GL_MINIMUM_VERSION / 10, SVO_I_GL_MINIMUM_VERSION % 10);
+    }
+    return SVO_OK;
+}
+
+static const char *extension_name(const svo_i_gl_functions *gl, GLint index)
+{
+    const char *name = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)index);
+    return name != NULL ? name : "";
+}
+
+/* Joins the extension names into one string, so that they can be asked for without the context being current. */
+static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
+{
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    count = count < EXTENSIONS_MAX ? count : EXTENSIONS_MAX; /* whatever the driver says */
+    size_t bytes = 1;
+    for (GLint i = 0; i < count; ++i) {
+        bytes += strlen(extension_name(gl, i)) + 1;
+    }
+    gl->extensions = malloc(bytes);
+    if (gl->extensions == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY,
+                          "svo_gl_context_create: no %zu bytes for the extension names", bytes);
+    }
+    char *at = gl->extensions;
+    for (GLint i = 0; i < count; ++i) {
+        const char *name = extension_name(gl, i);
+        size_t length = strlen(name);
+        memcpy(at, name, length);
+        at[length] = ' ';
+        at += length + 1;
+    }
+    *at = '\0';
+    return SVO_OK;
+}
+
+static GLint integer_limit(const svo_i_gl_functions *gl, GLenum name)
+{
+    GLint value = 0;
+    gl->GetIntegerv(name, &value);
+    return value;
+}
+
+static void load_limits(svo_i_gl_functions *gl)
+{
+    svo_i_gl_limits *limits = &gl->limits;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limits->storage_block_bytes);
+    limits->storage_offset_alignment_bytes = integer_limit(gl, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+    limits->storage_bindings = integer_limit(gl, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+    limits->vertex_storage_blocks = integer_limit(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
+    limits->geometry_storage_blocks = integer_limit(gl, GL_MAX_GEOMETRY_SHADER_STORAGE_BLOCKS);
+    limits->fragment_storage_blocks = integer_limit(gl, GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS);
+    limits->compute_storage_blocks = integer_limit(gl, GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
+    limits->combined_storage_blocks = integer_limit(gl, GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS);
+    limits->fragment_atomic_counters = integer_limit(gl, GL_MAX_FRAGMENT_ATOMIC_COUNTERS);
+    limits->framebuffer_width = integer_limit(gl, GL_MAX_FRAMEBUFFER_WIDTH);
+    limits->framebuffer_height = integer_limit(gl, GL_MAX_FRAMEBUFFER_HEIGHT);
+    limits->subpixel_bits = integer_limit(gl, GL_SUBPIXEL_BITS);
+    limits->map_alignment_bytes = integer_limit(gl, GL_MIN_MAP_BUFFER_ALIGNMENT);
+    limits->compute_group_invocations = integer_limit(gl, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
+
+    GLint viewport[2] = {0, 0};
+    gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    limits->viewport_width = viewport[0];
+    limits->viewport_height = viewport[1];
+    for (GLuint axis = 0; axis < 3; ++axis) {
+        gl->GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &limits->compute_group_count[axis]);
+    }
+}
+
+/* Everything up to the extension names; what has been loaded by then is left in the table on failure. */
+static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
+                            svo_message *message)
+{
+    const char *missing = load_required(gl, get_proc_address, user);
+    if (gl->GetIntegerv == NULL || gl->GetString == NULL || gl->GetStringi == NULL) {
+        return fail_missing(missing, message);
+    }
+    /* A context that is too old lacks functions too; its version is then the better explanation. */
+    svo_status status = load_version(gl, message);
+    if (status == SVO_OK && missing != NULL) {
+        status = fail_missing(missing, message);
+    }
+    return status == SVO_OK ? load_extensions(gl, message) : status;
+}
+
+svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
+                         svo_message *message)
+{
+    *gl = (svo_i_gl_functions){0};
+    svo_status status = load_core(gl, get_proc_address, user, message);
+    if (status != SVO_OK) {
+        svo_i_gl_unload(gl);
+        return status;
+    }
+    load_optional(gl, get_proc_address, user);
+    load_limits(gl);
+    svo_i_gl_clear_errors(gl);
+    return SVO_OK;
+}
+
+void svo_i_gl_unload(svo_i_gl_functions *gl)
+{
+    free(gl->extensions);
+    *gl = (svo_i_gl_functions){0};
+}
+
+bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension)
+{
+    return svo_i_list_has_token(gl->extensions, extension);
+}
+
+bool svo_i_gl_is_software(const svo_i_gl_functions *gl)
+{
+    /* Drivers on top of others name them in brackets: "zink (llvmpipe ...)". */
+    static const char *const names[] = {"llvmpipe",    "softpipe",           "swrast", "OpenSWR", "lavapipe",
+                                        "SwiftShader", "Software Rasterizer"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strstr(gl->renderer, names[i]) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void svo_i_gl_clear_errors(const svo_i_gl_functions *gl)
+{
+    /* Bounded, since a lost context may report errors for ever. */
+    for (int i = 0; i < 64 && gl->GetError() != GL_NO_ERROR; ++i) {
+    }
+}
+
+static const char *gl_error_name(GLenum error)
+{
+    switch (error) {
+    case GL_INVALID_ENUM:
+        return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+        return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+        return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+        return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+        return "GL_OUT_OF_MEMORY";
+    case GL_CONTEXT_LOST:
+        return "GL_CONTEXT_LOST";
+    default:
+        return "unknown error";
+    }
+}
+
+svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message)
+{
+    if (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR) {
+        svo_i_gl_clear_errors(gl);
+        return svo_i_fail(message, SVO_GL_ERROR, "%s: %s: the context was lost", function, step);
+    }
+    GLenum error = gl->GetError();
+    if (error == GL_NO_ERROR) {
+        return SVO_OK;
+    }
+    svo_i_gl_clear_errors(gl);
+    svo_status status = error == GL_OUT_OF_MEMORY ? SVO_OUT_OF_DEVICE_MEMORY : SVO_GL_ERROR;
+    return svo_i_fail(message, status, "%s: %s: %s (0x%04x)", function, step, gl_error_name(error), error);
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/* Libraries loaded at run time and extension lists: the ground under context_egl.c and context_osmesa.c. */
+#include "context/library.h"
+
+#include <dlfcn.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "core/message.h"
+
+svo_status svo_i_library_open(const char *file_name, void **library, svo_message *message)
+{
+    void *opened = dlopen(file_name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (opened == NULL) {
+        const char *words = dlerror(); /* names the file itself */
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: %s", words != NULL ? words : file_name);
+    }
+    *library = opened;
+    return SVO_OK;
+}
+
+void *svo_i_library_if_loaded(const char *file_name)
+{
+    return dlopen(file_name, RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
+}
+
+void svo_i_library_close(void *library)
+{
+    if (library != NULL) {
+        (void)dlclose(library);
+    }
+}
+
+svo_i_function svo_i_library_function(void *library, const char *name)
+{
+    /* POSIX lets dlsym's result be a function; ISO C has no cast for it, so the bytes are copied. */
+    void *symbol = dlsym(library, name);
+    svo_i_function function;
+    _Static_assert(sizeof function == sizeof symbol, "function pointers are as wide as object pointers");
+    memcpy(&function, &symbol, sizeof function);
+    return function;
+}
+
+bool svo_i_list_has_token(const char *list, const char *token)
+{
+    size_t length = strlen(token);
+    if (list == NULL || length == 0) {
+        return false;
+    }
+    for (const char *at = strstr(list, token); at != NULL; at = strstr(at + length, token)) {
+        bool starts = at == list || at[-1] == ' ';
+        bool ends = at[length] == ' ' || at[length] == '\0';
+        if (starts && ends) {
+            return true;
+        }
+    }
+    return false;
+}

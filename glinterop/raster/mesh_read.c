@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* Meshes whose arrays lie in buffers of OpenGL, read back to the host (lib/mesh.c packs them). */
+#include "context/context.h"
+#include "core/device.h"
+#include "core/mesh.h"
+
+#define FUNCTION "svo_gl_mesh_read"
+/* A binding that draws read nothing from; svocl's own state.c restores it. */
+#define WORK_TARGET GL_COPY_READ_BUFFER
+
+static bool has_name(const svo_mesh_view *view)
+{
+    return view->gl_buffer != 0;
+}
+
+/* Names that are no buffer make glBindBuffer fail in a core profile; elsewhere they would become one. */
+static svo_status bind_view(const svo_i_gl_functions *gl, const svo_mesh_view *view, svo_message *message)
+{
+    if (!gl->IsBuffer(view->gl_buffer)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": %u is no buffer of the context", view->gl_buffer);
+    }
+    gl->BindBuffer(WORK_TARGET, view->gl_buffer);
+    return svo_i_gl_check(gl, FUNCTION, "glBindBuffer", message);
+}
+
+static svo_status buffer_size(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(self);
+    GLint64 held_bytes = 0;
+    const svo_status status = bind_view(gl, view, message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    gl->GetBufferParameteri64v(WORK_TARGET, GL_BUFFER_SIZE, &held_bytes);
+    *bytes = held_bytes > 0 ? (size_t)held_bytes : 0;
+    return svo_i_gl_check(gl, FUNCTION, "glGetBufferParameteri64v", message);
+}
+
+static svo_status read_buffer(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
+                              svo_message *message)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(self);
+    const svo_status status = bind_view(gl, view, message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    gl->GetBufferSubData(WORK_TARGET, (GLintptr)offset_bytes, (GLsizeiptr)bytes, to);
+    return svo_i_gl_check(gl, FUNCTION, "glGetBufferSubData", message);
+}
+
+static svo_status wait_for(cl_uint num_wait, const cl_event *wait, svo_message *message)
+{
+    const cl_int error = num_wait > 0 ? clWaitForEvents(num_wait, wait) : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_fail(message, SVO_CL_ERROR, FUNCTION ": clWaitForEvents failed with %s (%d)",
+                                            svo_i_cl_error_name(error), error);
+}
+
+static svo_status read_current(const svo_mesh_buffers *buffers, svo_gl_context *context, svo_mesh_copy **out,
+                               svo_message *message)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
+    const svo_i_mesh_reader reader = {
+        .function = FUNCTION, .self = context, .has = has_name, .size = buffer_size, .read = read_buffer};
+    svo_i_gl_clear_errors(gl);
+    /* What shaders have written to the buffers. */
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    return svo_i_mesh_read(buffers, &reader, out, message);
+}
+
+svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_context *context, cl_uint num_wait,
+                            const cl_event *wait, svo_mesh_copy **out, svo_message *message)
+{
+    if (buffers == NULL || context == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": %s is NULL",
+                          buffers == NULL   ? "buffers"
+                          : context == NULL ? "context"
+                                            : "out");
+    }
+    svo_status status = wait_for(num_wait, wait, message);
+    if (status == SVO_OK) {
+        status = svo_i_gl_context_make_current(context, message);
+    }
+    if (status == SVO_OK) {
+        status = read_current(buffers, context, out, message);
+        svo_i_gl_context_release_current(context);
+    }
+    return status;
+}

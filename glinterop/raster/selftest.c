@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The start-up check of hardware-conservative rasterization. Drivers differ in what they do with needles and triangles
+ * below a pixel; whoever misses one voxel here is not used.
+ */
+#include "raster/selftest.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "shared/overlap.clh"
+
+#define TEST_DEPTH     6u
+#define TEST_TRIANGLES 96u
+
+static uint32_t next_random(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u; /* Numerical Recipes, 2nd ed., section 7.1 */
+    return *state >> 8;
+}
+
+/* Integer coordinates on a grid of 2^20 units: small triangles, needles, slivers of one unit, large ones, in turn. */
+static void make_vertices(double *positions)
+{
+    static const int32_t extents[4] = {12000, 900, 300000, 60000};
+    uint32_t random = 12345;
+    for (uint32_t t = 0; t < TEST_TRIANGLES; ++t) {
+        const int32_t extent = extents[t % 4];
+        double *v = positions + (size_t)t * 9;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const int32_t low = (int32_t)(next_random(&random) % (uint32_t)((1 << 20) - extent - 1));
+            const int32_t a = low + (int32_t)(next_random(&random) % (uint32_t)extent);
+            const int32_t b = low + (int32_t)(next_random(&random) % (uint32_t)extent);
+            const int32_t c = low + (int32_t)(next_random(&random) % (uint32_t)extent);
+            const bool sliver = t % 3 == 1;
+            v[axis] = a;
+            v[3 + axis] = b;
+            v[6 + axis] = sliver ? (a + b) / 2 + (int32_t)(t % 5) * 400 % extent / 8 : c;
+        }
+    }
+}
+
+static int32_t smallest(int32_t a, int32_t b, int32_t c)
+{
+    return a < b ? (a < c ? a : c) : (b < c ? b : c);
+}
+
+static int32_t largest(int32_t a, int32_t b, int32_t c)
+{
+    return a > b ? (a > c ? a : c) : (b > c ? b : c);
+}
+
+static uint64_t interleave(const int32_t voxel[3])
+{
+    uint64_t code = 0;
+    for (unsigned bit = 0; bit < 16; ++bit) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            code |= (uint64_t)((uint32_t)voxel[axis] >> bit & 1u) << (3 * bit + axis);
+        }
+    }
+    return code;
+}
+
+/* A growing array of fragments. */
+typedef struct walk {
+    const svo_plan *plan;
+    uint32_t *words;
+    uint64_t count, capacity;
+} walk;
+
+static bool append(walk *w, const int32_t voxel[3], uint32_t triangle)
+{
+    const uint32_t per_fragment = svo_i_plan_fragment_bytes(w->plan) / 4;
+    if (w->count == w->capacity) {
+        const uint64_t capacity = w->capacity * 2 + 1024;
+        uint32_t *words = realloc(w->words, (size_t)capacity * per_fragment * 4);
+        if (words == NULL) {
+            return false;
+        }
+        w->words = words;
+        w->capacity = capacity;
+    }
+    uint32_t *fragment = w->words + w->count++ * per_fragment;
+    const uint64_t code = interleave(voxel);
+    fragment[0] = (uint32_t)code;
+    fragment[1] = (uint32_t)(code >> 32);
+    fragment[per_fragment - 1] = triangle;
+    return true;
+}
+
+static bool walk_triangle(walk *w, uint32_t triangle)
+{
+    const uint32_t *corners = w->plan->indices + (size_t)triangle * 3;
+    const int32_t *a = w->plan->vertices + (size_t)corners[0] * 3;
+    const int32_t *b = w->plan->vertices + (size_t)corners[1] * 3;
+    const int32_t *c = w->plan->vertices + (size_t)corners[2] * 3;
+    const uint32_t shift = w->plan->voxel_log2;
+    const svo_overlap overlap = svo_make_overlap(svo_make_point(a[0], a[1], a[2]), svo_make_point(b[0], b[1], b[2]),
+                                                 svo_make_point(c[0], c[1], c[2]), 1 << shift, 1, 2);
+    int32_t low[3];
+    int32_t high[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        low[axis] = smallest(a[axis], b[axis], c[axis]) >> shift;
+        high[axis] = largest(a[axis], b[axis], c[axis]) >> shift;
+    }
+    for (int32_t x = low[0]; x <= high[0]; ++x) {
+        for (int32_t y = low[1]; y <= high[1]; ++y) {
+            for (int32_t z = low[2]; z <= high[2]; ++z) {
+                if (svo_overlap_column(overlap, x << shift, y << shift) &&
+                    svo_overlap_voxel(overlap, x << shift, y << shift, z << shift) &&
+                    !append(w, (const int32_t[3]){x, y, z}, triangle)) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
+}
+
+svo_status svo_i_walk(const svo_plan *plan, uint32_t **out, uint64_t *fragment_count)
+{
+    walk w = {.plan = plan};
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        if (!walk_triangle(&w, t)) {
+            free(w.words);
+            return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                                     "svo_gl_create: no memory for %llu fragments", (unsigned long long)w.count);
+        }
+    }
+    *out = w.words;
+    *fragment_count = w.count;
+    return SVO_OK;
+}
+
+static int compare_fragments(const void *left, const void *right)
+{
+    const uint32_t *a = left;
+    const uint32_t *b = right;
+    if (a[1] != b[1]) {
+        return a[1] < b[1] ? -1 : 1;
+    }
+    return a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : 0;
+}
+
+/* Draws the plan into a buffer of its own; *words by malloc. */
+static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
+                       uint64_t capacity, uint32_t **words, uint32_t *needed)
+{
+    svo_i_layout layout;
+    svo_status status = svo_i_layout_create(plan, UINT64_C(1) << 26, &layout);
+    if (status != SVO_OK) {
+        return status;
+    }
+    layout.chunks[0].capacity = capacity;
+    *words = malloc((size_t)capacity * 8);
+    GLuint buffer = 0;
+    gl->GenBuffers(1, &buffer);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(capacity * 8), NULL, GL_STREAM_READ);
+    status = *words != NULL ? svo_i_raster_prepare(raster, plan) : SVO_OUT_OF_HOST_MEMORY;
+    if (status == SVO_OK) {
+        status = svo_i_raster_upload(raster, plan, 1);
+    }
+    if (status == SVO_OK) {
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
+        status = svo_i_raster_draw(raster, plan, &layout, 0);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_raster_finish(raster, 1, needed);
+    }
+    if (status == SVO_OK) {
+        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+        gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(capacity * 8), *words);
+        status = svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message);
+    }
+    gl->DeleteBuffers(1, &buffer);
+    svo_i_layout_destroy(&layout);
+    return status;
+}
+
+static void compare(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
+                    char *reason, size_t reason_bytes)
+{
+    uint32_t *expected = NULL;
+    uint32_t *drawn = NULL;
+    uint64_t count = 0;
+    uint32_t needed = 0;
+    svo_status status = svo_i_walk(plan, &expected, &count);
+    if (status == SVO_OK) {
+        status = draw(device, gl, raster, plan, count + 1, &drawn, &needed);
+    }
+    if (status != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+    } else if (needed != count) {
+        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu", needed,
+                       (unsigned long long)count);
+    } else {
+        qsort(drawn, (size_t)count, 8, compare_fragments);
+        qsort(expected, (size_t)count, 8, compare_fragments);
+        const bool same = memcmp(drawn, expected, (size_t)count * 8) == 0;
+        (void)snprintf(reason, reason_bytes, "%s", same ? "" : "the self-test found other fragments than the walk");
+    }
+    free(expected);
+    free(drawn);
+}
+
+void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_raster *raster, char *reason,
+                           size_t reason_bytes)
+{
+    double positions[TEST_TRIANGLES * 9];
+    make_vertices(positions);
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions_double = positions,
+                           .vertex_count = (size_t)TEST_TRIANGLES * 3,
+                           .triangle_count = TEST_TRIANGLES};
+    const svo_plan_options options = {.struct_size = sizeof options, .edge = (double)(1 << 20), .need = SVO_NEED_NONE};
+    const svo_message before = device->message;
+    svo_plan *plan = NULL;
+    if (svo_plan_create(device, &mesh, TEST_DEPTH, &options, &plan) != SVO_OK ||
+        svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "the self-test could not start: %s", device->message.text);
+    } else {
+        compare(device, svo_i_gl_context_functions(context), raster, plan, reason, reason_bytes);
+        svo_i_gl_context_release_current(context);
+    }
+    svo_plan_destroy(&plan);
+    device->message = before;
+}

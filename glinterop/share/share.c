@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: MIT */
+/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. share_probe.c says which path works. */
+#include "share/share.h"
+
+#include "core/message.h"
+#include "share/share_interop.h"
+
+/* Nothing in svocl draws from this binding point, so that using it disturbs no state. */
+#define WORK_TARGET GL_COPY_READ_BUFFER
+
+size_t svo_i_share_limit_bytes(const svo_device *device, const svo_gl_context *context)
+{
+    GLint64 block_bytes = svo_i_gl_context_functions(context)->limits.storage_block_bytes;
+    cl_ulong limit_bytes = device->max_allocation_bytes;
+    if (block_bytes < 0) {
+        block_bytes = 0;
+    }
+    return (cl_ulong)block_bytes < limit_bytes ? (size_t)block_bytes : (size_t)limit_bytes;
+}
+
+static svo_status check_size(svo_device *device, const svo_gl_context *context, size_t bytes)
+{
+    unsigned long long block_bytes =
+        (unsigned long long)svo_i_gl_context_functions(context)->limits.storage_block_bytes;
+    unsigned long long allocation_bytes = device->max_allocation_bytes;
+    if (bytes == 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_i_share_buffer_create: bytes is 0");
+    }
+    if (bytes > block_bytes) {
+        return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_i_share_buffer_create: %zu bytes are above OpenGL's storage block limit of %llu",
+                                 bytes, block_bytes);
+    }
+    if (bytes > allocation_bytes) {
+        return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_i_share_buffer_create: %zu bytes are above OpenCL's allocation limit of %llu",
+                                 bytes, allocation_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status check_gl(const svo_i_share_buffer *buffer, const char *function, const char *step)
+{
+    return svo_i_gl_check(svo_i_gl_context_functions(buffer->context), function, step, &buffer->device->message);
+}
+
+/* Why glMapBufferRange returned NULL. */
+static svo_status fail_map(const svo_i_share_buffer *buffer, const char *function)
+{
+    svo_status status = check_gl(buffer, function, "glMapBufferRange");
+    if (status != SVO_OK) {
+        return status;
+    }
+    return svo_i_device_fail(buffer->device, SVO_GL_ERROR, "%s: glMapBufferRange returned NULL", function);
+}
+
+/* The coarsest alignment that OpenCL asks of a buffer's first byte; the device property is in bits. */
+static size_t cl_alignment_bytes(const svo_device *device)
+{
+    cl_uint bits = 0;
+    clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
+    return bits > 8 ? bits / 8 : 1;
+}
+
+/* Maps the whole OpenGL buffer for good and finds the first byte that both sides' alignments allow. */
+static svo_status map_for_good(svo_i_share_buffer *buffer, size_t allocated_bytes, size_t alignment_bytes)
+{
+    static const GLbitfield access = GL_MAP_READ_BIT | GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    gl->BufferStorage(WORK_TARGET, (GLsizeiptr)allocated_bytes, NULL, access);
+    svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferStorage");
+    if (status != SVO_OK) {
+        return status;
+    }
+    unsigned char *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)allocated_bytes, access);
+    if (mapped == NULL) {
+        return fail_map(buffer, "svo_i_share_buffer_create");
+    }
+    size_t past_bytes = (size_t)((uintptr_t)mapped % alignment_bytes);
+    buffer->offset_bytes = past_bytes == 0 ? 0 : alignment_bytes - past_bytes;
+    buffer->pointer = mapped + buffer->offset_bytes;
+    size_t gl_alignment_bytes = (size_t)gl->limits.storage_offset_alignment_bytes;
+    if (gl_alignment_bytes > 1 && buffer->offset_bytes % gl_alignment_bytes != 0) {
+        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
+                                 "svo_i_share_buffer_create: offset %zu for OpenCL's alignment of %zu bytes is no "
+                                 "multiple of OpenGL's %zu",
+                                 buffer->offset_bytes, alignment_bytes, gl_alignment_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status create_host(svo_i_share_buffer *buffer)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    if (gl->BufferStorage == NULL) {
+        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
+                                 "svo_i_share_buffer_create: the context has no glBufferStorage");
+    }
+    size_t alignment_bytes = cl_alignment_bytes(buffer->device), allocated_bytes = 0;
+    if (!svo_i_add_size(buffer->bytes, alignment_bytes - 1, &allocated_bytes)) {
+        return svo_i_device_fail(buffer->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "svo_i_share_buffer_create: %zu bytes do not fit the address space", buffer->bytes);
+    }
+    svo_status status = map_for_good(buffer, allocated_bytes, alignment_bytes);
+    if (status != SVO_OK) {
+        return status;
+    }
+    cl_int error = CL_SUCCESS;
+    buffer->memory = clCreateBuffer(buffer->device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, buffer->bytes,
+                                    buffer->pointer, &error);
+    if (error != CL_SUCCESS) {
+        buffer->memory = NULL;
+        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_create", "clCreateBuffer(CL_MEM_USE_HOST_PTR)",
+                                    error);
+    }
+    return SVO_OK;
+}
+
+/* For `copy` a buffer on either side, for `sharing` one of both; for a buffer that stays in OpenGL one there. */
+static svo_status create_allocated(svo_i_share_buffer *buffer)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
+    const svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
+    if (status != SVO_OK || buffer->share == SVO_GL_SHARE_AUTO) {
+        return status;
+    }
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        return svo_i_share_sharing_create(buffer);
+    }
+    return svo_i_device_buffer(buffer->device, "svo_i_share_buffer_create", "shared copy", CL_MEM_READ_WRITE,
+                               buffer->bytes, &buffer->memory);
+}
+
+/* Fills a buffer whose device, context, share and bytes are set; expects the context current. */
+static svo_status create_current(svo_i_share_buffer *buffer)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    svo_i_gl_clear_errors(gl);
+    gl->GenBuffers(1, &buffer->name);
+    gl->BindBuffer(WORK_TARGET, buffer->name);
+    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? create_host(buffer) : create_allocated(buffer);
+    gl->BindBuffer(WORK_TARGET, 0);
+    return status;
+}
+
+svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context, svo_gl_share share, size_t bytes,
+                                     svo_i_share_buffer *out)
+{
+    if (share < SVO_GL_SHARE_AUTO || share > SVO_GL_SHARE_COPY) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d makes no buffers",
+                                 (int)share);
+    }
+    svo_status status = check_size(device, context, bytes);
+    if (status == SVO_OK) {
+        status = svo_i_gl_context_make_current(context, &device->message);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_i_share_buffer buffer = {.device = device, .context = context, .share = share, .bytes = bytes};
+    status = create_current(&buffer);
+    if (status == SVO_OK) {
+        *out = buffer;
+    } else {
+        svo_i_share_buffer_destroy(&buffer);
+    }
+    svo_i_gl_context_release_current(context);
+    return status;
+}
+
+/* Ends OpenGL's turn on a mapped buffer; the queue is no longer needed afterwards. */
+static svo_status unmap_and_wait(svo_i_share_buffer *buffer)
+{
+    cl_event done = NULL;
+    cl_int error = clEnqueueUnmapMemObject(buffer->mapping_queue, buffer->memory, buffer->pointer, 0, NULL, &done);
+    if (error == CL_SUCCESS) {
+        error = clWaitForEvents(1, &done);
+        clReleaseEvent(done);
+    }
+    clReleaseCommandQueue(buffer->mapping_queue);
+    buffer->mapping_queue = NULL;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_cl", "clEnqueueUnmapMemObject", error);
+    }
+    return SVO_OK;
+}
+
+void svo_i_share_buffer_destroy(svo_i_share_buffer *buffer)
+{
+    if (buffer->mapping_queue != NULL) {
+        (void)unmap_and_wait(buffer);
+    }
+    const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current(buffer->context, NULL) == SVO_OK;
+    (void)svo_i_share_sharing_release(buffer);
+    if (buffer->memory != NULL) {
+        clReleaseMemObject(buffer->memory);
+    }
+    if (is_current) {
+        /* Deleting a mapped buffer also unmaps it. */
+        svo_i_gl_context_functions(buffer->context)->DeleteBuffers(1, &buffer->name);
+        svo_i_gl_context_release_current(buffer->context);
+    }
+    *buffer = (svo_i_share_buffer){0};
+}
+
+void svo_i_share_buffer_bind(const svo_i_share_buffer *buffer, GLuint binding)
+{
+    svo_i_gl_context_functions(buffer->context)
+        ->BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer->name, (GLintptr)buffer->offset_bytes,
+                          (GLsizeiptr)buffer->bytes);
+}
+
+/*
+ * OpenCL 1.2, section 5.2.1 lets a device cache a CL_MEM_USE_HOST_PTR buffer: others may write the memory only while it
+ * is mapped, and the unmap makes their writes visible. On PoCL's CPU device both cost next to nothing.
+ */
+static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
+{
+    cl_int error = CL_SUCCESS;
+    void *mapped = clEnqueueMapBuffer(queue, buffer->memory, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, buffer->bytes,
+                                      0, NULL, NULL, &error);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_gl", "clEnqueueMapBuffer", error);
+    }
+    if (mapped != buffer->pointer) {
+        (void)clEnqueueUnmapMemObject(queue, buffer->memory, mapped, 0, NULL, NULL);
+        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
+                                 "svo_i_share_buffer_to_gl: OpenCL does not map the buffer in place");
+    }
+    clRetainCommandQueue(queue);
+    buffer->mapping_queue = queue;
+    return SVO_OK;
+}
+
+static svo_status release_to_gl(svo_i_share_buffer *buffer)
+{
+    svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
+    if (status == SVO_OK) {
+        status = svo_i_share_sharing_release(buffer);
+        svo_i_gl_context_release_current(buffer->context);
+    }
+    return status;
+}
+
+svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
+{
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        return release_to_gl(buffer);
+    }
+    if (buffer->share != SVO_GL_SHARE_HOST || buffer->mapping_queue != NULL) {
+        return SVO_OK;
+    }
+    return map_for_gl(buffer, queue);
+}
+
+/* Expects buffer->name bound to WORK_TARGET. */
+static svo_status copy_bound_to_cl(const svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    const void *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)used_bytes, GL_MAP_READ_BIT);
+    if (mapped == NULL) {
+        return fail_map(buffer, "svo_i_share_buffer_to_cl");
+    }
+    cl_int error = clEnqueueWriteBuffer(queue, buffer->memory, CL_TRUE, 0, used_bytes, mapped, 0, NULL, NULL);
+    bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_cl", "clEnqueueWriteBuffer", error);
+    }
+    if (!intact) {
+        return svo_i_device_fail(buffer->device, SVO_GL_ERROR,
+                                 "svo_i_share_buffer_to_cl: glUnmapBuffer says that the content was lost");
+    }
+    return SVO_OK;
+}
+
+static svo_status copy_to_cl(const svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    gl->BindBuffer(WORK_TARGET, buffer->name);
+    svo_status status = copy_bound_to_cl(buffer, used_bytes, queue);
+    gl->BindBuffer(WORK_TARGET, 0);
+    return status;
+}
+
+static svo_status to_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    bool is_host = buffer->share == SVO_GL_SHARE_HOST;
+    if (buffer->share == SVO_GL_SHARE_SHARING) {
+        gl->MemoryBarrier(GL_ALL_BARRIER_BITS);
+        svo_status status = svo_i_share_sharing_acquire(buffer, queue);
+        svo_status written = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
+        return written != SVO_OK ? written : status;
+    }
+    gl->MemoryBarrier(is_host ? GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT : GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl->Finish();
+    svo_status drawn = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
+    if (is_host) {
+        svo_status status = unmap_and_wait(buffer);
+        return drawn != SVO_OK ? drawn : status;
+    }
+    if (drawn != SVO_OK) {
+        return drawn;
+    }
+    return used_bytes > 0 ? copy_to_cl(buffer, used_bytes, queue) : SVO_OK;
+}
+
+svo_status svo_i_share_buffer_to_cl(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    if (used_bytes > buffer->bytes) {
+        return svo_i_device_fail(buffer->device, SVO_INTERNAL,
+                                 "svo_i_share_buffer_to_cl: used_bytes %zu is above the buffer's %zu", used_bytes,
+                                 buffer->bytes);
+    }
+    if (buffer->share == SVO_GL_SHARE_HOST && buffer->mapping_queue == NULL) {
+        return svo_i_device_fail(buffer->device, SVO_INTERNAL,
+                                 "svo_i_share_buffer_to_cl: the buffer was not given to OpenGL before");
+    }
+    svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
+    if (status == SVO_OK) {
+        status = to_cl_current(buffer, used_bytes, queue);
+        svo_i_gl_context_release_current(buffer->context);
+    }
+    return status;
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The nearest triangle to each point of a buffer.
+ *
+ * Depth first through the tree of boxes (lib/boxes.c), each time into the nearest box that is left and can still hold
+ * something nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor
+ * Queries", 1995). Boxes are measured in float and taken a margin nearer than they are, triangles in double where the
+ * device has it.
+ *
+ * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree, writes one record per point.
+ * No atomics, no local memory.
+ */
+#include "svocl/layout.h"
+
+#include "rays/rays.clh"
+
+typedef struct svo_nearest_search {
+    svo_real4 point; /* grid units */
+    float4 point_f;
+    float margin; /* grid units that float may be off */
+    float limit; /* grid units: cells from here on hold nothing better */
+    float distance; /* world, rounded: of the best so far, else the farthest that counts */
+    uint id; /* SVO_NO_TRIANGLE: none yet */
+    svo_real4 nearest; /* relative to the point, grid units */
+    uint leaves;
+} svo_nearest_search;
+
+static svo_real svo_dot3(svo_real4 a, svo_real4 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* The nearest point to the zero point on the segment from a to b. */
+static svo_real4 svo_nearest_on_segment(svo_real4 a, svo_real4 b)
+{
+    const svo_real4 edge = b - a;
+    const svo_real squared = svo_dot3(edge, edge);
+    svo_real share = squared > 0 ? -svo_dot3(a, edge) / squared : 0;
+    share = share < 0 ? 0 : share > 1 ? 1 : share;
+    return a + share * edge;
+}
+
+static svo_real4 svo_nearer(svo_real4 a, svo_real4 b)
+{
+    return svo_dot3(b, b) < svo_dot3(a, a) ? b : a;
+}
+
+/* The nearest point to the zero point on the triangle: the foot of its plane where that is inside, else on an edge.
+   Segments and points are all edge. */
+static svo_real4 svo_nearest_on_triangle(svo_real4 a, svo_real4 b, svo_real4 c)
+{
+    const svo_real4 u = b - a;
+    const svo_real4 v = c - a;
+    const svo_real uu = svo_dot3(u, u);
+    const svo_real uv = svo_dot3(u, v);
+    const svo_real vv = svo_dot3(v, v);
+    const svo_real au = svo_dot3(a, u);
+    const svo_real av = svo_dot3(a, v);
+    const svo_real area = uu * vv - uv * uv;
+    const svo_real along_u = uv * av - vv * au;
+    const svo_real along_v = uv * au - uu * av;
+    if (area > 0 && along_u >= 0 && along_v >= 0 && along_u + along_v <= area) {
+        return a + (along_u / area) * u + (along_v / area) * v;
+    }
+    return svo_nearer(svo_nearer(svo_nearest_on_segment(a, b), svo_nearest_on_segment(b, c)),
+                      svo_nearest_on_segment(c, a));
+}
+
+static void svo_nearest_try(const svo_tree *tree, __global const int4 *leaf, int4 head, uint lane,
+                            svo_nearest_search *search)
+{
+    const svo_real4 x = svo_to_real4(svo_leaf_corners(leaf, head, lane, 0u)) - search->point.x;
+    const svo_real4 y = svo_to_real4(svo_leaf_corners(leaf, head, lane, 1u)) - search->point.y;
+    const svo_real4 z = svo_to_real4(svo_leaf_corners(leaf, head, lane, 2u)) - search->point.z;
+    const svo_real4 nearest = svo_nearest_on_triangle((svo_real4)(x.x, y.x, z.x, 0), (svo_real4)(x.y, y.y, z.y, 0),
+                                                      (svo_real4)(x.z, y.z, z.z, 0));
+    const svo_real away = sqrt(svo_dot3(nearest, nearest));
+    const float distance = (float)(away / svo_ray_scale(&tree->params));
+    const uint id = svo_leaf_id(leaf, head, lane);
+    if (!(distance <= search->distance) || (distance == search->distance && id >= search->id)) {
+        return;
+    }
+    search->distance = distance;
+    search->id = id;
+    search->nearest = nearest;
+    search->limit = (float)away * (1.0f + 0x1p-20f) + search->margin;
+}
+
+/* Of all children of a node: the distance from the point to the box, less the margin. */
+static float8 svo_nearest_boxes(const svo_tree *tree, const svo_nearest_search *search,
+                                __global const svo_ray_node *node)
+{
+    __global const ushort8 *rows = (__global const ushort8 *)node;
+    const float step = (float)(1u << (tree->params.snap_bits - SVO_RAY_BOX_BITS));
+    const float4 at = search->point_f;
+    const float8 x =
+        max(max(convert_float8(rows[0]) * step - at.x, at.x - convert_float8(rows[3]) * step - step), 0.0f);
+    const float8 y =
+        max(max(convert_float8(rows[1]) * step - at.y, at.y - convert_float8(rows[4]) * step - step), 0.0f);
+    const float8 z =
+        max(max(convert_float8(rows[2]) * step - at.z, at.z - convert_float8(rows[5]) * step - step), 0.0f);
+    return sqrt(x * x + y * y + z * z) * (1.0f - 0x1p-20f) - search->margin;
+}
+
+static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_search *search)
+{
+    __global const int4 *leaf = tree->leaves + place;
+    const int4 head = leaf[0];
+    const uint count = svo_leaf_count(head);
+    for (uint lane = 0u; lane < count; ++lane) {
+        svo_nearest_try(tree, leaf, head, lane, search);
+    }
+    ++search->leaves;
+}
+
+static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
+{
+    svo_ray_way way;
+    svo_ray_begin(&way);
+    while (way.height > 0u) {
+        const svo_ray_waiting next = way.waiting[--way.height];
+        if (svo_waiting_s(next) > search->limit) {
+            continue;
+        }
+        uint at = svo_waiting_child(next);
+        while ((at & SVO_RAY_LEAF) == 0u) {
+            __global const svo_ray_node *node = tree->nodes + at;
+            const float8 distances = svo_nearest_boxes(tree, search, node);
+            const uint near = svo_lanes(distances <= search->limit);
+            if (near == 0u) {
+                break;
+            }
+            at = svo_ray_pick(node, near, distances, &way);
+        }
+        if ((at & SVO_RAY_LEAF) != 0u) {
+            svo_nearest_leaf(tree, at & ~SVO_RAY_LEAF, search);
+        }
+    }
+}
+
+static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, svo_nearest *out)
+{
+    const float sum = point->position[0] * 0.0f + point->position[1] * 0.0f + point->position[2] * 0.0f;
+    out->distance = INFINITY;
+    out->triangle = SVO_NO_TRIANGLE;
+    out->position[0] = out->position[1] = out->position[2] = 0.0f;
+    out->leaves = 0u;
+    out->reserved[0] = out->reserved[1] = 0u;
+    if (!(sum == 0.0f) || !(point->farthest >= 0.0f)) {
+        return;
+    }
+    svo_nearest_search search;
+    search.point = svo_position_to_grid(&tree->params, point->position[0], point->position[1], point->position[2]);
+    search.point_f = convert_float4(search.point);
+    search.margin = max(tree->params.reach, svo_largest(fabs(search.point_f))) * 0x1p-20f * SVO_RAY_BOX_MARGIN;
+    search.limit = point->farthest * tree->params.scale[0] * (1.0f + 0x1p-20f) + search.margin;
+    search.distance = point->farthest;
+    search.id = SVO_NO_TRIANGLE;
+    search.nearest = (svo_real4)(0);
+    search.leaves = 0u;
+    svo_nearest_walk(tree, &search);
+    out->leaves = search.leaves;
+    if (search.id == SVO_NO_TRIANGLE) {
+        return;
+    }
+    const svo_real4 offset = search.nearest / svo_ray_scale(&tree->params);
+    out->distance = search.distance;
+    out->triangle = search.id;
+    out->position[0] = (float)(point->position[0] + offset.x);
+    out->position[1] = (float)(point->position[1] + offset.y);
+    out->position[2] = (float)(point->position[2] + offset.z);
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_nearest(SVO_TREE_PARAMETERS, __global const svo_query_point *points, __global svo_nearest *results,
+              uint point_count)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= point_count) {
+        return;
+    }
+    SVO_TREE_MAKE(tree);
+    const svo_query_point point = points[item];
+    svo_nearest found;
+    svo_nearest_of(&tree, &point, &found);
+    results[item] = found;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pictures of what rays find, one ray per pixel, without light: normals, depths, steps of the walk, levels, triangles.
+ *
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
+ * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word per pixel. No atomics, no local memory.
+ */
+#include "svocl/layout.h"
+
+#include "rays/rays.clh"
+
+/* Where a step count is as hot as colours get. */
+#define SVO_STEPS_HOT 64.0f
+
+static uint svo_view_pack(float3 color)
+{
+    const uint3 bytes = convert_uint3(clamp(color, (float3)(0.0f), (float3)(1.0f)) * 255.0f + 0.5f);
+    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
+}
+
+/* From dark blue over green and yellow to red. */
+static float3 svo_view_heat(float value)
+{
+    const float heat = clamp(value, 0.0f, 1.0f);
+    const float3 peaks = (float3)(0.90f, 0.55f, 0.15f);
+    const float3 away = (heat - peaks) / (float3)(0.55f, 0.45f, 0.35f);
+    return max((float3)(1.0f) - away * away, (float3)(0.05f, 0.03f, 0.20f));
+}
+
+/* A colour of its own for every number: the bits well mixed (a multiplicative hash after Knuth, "Sorting and Searching"). */
+static float3 svo_view_mixed(uint number)
+{
+    uint mixed = (number + 1u) * 2654435769u;
+    mixed = (mixed ^ mixed >> 15) * 2246822519u;
+    mixed ^= mixed >> 13;
+    return (float3)(0.25f) +
+           convert_float3((uint3)(mixed & 255u, mixed >> 8 & 255u, mixed >> 16 & 255u)) * (0.75f / 255.0f);
+}
+
+static float3 svo_view_vector(__constant const float *values)
+{
+    return (float3)(values[0], values[1], values[2]);
+}
+
+/* How much of the way through the grid's surroundings the hit is: near ones bright. */
+static float svo_view_nearness(float3 eye, float distance, float cells)
+{
+    const float middle = length(eye - 0.5f * cells);
+    const float reach = 0.87f * cells;
+    const float first = max(middle - reach, 0.0f);
+    return 1.0f - 0.9f * (distance - first) / (middle + reach - first);
+}
+
+static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __global const short *normals)
+{
+    const float along = hit->axis == 0 ? direction.x : hit->axis == 1 ? direction.y : direction.z;
+    const float side = along > 0.0f ? -1.0f : 1.0f;
+    const float3 face =
+        (float3)(hit->axis == 0 ? side : 0.0f, hit->axis == 1 ? side : 0.0f, hit->axis == 2 ? side : 0.0f);
+#ifdef SVO_NORMAL
+    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->node), normals)) / 32767.0f;
+    return dot(own, own) > 0.04f ? normalize(own) : face;
+#else
+    (void)normals;
+    return face;
+#endif
+}
+
+static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction)
+{
+    svo_ray ray;
+    svo_hit hit;
+    ray.origin[0] = eye.x;
+    ray.origin[1] = eye.y;
+    ray.origin[2] = eye.z;
+    ray.direction[0] = direction.x;
+    ray.direction[1] = direction.y;
+    ray.direction[2] = direction.z;
+    ray.t_min = 0.0f;
+    ray.t_max = INFINITY;
+    if (!svo_trace_closest(tree, &ray, &hit)) {
+        return (float3)(1.0f);
+    }
+    const float facing = fabs(dot((float3)(hit.normal[0], hit.normal[1], hit.normal[2]), direction));
+    return svo_view_mixed(hit.triangle) * (0.45f + 0.55f * facing);
+}
+
+static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view, __global const short *normals)
+{
+    svo_cast_tree cast;
+    svo_cast_hit hit;
+    cast.child_mask = tree->child_mask;
+    cast.first_child = tree->first_child;
+    cast.depth = tree->params.depth;
+    const bool met = svo_cast(&cast, ray, &hit);
+    if (view == SVO_VIEW_KIND_STEPS) {
+        return svo_view_heat((float)hit.steps / SVO_STEPS_HOT);
+    }
+    if (!met) {
+        return (float3)(1.0f);
+    }
+    if (view == SVO_VIEW_KIND_NORMAL) {
+        return 0.5f + 0.5f * svo_view_normal(&hit, ray->direction, normals);
+    }
+    if (view == SVO_VIEW_KIND_DEPTH) {
+        return (float3)(svo_view_nearness(ray->origin, hit.distance, (float)(1u << tree->params.depth)));
+    }
+    return svo_view_mixed(hit.level * 7u) * (hit.axis == 0 ? 0.8f : hit.axis == 1 ? 1.0f : 0.65f);
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const svo_cast_params *params, float4 eye,
+           uint view, __global uint *picture)
+{
+    const uint item = (uint)get_local_id(0);
+    const uint tile = (uint)get_group_id(0);
+    const uint tiles_across = (params->width + 7u) / 8u;
+    const uint x = tile % tiles_across * 8u + (item & 7u);
+    const uint y = tile / tiles_across * 8u + (item >> 3);
+    if (x >= params->width || y >= params->height) {
+        return;
+    }
+    SVO_TREE_MAKE(tree);
+    svo_cast_ray ray;
+    ray.origin = svo_view_vector(params->eye);
+    ray.range = SVO_CAST_FAR;
+    ray.footprint = params->footprint;
+    ray.direction = normalize(svo_view_vector(params->corner) + ((float)x + 0.5f) * svo_view_vector(params->across) +
+                              ((float)y + 0.5f) * svo_view_vector(params->down));
+    const float3 color = view == SVO_VIEW_KIND_TRIANGLES ? svo_view_triangle(&tree, eye, ray.direction)
+                                                         : svo_view_voxel(&tree, &ray, view, normals);
+    picture[(size_t)y * params->width + x] = svo_view_pack(color);
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Exclusive sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their Applications",
+ * 1990). No look-back and no spinning, since work-groups may run one after the other.
+ *
+ *   reduce   SVO_SCAN_GROUPS groups, each sums a contiguous range of whole tiles into its partial
+ *   partials one group: exclusive sum of the partials, and what follows from the total
+ *   add      the groups of reduce again: exclusive sums inside the range, on top of the group's partial
+ *
+ * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a level's
+ * child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words, comes as an
+ * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
+ */
+#include "shared/group.clh"
+#include "shared/state.clh"
+
+#define SVO_ITEM_ELEMENTS 16u
+#define SVO_TILE_ELEMENTS (SVO_GROUP_ITEMS * SVO_ITEM_ELEMENTS)
+#define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
+
+/* The tiles of this group: first and one past last element, of count elements in all. */
+static uint2 svo_group_range(uint count)
+{
+    const uint tiles = count / SVO_TILE_ELEMENTS + (count % SVO_TILE_ELEMENTS != 0u ? 1u : 0u);
+    const uint tiles_per_group = (tiles + SVO_SCAN_GROUPS - 1u) / SVO_SCAN_GROUPS;
+    const uint group = (uint)get_group_id(0);
+    /* The host keeps counts some tiles below 2^32 (SVO_I_FRAGMENTS_MAX), so nothing here wraps. */
+    const uint first = min(group * tiles_per_group, tiles);
+    const uint last = min(first + tiles_per_group, tiles);
+    return (uint2)(first * SVO_TILE_ELEMENTS, last == tiles ? count : last * SVO_TILE_ELEMENTS);
+}
+
+/* Sixteen elements from index on; those from end on count as 0. */
+static uint16 svo_mask_counts(__global const uchar *masks, uint index, uint end)
+{
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        return convert_uint16(popcount(vload16(0, masks + index)));
+    }
+    uint elements[SVO_ITEM_ELEMENTS];
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        elements[k] = index + k < end ? popcount((uint)masks[index + k]) : 0u;
+    }
+    return vload16(0, elements);
+}
+
+static uint16 svo_list_counts(__global const uint *counts, uint index, uint end)
+{
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        return vload16(0, counts + index);
+    }
+    uint elements[SVO_ITEM_ELEMENTS];
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        elements[k] = index + k < end ? counts[index + k] : 0u;
+    }
+    return vload16(0, elements);
+}
+
+static uint svo_sum16(uint16 v)
+{
+    const uint8 a = v.lo + v.hi;
+    const uint4 b = a.lo + a.hi;
+    const uint2 c = b.lo + b.hi;
+    return c.x + c.y;
+}
+
+/* Writes sum + (exclusive sums of v) to out[index ..], up to end. */
+static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint index, uint end)
+{
+    uint elements[SVO_ITEM_ELEMENTS];
+    vstore16(v, 0, elements);
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
+        const uint element = elements[k];
+        elements[k] = sum;
+        sum += element;
+    }
+    if (index + SVO_ITEM_ELEMENTS <= end) {
+        vstore16(vload16(0, elements), 0, out + index);
+        return;
+    }
+    for (uint k = 0; k < SVO_ITEM_ELEMENTS && index + k < end; ++k) {
+        out[index + k] = elements[k];
+    }
+}
+
+/* Exclusive sums of the groups' partials on top of base, in place; returns the sum of all. One group. */
+static uint svo_scan_partials(__global uint *partials, uint base, __local uint *scratch)
+{
+    const uint item = (uint)get_local_id(0);
+    uint sums[SVO_ITEM_PARTIALS];
+    uint sum = 0;
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        sums[k] = sum;
+        sum += partials[item * SVO_ITEM_PARTIALS + k];
+    }
+    uint total;
+    const uint before = svo_group_exclusive(sum, scratch, &total);
+    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
+        partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
+    }
+    /* Nothing here needs it; without it the compiler of rusticl 25.0 crashes on the store of the total that follows. */
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    return total;
+}
+
+#ifdef SVO_LEVELS
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
+                        svo_subdivide_params params, __local uint *scratch)
+{
+    const uint begin = state->level_begin[params.level];
+    const uint count = state->overflow != 0u ? 0u : state->level_begin[params.level + 1u] - begin;
+    const uint2 range = svo_group_range(count);
+    uint sum = 0;
+    for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
+        sum += svo_sum16(svo_mask_counts(masks + begin, i, range.y));
+    }
+    const uint total = svo_group_sum(sum, scratch);
+    if (get_local_id(0) == 0) {
+        partials[get_group_id(0)] = total;
+    }
+}
+
+/* The total is the number of nodes of the next level but one boundary: where the level below the children begins. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params,
+                          __local uint *scratch)
+{
+    const uint child_begin = state->level_begin[params.level + 1u];
+    const uint total = svo_scan_partials(partials, child_begin, scratch);
+    if (get_local_id(0) == 0u && state->overflow == 0u) {
+        const uint child_end = child_begin + total;
+        state->level_begin[params.level + 2u] = child_end;
+        const bool inner = params.level + 1u < params.depth;
+        if (child_end < child_begin ||
+            (inner && (child_end > params.inner_capacity || total > params.level_capacity))) {
+            state->overflow = params.level + 1u;
+        }
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials, __global uint *first_child,
+                     __global const svo_build_state *state, svo_subdivide_params params, __local uint *scratch)
+{
+    const uint begin = state->level_begin[params.level];
+    /* When this level's children did not fit, its own first_child still has room. */
+    const uint count =
+        state->overflow != 0u && state->overflow <= params.level ? 0u : state->level_begin[params.level + 1u] - begin;
+    const uint2 range = svo_group_range(count);
+    uint sum = partials[get_group_id(0)];
+    for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
+        const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
+        const uint16 counts = svo_mask_counts(masks + begin, i, range.y);
+        uint total;
+        const uint before = svo_group_exclusive(svo_sum16(counts), scratch, &total);
+        svo_store_prefixes(counts, sum + before, first_child + begin, i, range.y);
+        sum += total;
+    }
+}
+
+#endif
+
+#if defined(SVO_RANGES) || defined(SVO_SORT)
+
+/* The lengths of the leaves' lists; for the sort, numbers of any kind. */
+static uint svo_count_numbers(svo_filter_params params, __global const svo_build_state *state)
+{
+#ifdef SVO_SORT
+    (void)state;
+    return params.leaf_count;
+#else
+    return svo_count_leaves(params.depth, state);
+#endif
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, __global const svo_build_state *state,
+                        svo_filter_params params, __local uint *scratch)
+{
+    const uint2 range = svo_group_range(svo_count_numbers(params, state));
+    uint sum = 0;
+    for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
+        sum += svo_sum16(svo_list_counts(counts, i, range.y));
+    }
+    const uint total = svo_group_sum(sum, scratch);
+    if (get_local_id(0) == 0) {
+        partials[get_group_id(0)] = total;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, __global const svo_build_state *state,
+                          svo_filter_params params, __local uint *scratch)
+{
+    const uint total = svo_scan_partials(partials, 0u, scratch);
+    if (get_local_id(0) == 0u) {
+        list_begin[svo_count_numbers(params, state)] = total;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials, __global uint *list_begin,
+                     __global const svo_build_state *state, svo_filter_params params, __local uint *scratch)
+{
+    const uint2 range = svo_group_range(svo_count_numbers(params, state));
+    uint sum = partials[get_group_id(0)];
+    for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
+        const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
+        const uint16 lengths = svo_list_counts(counts, i, range.y);
+        uint total;
+        const uint before = svo_group_exclusive(svo_sum16(lengths), scratch, &total);
+        svo_store_prefixes(lengths, sum + before, list_begin, i, range.y);
+        sum += total;
+    }
+}
+
+#endif

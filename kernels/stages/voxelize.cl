@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Voxelization: triangles become fragments. Each triangle is projected along the axis of its normal's largest component
+ * and its columns of voxels are walked; in a column the plane gives the few voxels to look at, and the exact test of
+ * overlap.clh decides. What the raster front end does with a rasterizer (glinterop/shaders), here in one pass of OpenCL.
+ *
+ *   svo_k_voxelize  one draw of the layout: each work-item finds its fragments and notes them by columns in local memory,
+ *                   the group reserves room for all of them at once, each work-item writes its own
+ *
+ * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles that have more than
+ * SVO_TILE_COLUMNS columns; the first kind passes over those, so that no work-item has more work than one tile.
+ * Reads vertices, indices, items, tiles; writes the chunk's fragments from the start, and its counter.
+ * Atomics: one atomic_add per group on the counter, a second one where its low word wraps, so that fragments are counted
+ * to the end, in 64 bits, however few of them fit. Nothing is written past the capacity.
+ * Invariant: which fragments come out does not depend on the launch; their order does.
+ *
+ * Keys: SVO_NARROW, SVO_WIDE, neither: the class of the triangles (overlap.clh); SVO_THIN; SVO_CODE48.
+ *
+ * A note is the run of voxels of one column, from the corner of the work-item's columns and the triangle's first voxel:
+ *
+ *   31       28 27               12 11     6 5      0
+ *   [ length ] [ first voxel on t ] [   v   ] [   u   ]
+ *
+ * A column of a triangle has at most four voxels, since no component of its normal is larger than the one along t (or,
+ * without a normal, no extent shorter).
+ */
+#include "shared/fragment.clh"
+#include "shared/group.clh"
+#include "shared/overlap.clh"
+
+/* Notes of neighbouring work-items lie in different banks. */
+#define SVO_NOTES_STRIDE (SVO_TILE_COLUMNS + 1)
+
+/* A triangle, turned so that t is its axis of projection (overlap.clh). */
+typedef struct svo_placed {
+    svo_point a, b, c; /* grid units, from the corner of the first voxel */
+    svo_point first; /* its first voxel */
+    svo_point last; /* its last voxel, from the first */
+    uint axis;
+    uint triangle;
+} svo_placed;
+
+/* Columns of voxels of the grid, up to the ends without them; empty where an end is not above its begin. */
+typedef struct svo_window {
+    int u, v;
+    int end_u, end_v;
+} svo_window;
+
+/* What of a triangle its fragments are made from, besides the notes. */
+typedef struct svo_source {
+    svo_point corner; /* the voxel the notes count from */
+    uint axis;
+    uint triangle;
+} svo_source;
+
+SVO_FUNCTION svo_point svo_turn(int3 p, uint axis)
+{
+    return axis == 0u   ? svo_make_point(p.y, p.z, p.x)
+           : axis == 1u ? svo_make_point(p.z, p.x, p.y)
+                        : svo_make_point(p.x, p.y, p.z);
+}
+
+SVO_FUNCTION svo_placed svo_place(__global const int *vertices, __global const uint *indices, svo_draw_item item,
+                                  svo_voxelize_params params)
+{
+    svo_placed r;
+    const uint3 corners = vload3(item.triangle, indices);
+    const int3 a = vload3(corners.x, vertices);
+    const int3 b = vload3(corners.y, vertices);
+    const int3 c = vload3(corners.z, vertices);
+    const int3 limit = (int3)((1 << params.depth) - 1);
+    const int voxel_log2 = (int)params.voxel_log2;
+    const int3 low = min(a, min(b, c)) - (int)(1u - params.open);
+    const int3 first = clamp(low >> voxel_log2, (int3)(0), limit);
+    const int3 last = clamp(max(a, max(b, c)) >> voxel_log2, (int3)(0), limit) - first;
+    const int3 corner = first << voxel_log2;
+    r.axis = item.flags & SVO_DRAW_AXIS_MASK;
+    r.triangle = item.triangle;
+    r.a = svo_turn(a - corner, r.axis);
+    r.b = svo_turn(b - corner, r.axis);
+    r.c = svo_turn(c - corner, r.axis);
+    r.first = svo_turn(first, r.axis);
+    r.last = svo_turn(last, r.axis);
+    return r;
+}
+
+/* The triangle's columns inside the draw. */
+SVO_FUNCTION svo_window svo_draw_window(svo_placed placed, svo_voxelize_params params)
+{
+    svo_window r;
+    r.u = max(placed.first.u, (int)params.left);
+    r.v = max(placed.first.v, (int)params.bottom);
+    r.end_u = min(placed.first.u + placed.last.u + 1, (int)(params.left + params.width));
+    r.end_v = min(placed.first.v + placed.last.v + 1, (int)(params.bottom + params.height));
+    return r;
+}
+
+SVO_FUNCTION svo_window svo_tile_window(svo_window draw, svo_tile_item tile)
+{
+    svo_window r;
+    r.u = (int)(tile.corner & 0xffffu);
+    r.v = (int)(tile.corner >> 16);
+    r.end_u = min(draw.end_u, r.u + SVO_TILE_EDGE);
+    r.end_v = min(draw.end_v, r.v + SVO_TILE_EDGE);
+    return r;
+}
+
+SVO_FUNCTION svo_source svo_source_of(svo_placed placed, svo_window window)
+{
+    svo_source r;
+    r.corner = svo_make_point(window.u, window.v, placed.first.t);
+    r.axis = placed.axis;
+    r.triangle = placed.triangle;
+    return r;
+}
+
+#ifndef SVO_NO_TEST
+
+/* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it is
+   convex. x: the first of them, y: how many. */
+SVO_FUNCTION int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
+{
+    int2 run = (int2)(0, 0);
+    const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
+    for (int k = span.first; k <= span.last; ++k) {
+        if (svo_overlap_voxel(overlap, u, v, k << voxel_log2)) {
+            run.x = run.y == 0 ? k : run.x;
+            ++run.y;
+        } else if (run.y > 0) {
+            break;
+        }
+    }
+    return run;
+}
+
+/* The largest coordinate, for svo_column_span. */
+SVO_FUNCTION float svo_reach_of(svo_placed placed)
+{
+    const uint u = max(abs(placed.a.u), max(abs(placed.b.u), abs(placed.c.u)));
+    const uint v = max(abs(placed.a.v), max(abs(placed.b.v), abs(placed.c.v)));
+    const uint t = max(abs(placed.a.t), max(abs(placed.b.t), abs(placed.c.t)));
+    return (float)max(u, max(v, t));
+}
+
+/* Notes the runs of all columns of the window. x: how many notes, y: how many fragments. */
+SVO_FUNCTION uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+{
+    const int voxel_log2 = (int)params.voxel_log2;
+    const svo_overlap overlap =
+        svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
+    const float reach = svo_reach_of(placed);
+    uint2 found = (uint2)(0u, 0u);
+    for (int v = window.v; v < window.end_v; ++v) {
+        for (int u = window.u; u < window.end_u; ++u) {
+            const int local_u = (u - placed.first.u) << voxel_log2;
+            const int local_v = (v - placed.first.v) << voxel_log2;
+            if (!svo_overlap_column(overlap, local_u, local_v)) {
+                continue;
+            }
+            const int2 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach);
+            if (run.y > 0) {
+                notes[found.x] =
+                    (uint)(u - window.u) | (uint)(v - window.v) << 6 | (uint)run.x << 12 | (uint)run.y << 28;
+                found += (uint2)(1u, (uint)run.y);
+            }
+        }
+    }
+    return found;
+}
+
+#endif
+
+/* The same for whatever is to be done: nothing for an empty window, and for one of more columns than a tile has, whose
+   triangle is left to its tiles. */
+SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+{
+    const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
+    const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
+    if (width * height == 0 || width * height > SVO_TILE_COLUMNS) {
+        return (uint2)(0u, 0u);
+    }
+    if (params.one_voxel != 0u) {
+        notes[0] = 1u << 28;
+        return (uint2)(1u, 1u);
+    }
+#ifdef SVO_NO_TEST
+    (void)placed;
+    return (uint2)(0u, 0u); /* only triangles inside one voxel come here */
+#else
+    return svo_walk(placed, window, params, notes);
+#endif
+}
+
+/* Room for the group's fragments; returns the slot of this work-item's first. */
+SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *scratch)
+{
+    uint total;
+    const uint before = svo_group_exclusive(count, scratch, &total);
+    if (get_local_id(0) == 0u && total > 0u) {
+        const uint base = atomic_add(counter, total);
+        if (base + total < base) {
+            atomic_inc(counter + 1);
+        }
+        scratch[0] = base;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return scratch[0] + before;
+}
+
+/* Writes the fragments of the notes, as far as they fit. */
+SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
+                            uint slot, uint capacity)
+{
+    const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
+    const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
+    for (uint i = 0; i < note_count; ++i) {
+        const uint note = notes[i];
+        const svo_code column = svo_axis_code((uint)source.corner.u + (note & 63u)) << at_u |
+                                svo_axis_code((uint)source.corner.v + (note >> 6 & 63u)) << at_v;
+        const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
+        for (uint k = 0; k < note >> 28; ++k) {
+            if (slot < capacity) {
+                const svo_code code = column | svo_axis_code(first + k) << source.axis;
+                svo_fragment_store(fragments, slot, code, source.triangle);
+            }
+            ++slot;
+        }
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_voxelize(__global const int *vertices, __global const uint *indices, __global const svo_draw_item *items,
+               __global const svo_tile_item *tiles, __global uint *counters, __global uint *fragments,
+               svo_voxelize_params params, __local uint *all_notes, __local uint *scratch)
+{
+    const uint id = (uint)get_global_id(0);
+    __local uint *notes = all_notes + (uint)get_local_id(0) * SVO_NOTES_STRIDE;
+    uint2 found = (uint2)(0u, 0u);
+    svo_source source = {{0, 0, 0}, 0u, 0u};
+    const bool is_tile = id >= params.first_tile_id;
+    const uint tile = id - params.first_tile_id;
+    if (is_tile ? tile < params.tile_count : id < params.item_count) {
+        svo_tile_item part = {params.first_item + id, 0u};
+        if (is_tile) {
+            part = tiles[params.first_tile + tile];
+        }
+        const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
+        svo_window window = svo_draw_window(placed, params);
+        if (is_tile) {
+            window = svo_tile_window(window, part);
+        }
+        source = svo_source_of(placed, window);
+        found = svo_find(placed, window, params, notes);
+    }
+    const uint slot = svo_reserve(found.y, counters + 2u * params.counter, scratch);
+    svo_write(notes, found.x, source, fragments, slot, params.capacity);
+}

@@ -1,0 +1,381 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Builds that do not wait: the stages of build.c in a workspace's memory, with the plan's capacities in place of counts. What
+ * the device counts is read when the tree is finished.
+ */
+#include "build/workspace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A build that was enqueued. */
+struct svo_i_pending {
+    svo_i_build build; /* without its events */
+    svo_frontend *frontend; /* that has to release the list; NULL: it is scratch */
+    svo_build_report report;
+    cl_event done;
+    svo_build_state state; /* read back when it is done */
+    cl_uint counter[2];
+    svo_i_pending *next; /* given up likewise */
+};
+
+/* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
+static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
+{
+    for (size_t i = 0; i < workspace->allocations.count; ++i) {
+        svo_i_allocation *entry = &workspace->allocations.entries[i];
+        if (entry->stays) {
+            cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
+            *(back ? buffer : &entry->memory) = back ? entry->memory : *buffer;
+            *(back ? &entry->memory : buffer) = NULL;
+        }
+    }
+}
+
+/* Waits for the caller's events and for the build before. */
+static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
+{
+    cl_event *all = calloc((size_t)num_wait + 1, sizeof *all);
+    cl_uint count = num_wait;
+    if (all == NULL) {
+        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "svo_build_enqueue: no memory for %u events to wait for", num_wait);
+    }
+    if (num_wait > 0) {
+        memcpy(all, wait, num_wait * sizeof *all);
+    }
+    if (workspace->last != NULL) {
+        all[count++] = workspace->last;
+    }
+    const cl_int error = clEnqueueMarkerWithWaitList(build->queue, count, count > 0 ? all : NULL, &build->last);
+    free(all);
+    return error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clEnqueueMarkerWithWaitList", error);
+}
+
+/* The list of a front end that draws now, waiting for what the build waits for: its count is the host's. */
+static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    svo_frontend *frontend = workspace->frontend;
+    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
+    }
+    pending->frontend = frontend;
+    const svo_status status = frontend->voxelize(frontend->self, build->plan, &workspace->layout, build->queue,
+                                                 &build->list, &pending->report);
+    const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
+    pending->counter[0] = (cl_uint)needed;
+    pending->counter[1] = (cl_uint)(needed >> 32);
+    pending->state.overflow = needed > workspace->info.fragment_capacity ? SVO_SHORT_LIST : 0;
+    return status;
+}
+
+static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_frontend *frontend = workspace->frontend;
+    return frontend->enqueue != NULL ? frontend->enqueue(&pending->build, &workspace->layout)
+                                     : draw_now(workspace, pending);
+}
+
+/* All stages, and the counts on their way to the host. */
+static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    build->fragment_count = workspace->info.fragment_capacity;
+    svo_i_build_fill_info(build);
+    svo_i_build_assume_counts(build);
+    build->list.chunk_count = workspace->layout.chunk_count;
+    build->list.chunks = calloc(build->list.chunk_count + 1u, sizeof *build->list.chunks);
+    if (build->list.chunks == NULL) {
+        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
+    }
+    svo_status status = make_list(workspace, pending);
+    if (status != SVO_OK || pending->state.overflow != 0) { /* known already */
+        return status;
+    }
+    status = svo_i_build_make_arrays(build, workspace->frontend);
+    if (status == SVO_OK && build->counters != NULL) {
+        status = svo_i_build_read(build, build->counters, pending->counter, sizeof pending->counter);
+    }
+    return status == SVO_OK ? svo_i_build_read(build, build->state, &pending->state, sizeof pending->state) : status;
+}
+
+static void release_pending(svo_i_pending *pending)
+{
+    if (pending->done != NULL) {
+        clReleaseEvent(pending->done);
+    }
+    svo_i_build_take_spans(&pending->build);
+    if (pending->frontend != NULL) {
+        pending->frontend->release(pending->frontend->self, &pending->build.list);
+    }
+    free(pending->build.list.chunks);
+    free(pending->build.cursors);
+    free(pending);
+}
+
+static bool is_done(cl_event event)
+{
+    cl_int status = CL_QUEUED;
+    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL);
+    return status <= CL_COMPLETE;
+}
+
+void svo_i_workspace_release_given_up(svo_workspace *workspace, bool all)
+{
+    for (svo_i_pending **at = &workspace->given_up; *at != NULL;) {
+        svo_i_pending *pending = *at;
+        if (all || is_done(pending->done)) {
+            *at = pending->next;
+            release_pending(pending);
+        } else {
+            at = &pending->next;
+        }
+    }
+}
+
+/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to it. */
+static void give_up(svo_workspace *workspace, svo_i_pending *pending)
+{
+    if (pending->done == NULL || is_done(pending->done)) {
+        release_pending(pending);
+    } else {
+        pending->next = workspace->given_up;
+        workspace->given_up = pending;
+    }
+}
+
+/* What the build holds on to when it has been enqueued, or given up. */
+static void close_build(svo_workspace *workspace, svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    if (build->stage_first != NULL) {
+        clReleaseEvent(build->stage_first);
+        build->stage_first = NULL;
+    }
+    lend_buffers(workspace, build->tree, true);
+    if (build->last != NULL) {
+        if (workspace->last != NULL) {
+            clReleaseEvent(workspace->last);
+        }
+        workspace->last = build->last;
+        clRetainEvent(build->last);
+        pending->done = build->last;
+        build->last = NULL;
+    }
+}
+
+static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree *tree, cl_command_queue queue,
+                                 cl_uint num_wait, const cl_event *wait)
+{
+    if (tree == NULL) {
+        return "tree is NULL";
+    }
+    if (tree->workspace != workspace) {
+        return "tree is not of this workspace, or was trimmed";
+    }
+    if (tree->pending != NULL) {
+        return "tree has a build in flight; call svo_tree_finish first";
+    }
+    if ((num_wait > 0) != (wait != NULL)) {
+        return "num_wait and wait disagree";
+    }
+    return svo_i_wrong_queue(workspace->device, queue);
+}
+
+svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
+                             const cl_event *wait, cl_event *event)
+{
+    if (workspace == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = wrong_enqueue(workspace, tree, queue, num_wait, wait);
+    if (wrong != NULL) {
+        return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
+    }
+    svo_i_workspace_release_given_up(workspace, false);
+    svo_i_pending *pending = calloc(1, sizeof *pending);
+    if (pending == NULL) {
+        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
+    }
+    pending->build = (svo_i_build){.mode = SVO_I_BUILD_ENQUEUES,
+                                   .device = workspace->device,
+                                   .plan = workspace->plan,
+                                   .queue = queue,
+                                   .profiling = svo_i_queue_profiles(queue),
+                                   .program = workspace->program,
+                                   .report = &pending->report,
+                                   .stays_in_place = true,
+                                   .allocations = &workspace->allocations,
+                                   .kept = &workspace->kept,
+                                   .tree = tree};
+    svo_i_tree_forget(tree);
+    lend_buffers(workspace, tree, false);
+    svo_status status = wait_first(workspace, &pending->build, num_wait, wait);
+    status = status == SVO_OK ? enqueue_stages(workspace, pending) : status;
+    close_build(workspace, pending);
+    clFlush(queue);
+    if (status != SVO_OK) {
+        give_up(workspace, pending);
+        return status;
+    }
+    tree->pending = pending;
+    if (event != NULL) {
+        clRetainEvent(pending->done);
+        *event = pending->done;
+    }
+    return SVO_OK;
+}
+
+/* The tree's counts, or what it would have needed. */
+static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    const svo_build_state *state = &pending->state;
+    const svo_workspace_info *room = &tree->workspace->info;
+    const uint64_t needed = (uint64_t)pending->counter[1] << 32 | pending->counter[0];
+    pending->report.fragments = needed;
+    build->fragment_count = needed;
+    if (state->overflow == SVO_DAMAGED_LIST) {
+        return svo_i_build_fail_damaged(build);
+    }
+    if (state->overflow != 0) {
+        pending->report.inner_nodes = svo_i_plan_inner_nodes(build->plan, needed, true);
+        return svo_i_device_fail(tree->device, SVO_NEED_MORE,
+                                 "svo_tree_finish: the build needs room for %llu fragments, the plan has %llu, and for "
+                                 "at most %llu inner nodes, the plan has %llu",
+                                 (unsigned long long)needed, (unsigned long long)room->fragment_capacity,
+                                 (unsigned long long)pending->report.inner_nodes,
+                                 (unsigned long long)room->inner_capacity);
+    }
+    bool fits = false;
+    tree->info.fragments = needed;
+    tree->info.list_count = (tree->info.need & SVO_NEED_RAYS) != 0 ? needed : 0;
+    return svo_i_take_state(build, state, &fits);
+}
+
+/* Payload that is stored once is zero in a tree without leaves. */
+static svo_status clear_constants(svo_tree *tree, cl_command_queue queue)
+{
+    static const unsigned char none[8] = {0};
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && tree->info.leaf_count == 0; ++i) {
+        if (svo_i_tree_is_constant(&tree->info, i)) {
+            const cl_int error = clEnqueueWriteBuffer(queue, tree->buffers[i], CL_TRUE, 0, svo_i_tree_element_bytes(i),
+                                                      none, 0, NULL, NULL);
+            if (error != CL_SUCCESS) {
+                return svo_i_device_fail_cl(tree->device, "svo_tree_finish", "clEnqueueWriteBuffer", error);
+            }
+        }
+    }
+    return SVO_OK;
+}
+
+/* A copy of the front of a buffer in place of it. */
+static svo_status trim_buffer(svo_tree *tree, svo_tree_buffer which, cl_command_queue queue)
+{
+    const size_t bytes = (size_t)svo_i_tree_element_count(&tree->info, which) * svo_i_tree_element_bytes(which);
+    size_t held = 0;
+    clGetMemObjectInfo(tree->buffers[which], CL_MEM_SIZE, sizeof held, &held, NULL);
+    if (held == bytes || (bytes == 0 && held == 1)) {
+        return SVO_OK;
+    }
+    cl_mem exact = NULL;
+    cl_event copied = NULL;
+    const svo_status status = svo_i_device_buffer(tree->device, "svo_tree_finish", svo_tree_buffer_name(which),
+                                                  CL_MEM_READ_WRITE, bytes, &exact);
+    if (status != SVO_OK) {
+        return status;
+    }
+    cl_int error = CL_SUCCESS;
+    if (bytes > 0) {
+        error = clEnqueueCopyBuffer(queue, tree->buffers[which], exact, 0, 0, bytes, 0, NULL, &copied);
+        error = error == CL_SUCCESS ? clWaitForEvents(1, &copied) : error;
+    }
+    if (copied != NULL) {
+        clReleaseEvent(copied);
+    }
+    if (error != CL_SUCCESS) {
+        clReleaseMemObject(exact);
+        return svo_i_device_fail_cl(tree->device, "svo_tree_finish", "clEnqueueCopyBuffer", error);
+    }
+    clReleaseMemObject(tree->buffers[which]);
+    tree->buffers[which] = exact;
+    return SVO_OK;
+}
+
+/* No more builds go into the tree. */
+static void leave_workspace(svo_tree *tree)
+{
+    svo_tree **at = tree->workspace != NULL ? &tree->workspace->trees : NULL;
+    while (at != NULL && *at != tree) {
+        at = &(*at)->next;
+    }
+    if (at != NULL) {
+        *at = tree->next;
+    }
+    tree->workspace = NULL;
+    tree->next = NULL;
+}
+
+static svo_status trim_tree(svo_tree *tree, cl_command_queue queue)
+{
+    svo_status status = SVO_OK;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
+        status = tree->buffers[i] != NULL ? trim_buffer(tree, i, queue) : SVO_OK;
+    }
+    leave_workspace(tree);
+    return status;
+}
+
+void svo_i_tree_leave_workspace(svo_tree *tree)
+{
+    if (tree->pending != NULL) {
+        clWaitForEvents(1, &tree->pending->done);
+        release_pending(tree->pending);
+        tree->pending = NULL;
+    }
+    leave_workspace(tree);
+}
+
+static void fill_report(const svo_tree *tree, const svo_i_pending *pending, svo_build_report *report)
+{
+    const svo_frontend *frontend = tree->workspace->frontend;
+    *report = pending->report;
+    report->struct_size = sizeof *report;
+    report->list_chunks = pending->build.list.chunk_count;
+    report->frontend = frontend->name;
+    report->builder = svo_builder_name(SVO_BUILDER_CL);
+    report->share = frontend->share;
+    report->renderer = frontend->renderer != NULL ? frontend->renderer : "";
+}
+
+svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report)
+{
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = tree->pending == NULL ? "tree has no build in flight" : svo_i_wrong_queue(tree->device, queue);
+    if (wrong == NULL && report != NULL && report->struct_size != sizeof *report) {
+        wrong = "report.struct_size is not sizeof(svo_build_report)";
+    }
+    if (wrong != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", wrong);
+    }
+    svo_i_pending *pending = tree->pending;
+    tree->pending = NULL;
+    const cl_int error = clWaitForEvents(1, &pending->done);
+    svo_status status =
+        error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, "svo_tree_finish", "the build", error);
+    svo_i_build_take_spans(&pending->build);
+    svo_i_report_add(&pending->report, SVO_STAGE_GRID, tree->workspace->plan->info.grid_ms, "wall");
+    status = status == SVO_OK ? take_counts(tree, pending) : status;
+    if (report != NULL) {
+        fill_report(tree, pending, report);
+    }
+    release_pending(pending);
+    status = status == SVO_OK ? clear_constants(tree, queue) : status;
+    return status == SVO_OK && trim != 0 ? trim_tree(tree, queue) : status;
+}

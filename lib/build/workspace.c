@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not wait
+ * (enqueue.c).
+ */
+#include "build/workspace.h"
+
+#include <stdlib.h>
+
+#define SVO_I_WORKSPACE "svo_workspace_create"
+
+static svo_status check(svo_plan *plan, svo_frontend *frontend)
+{
+    if (frontend == NULL || frontend->device != plan->device) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": frontend is %s",
+                                 frontend == NULL ? "NULL" : "of another device than plan");
+    }
+    if (frontend->make_tree != NULL) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 SVO_I_WORKSPACE ": builder %s cannot be enqueued, only cl", frontend->builder);
+    }
+    if (plan->work.sorted) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 SVO_I_WORKSPACE ": builder sorted waits for counts; only cl can be enqueued");
+    }
+    return SVO_OK;
+}
+
+/* One chunk that holds the whole list. */
+static svo_status lay_out(svo_workspace *workspace)
+{
+    const svo_plan *plan = workspace->plan;
+    const uint64_t allocation = workspace->device->max_allocation_bytes;
+    const uint64_t chunk = workspace->frontend->chunk_bytes_max;
+    const uint64_t most = chunk < allocation ? chunk : allocation;
+    const uint64_t asked = plan->options.chunk_bytes;
+    const svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &workspace->layout);
+    if (status == SVO_OK && workspace->layout.chunk_count > 1) {
+        return svo_i_device_fail(workspace->device, SVO_UNSUPPORTED,
+                                 SVO_I_WORKSPACE ": the list of about %.0f fragments takes %u chunks, and builds that "
+                                                 "are enqueued have one",
+                                 plan->info.expected_fragments, workspace->layout.chunk_count);
+    }
+    return status;
+}
+
+static uint64_t alignment_of(const svo_device *device)
+{
+    cl_uint bits = 0;
+    clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
+    return bits >= 1024 ? bits / 8 : 128;
+}
+
+/* Lists the allocations of a build and places its scratch. The plan's list of buffers becomes theirs. */
+static svo_status measure(svo_workspace *workspace)
+{
+    svo_i_allocations *list = &workspace->allocations;
+    svo_status status = check(workspace->plan, workspace->frontend);
+    status = status == SVO_OK ? lay_out(workspace) : status;
+    workspace->plan->built = true; /* capacities are what is allocated */
+    if (status == SVO_OK) {
+        status = svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->layout, list, &workspace->kept);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    workspace->info.scratch_alignment = alignment_of(workspace->device);
+    svo_i_allocations_place(list, workspace->info.scratch_alignment);
+    workspace->info.scratch_bytes = list->scratch_bytes;
+    for (size_t i = 0; i < list->count; ++i) {
+        workspace->info.tree_bytes += list->entries[i].stays ? list->entries[i].bytes : 0;
+    }
+    workspace->info.fragment_capacity = workspace->layout.chunk_count > 0 ? workspace->layout.chunks[0].capacity : 0;
+    workspace->info.inner_capacity = svo_i_plan_inner_nodes(workspace->plan, workspace->info.fragment_capacity,
+                                                            workspace->plan->options.certain_nodes != 0);
+    return SVO_OK;
+}
+
+static void release(svo_workspace *workspace)
+{
+    svo_i_layout_destroy(&workspace->layout);
+    svo_i_tiles_free(&workspace->kept.tiles);
+    free(workspace->kept.begin);
+    svo_i_allocations_free(&workspace->allocations);
+    if (workspace->scratch != NULL) {
+        clReleaseMemObject(workspace->scratch);
+    }
+}
+
+svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info)
+{
+    if (plan == NULL || info == NULL) {
+        return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
+                                 "svo_workspace_measure: %s is NULL", plan == NULL ? "plan" : "info");
+    }
+    const svo_plan before = *plan;
+    svo_workspace measured = {.device = plan->device, .plan = plan, .frontend = frontend};
+    const svo_status status = measure(&measured);
+    if (status == SVO_OK) {
+        *info = measured.info;
+    }
+    release(&measured);
+    *plan = before; /* nothing but its list was changed */
+    return status;
+}
+
+/* The caller's scratch, checked, or a buffer of the workspace's. */
+static svo_status get_scratch(svo_workspace *workspace, const svo_workspace_options *options)
+{
+    const svo_workspace_info *info = &workspace->info;
+    if (options->scratch == NULL) {
+        return svo_i_device_buffer(workspace->device, SVO_I_WORKSPACE, "scratch", CL_MEM_READ_WRITE,
+                                   (size_t)info->scratch_bytes, &workspace->scratch);
+    }
+    size_t bytes = 0;
+    cl_context context = NULL;
+    clGetMemObjectInfo(options->scratch, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    clGetMemObjectInfo(options->scratch, CL_MEM_CONTEXT, sizeof context, &context, NULL);
+    if (context != workspace->device->context) {
+        return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT,
+                                 SVO_I_WORKSPACE ": options.scratch is of another context than the device");
+    }
+    if (options->offset_bytes % info->scratch_alignment != 0 || options->offset_bytes > bytes ||
+        bytes - options->offset_bytes < info->scratch_bytes) {
+        return svo_i_device_fail(
+            workspace->device, SVO_INVALID_ARGUMENT,
+            SVO_I_WORKSPACE
+            ": options.scratch has %zu bytes, and %llu are needed from offset %llu on, a multiple of %llu",
+            bytes, (unsigned long long)info->scratch_bytes, (unsigned long long)options->offset_bytes,
+            (unsigned long long)info->scratch_alignment);
+    }
+    clRetainMemObject(options->scratch);
+    workspace->scratch = options->scratch;
+    return SVO_OK;
+}
+
+/* A sub-buffer for every scratch entry. */
+static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
+{
+    for (size_t i = 0; i < workspace->allocations.count; ++i) {
+        svo_i_allocation *entry = &workspace->allocations.entries[i];
+        const cl_buffer_region region = {(size_t)(offset_bytes + entry->offset_bytes), (size_t)entry->bytes};
+        cl_int error = CL_SUCCESS;
+        if (entry->stays) {
+            continue;
+        }
+        entry->memory = clCreateSubBuffer(workspace->scratch, 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &error);
+        if (error != CL_SUCCESS) {
+            entry->memory = NULL;
+            return svo_i_device_fail_cl(workspace->device, SVO_I_WORKSPACE, "clCreateSubBuffer", error);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
+{
+    svo_build_report unread = {0};
+    svo_i_build build = {.device = workspace->device, .plan = workspace->plan, .queue = queue, .report = &unread};
+    const svo_status status = svo_i_build_compile(&build, workspace->frontend);
+    if (build.last != NULL) {
+        clWaitForEvents(1, &build.last);
+        clReleaseEvent(build.last);
+    }
+    if (build.stage_first != NULL) {
+        clReleaseEvent(build.stage_first);
+    }
+    workspace->program = build.program;
+    return status;
+}
+
+static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, const svo_workspace_options *options,
+                                  svo_workspace *const *out)
+{
+    if (out == NULL) {
+        return "out is NULL";
+    }
+    if (options != NULL && options->struct_size != sizeof *options) {
+        return "options.struct_size is not sizeof(svo_workspace_options)";
+    }
+    return svo_i_wrong_queue(plan->device, queue);
+}
+
+svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
+                                const svo_workspace_options *options, svo_workspace **out)
+{
+    static const svo_workspace_options defaults = {.struct_size = sizeof defaults};
+    if (plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = wrong_argument(plan, queue, options, out);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
+    }
+    svo_workspace *workspace = calloc(1, sizeof *workspace);
+    if (workspace == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_WORKSPACE ": no memory for the handle");
+    }
+    *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
+    const svo_workspace_options *given = options != NULL ? options : &defaults;
+    const svo_plan before = *plan;
+    svo_status status = measure(workspace);
+    if (status == SVO_OK) {
+        status = get_scratch(workspace, given);
+    }
+    if (status == SVO_OK) {
+        status = cut_scratch(workspace, options != NULL && options->scratch != NULL ? options->offset_bytes : 0);
+    }
+    if (status == SVO_OK) {
+        status = compile(workspace, queue);
+    }
+    if (status != SVO_OK) {
+        svo_workspace_destroy(&workspace);
+        *plan = before; /* its list */
+        return status;
+    }
+    *out = workspace;
+    return SVO_OK;
+}
+
+void svo_workspace_destroy(svo_workspace **workspace)
+{
+    if (workspace == NULL || *workspace == NULL) {
+        return;
+    }
+    if ((*workspace)->last != NULL) {
+        clWaitForEvents(1, &(*workspace)->last);
+        clReleaseEvent((*workspace)->last);
+    }
+    svo_i_workspace_release_given_up(*workspace, true);
+    for (svo_tree *tree = (*workspace)->trees; tree != NULL; tree = tree->next) {
+        tree->workspace = NULL;
+    }
+    release(*workspace);
+    free(*workspace);
+    *workspace = NULL;
+}
+
+void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info)
+{
+    *info = workspace->info;
+}
+
+svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
+{
+    static const char function[] = "svo_workspace_make_tree";
+    if (workspace == NULL || out == NULL) {
+        return svo_i_device_fail(workspace != NULL ? workspace->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
+                                 function, workspace == NULL ? "workspace" : "out");
+    }
+    svo_tree *tree = svo_i_tree_new();
+    svo_status status = SVO_OK;
+    if (tree == NULL) {
+        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", function);
+    }
+    tree->device = workspace->device;
+    tree->workspace = workspace;
+    tree->next = workspace->trees;
+    workspace->trees = tree;
+    for (size_t i = 0; i < workspace->allocations.count && status == SVO_OK; ++i) {
+        const svo_i_allocation *entry = &workspace->allocations.entries[i];
+        if (entry->stays) {
+            status = svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
+                                         (size_t)entry->bytes, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
+        }
+    }
+    if (status != SVO_OK) {
+        svo_tree_destroy(&tree);
+        return status;
+    }
+    *out = tree;
+    return SVO_OK;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* The device's insides: message, limits, buffers, the program cache. */
+#ifndef SVO_LIB_DEVICE_H
+#define SVO_LIB_DEVICE_H
+
+#include <stdbool.h>
+
+#include "core/message.h"
+#include "svocl/device.h"
+
+typedef struct svo_i_program_cache svo_i_program_cache; /* program.h */
+
+struct svo_device {
+    cl_context context;
+    cl_device_id device;
+    svo_log_callback log;
+    void *log_user;
+    char *name;
+    cl_ulong max_allocation_bytes;
+    cl_ulong global_bytes;
+    bool is_cpu;
+    svo_i_program_cache *programs;
+    double compile_ms;
+    svo_message message;
+};
+
+SVO_I_SHARED_BEGIN
+
+/* Sets the device's message and returns status. device: NULL allowed (a tree from a file has none). */
+svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* "function: clCall failed with CL_NAME (-n)"; out-of-memory errors become SVO_OUT_OF_DEVICE_MEMORY. */
+svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const char *call, cl_int error);
+const char *svo_i_cl_error_name(cl_int error);
+
+/* A buffer of at least one byte, or SVO_OUT_OF_DEVICE_MEMORY naming buffer, bytes and limit. */
+svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
+                               size_t bytes, cl_mem *out);
+
+void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
+
+SVO_I_SHARED_END
+
+#endif

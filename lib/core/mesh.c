@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Meshes whose arrays lie in buffers of a device: read back to the host, where the pipeline's first stage (grid.c) snaps
+ * them. Interleaved arrays are packed on the way.
+ */
+#include "core/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/device.h"
+
+struct svo_mesh_copy {
+    svo_mesh mesh;
+    void *arrays[6]; /* by malloc; some NULL */
+};
+
+/* One array of a mesh in the making. */
+typedef struct array {
+    const char *name;
+    const svo_mesh_view *view;
+    size_t count, element_bytes;
+} array;
+
+void svo_mesh_copy_destroy(svo_mesh_copy **copy)
+{
+    if (copy == NULL || *copy == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof(*copy)->arrays / sizeof(*copy)->arrays[0]; ++i) {
+        free((*copy)->arrays[i]);
+    }
+    free(*copy);
+    *copy = NULL;
+}
+
+const svo_mesh *svo_mesh_copy_get(const svo_mesh_copy *copy)
+{
+    return &copy->mesh;
+}
+
+/* The bytes from the array's first to behind its last element; they must lie in the buffer. */
+static svo_status span_of(const svo_i_mesh_reader *reader, const array *from, size_t stride_bytes, size_t *span_bytes,
+                          svo_message *message)
+{
+    size_t end_bytes = 0, held_bytes = 0;
+    if (stride_bytes < from->element_bytes) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s.stride_bytes %zu is below the %zu of an element",
+                          reader->function, from->name, stride_bytes, from->element_bytes);
+    }
+    if (!svo_i_mul_size(from->count - 1, stride_bytes, span_bytes) ||
+        !svo_i_add_size(*span_bytes, from->element_bytes, span_bytes) ||
+        !svo_i_add_size(*span_bytes, from->view->offset_bytes, &end_bytes)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s does not fit the address space", reader->function,
+                          from->name);
+    }
+    const svo_status status = reader->size(reader->self, from->view, &held_bytes, message);
+    if (status == SVO_OK && end_bytes > held_bytes) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s ends at byte %zu of a buffer of %zu bytes",
+                          reader->function, from->name, end_bytes, held_bytes);
+    }
+    return status;
+}
+
+/* Moves elements that lie stride_bytes apart together, in place. */
+static void pack(unsigned char *bytes, const array *from, size_t stride_bytes)
+{
+    for (size_t i = 1; i < from->count && stride_bytes > from->element_bytes; ++i) {
+        memmove(bytes + i * from->element_bytes, bytes + i * stride_bytes, from->element_bytes);
+    }
+}
+
+/* *out stays NULL for an array that is empty or absent. */
+static svo_status read_array(const svo_i_mesh_reader *reader, const array *from, void **out, svo_message *message)
+{
+    if (from->count == 0 || !reader->has(from->view)) {
+        return SVO_OK;
+    }
+    const size_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
+    size_t span_bytes = 0;
+    svo_status status = span_of(reader, from, stride_bytes, &span_bytes, message);
+    if (status != SVO_OK || span_bytes == 0) {
+        return status;
+    }
+    unsigned char *bytes = malloc(span_bytes);
+    if (bytes == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no %zu bytes for %s", reader->function, span_bytes,
+                          from->name);
+    }
+    status = reader->read(reader->self, from->view, from->view->offset_bytes, span_bytes, bytes, message);
+    if (status != SVO_OK) {
+        free(bytes);
+        return status;
+    }
+    pack(bytes, from, stride_bytes);
+    *out = bytes;
+    return SVO_OK;
+}
+
+/* Indices of 16 bits become indices of 32. */
+static svo_status widen_indices(const svo_i_mesh_reader *reader, size_t count, void **indices, svo_message *message)
+{
+    const uint16_t *narrow = *indices;
+    uint32_t *wide = calloc(count, sizeof *wide);
+    if (wide == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu indices", reader->function, count);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        wide[i] = narrow[i];
+    }
+    free(*indices);
+    *indices = wide;
+    return SVO_OK;
+}
+
+static svo_status check_buffers(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_message *message)
+{
+    if (buffers->struct_size != sizeof *buffers) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: buffers.struct_size is %zu, not %zu", reader->function,
+                          buffers->struct_size, sizeof *buffers);
+    }
+    if (buffers->index_bytes != 0 && buffers->index_bytes != 2 && buffers->index_bytes != 4) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: buffers.index_bytes %u is none of 0, 2, 4",
+                          reader->function, buffers->index_bytes);
+    }
+    if (buffers->vertex_count >= UINT32_MAX || buffers->triangle_count >= UINT32_MAX) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: buffers hold %zu vertices and %zu triangles, not below 2^32 - 1", reader->function,
+                          buffers->vertex_count, buffers->triangle_count);
+    }
+    if (buffers->vertex_count > 0 && !reader->has(&buffers->positions)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: buffers.positions names no buffer", reader->function);
+    }
+    return SVO_OK;
+}
+
+static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy *copy,
+                              svo_message *message)
+{
+    const size_t vertices = buffers->vertex_count, triangles = buffers->triangle_count;
+    const size_t index_bytes = buffers->index_bytes == 2 ? 2 : 4;
+    const array arrays[6] = {{"positions", &buffers->positions, vertices, 12},
+                             {"indices", &buffers->indices, triangles * 3, index_bytes},
+                             {"normals", &buffers->normals, vertices, 12},
+                             {"colors", &buffers->colors, vertices, 4},
+                             {"uvs", &buffers->uvs, vertices, 8},
+                             {"triangle_materials", &buffers->triangle_materials, triangles, 2}};
+    for (size_t i = 0; i < 6; ++i) {
+        const svo_status status = read_array(reader, &arrays[i], &copy->arrays[i], message);
+        if (status != SVO_OK) {
+            return status;
+        }
+    }
+    return copy->arrays[1] != NULL && index_bytes == 2 ? widen_indices(reader, triangles * 3, &copy->arrays[1], message)
+                                                       : SVO_OK;
+}
+
+svo_status svo_i_mesh_read(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
+                           svo_message *message)
+{
+    svo_status status = check_buffers(buffers, reader, message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_mesh_copy *copy = calloc(1, sizeof *copy);
+    if (copy == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the handle", reader->function);
+    }
+    status = read_arrays(buffers, reader, copy, message);
+    if (status != SVO_OK) {
+        svo_mesh_copy_destroy(&copy);
+        return status;
+    }
+    copy->mesh = (svo_mesh){.struct_size = sizeof copy->mesh,
+                            .positions = copy->arrays[0],
+                            .vertex_count = buffers->vertex_count,
+                            .indices = copy->arrays[1],
+                            .triangle_count = buffers->triangle_count,
+                            .normals = copy->arrays[2],
+                            .colors = copy->arrays[3],
+                            .uvs = copy->arrays[4],
+                            .triangle_materials = copy->arrays[5]};
+    *out = copy;
+    return SVO_OK;
+}
+
+/* Reading through a queue. */
+typedef struct queue_reader {
+    cl_command_queue queue;
+    cl_uint wait_count;
+    const cl_event *wait;
+} queue_reader;
+
+static bool has_memory(const svo_mesh_view *view)
+{
+    return view->memory != NULL;
+}
+
+static svo_status fail_cl(svo_message *message, const char *call, cl_int error)
+{
+    return svo_i_fail(message, SVO_CL_ERROR, "svo_mesh_read: %s failed with %s (%d)", call, svo_i_cl_error_name(error),
+                      error);
+}
+
+static svo_status memory_size(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message)
+{
+    (void)self;
+    const cl_int error = clGetMemObjectInfo(view->memory, CL_MEM_SIZE, sizeof *bytes, bytes, NULL);
+    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, "clGetMemObjectInfo", error);
+}
+
+static svo_status read_memory(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
+                              svo_message *message)
+{
+    const queue_reader *reader = self;
+    const cl_int error = clEnqueueReadBuffer(reader->queue, view->memory, CL_TRUE, offset_bytes, bytes, to,
+                                             reader->wait_count, reader->wait, NULL);
+    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, "clEnqueueReadBuffer", error);
+}
+
+svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
+                         const cl_event *wait, svo_mesh_copy **out, svo_message *message)
+{
+    if (buffers == NULL || queue == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_mesh_read: %s is NULL",
+                          buffers == NULL ? "buffers"
+                          : queue == NULL ? "queue"
+                                          : "out");
+    }
+    queue_reader self = {.queue = queue, .wait_count = num_wait, .wait = wait};
+    const svo_i_mesh_reader reader = {
+        .function = "svo_mesh_read", .self = &self, .has = has_memory, .size = memory_size, .read = read_memory};
+    return svo_i_mesh_read(buffers, &reader, out, message);
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* Reading a mesh out of somebody's buffers: what is the same for OpenCL's (mesh.c) and OpenGL's (glinterop/mesh_read.c). */
+#ifndef SVO_LIB_MESH_H
+#define SVO_LIB_MESH_H
+
+#include <stdbool.h>
+
+#include "core/message.h"
+#include "svocl/mesh.h"
+
+typedef struct svo_i_mesh_reader {
+    const char *function; /* for messages */
+    void *self;
+    bool (*has)(const svo_mesh_view *view); /* whether the view names a buffer */
+    /* How many bytes the buffer holds. */
+    svo_status (*size)(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message);
+    svo_status (*read)(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
+                       svo_message *message);
+} svo_i_mesh_reader;
+
+SVO_I_SHARED_BEGIN
+
+/* Checks the views, reads the arrays and packs them. Returns what the reader does, SVO_INVALID_ARGUMENT, or
+   SVO_OUT_OF_HOST_MEMORY. */
+svo_status svo_i_mesh_read(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
+                           svo_message *message);
+
+SVO_I_SHARED_END
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Compiled kernels of a device. Sources are embedded at build time; a program is compiled once per device handle and set
+ * of -D keys, since every further program costs time to open even when the driver has it cached.
+ */
+#ifndef SVO_LIB_PROGRAM_H
+#define SVO_LIB_PROGRAM_H
+
+#include "core/device.h"
+
+typedef enum svo_i_program_kind {
+    SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
+    SVO_I_PROGRAM_CAST, /* cast */
+    SVO_I_PROGRAM_VOXELIZE, /* fragment, group, overlap, voxelize */
+    SVO_I_PROGRAM_SORT, /* fragment, group, scan, sort, ascend */
+    SVO_I_PROGRAM_TRACE, /* rays, trace, nearest */
+    SVO_I_PROGRAM_VIEW, /* rays, view */
+    SVO_I_PROGRAM_KINDS
+} svo_i_program_kind;
+
+/*
+ * The program with these keys (" -DSVO_COLOR -DSVO_NORMAL", a space before each, the same text for the same program),
+ * compiled on first use.
+ * Owned by the device; not to be released. function: for the message. fresh: whether this call compiled it; NULL allowed.
+ * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log goes
+ * to the log callback.
+ */
+svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
+                             cl_program *out, bool *fresh);
+
+/* A kernel of its own for the caller, who releases it. */
+svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,
+                               cl_kernel *out);
+
+/* One argument: its bytes and where they are; a buffer is given by the address of its cl_mem, which may hold NULL. */
+typedef struct svo_i_argument {
+    size_t bytes;
+    const void *value;
+} svo_i_argument;
+#define SVO_I_ARGUMENT(variable) ((svo_i_argument){sizeof(variable), &(variable)})
+/* Local memory for a work-group. */
+#define SVO_I_LOCAL(local_bytes) ((svo_i_argument){(local_bytes), NULL})
+
+/* Sets all arguments, in order. */
+svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
+                            cl_uint argument_count);
+
+void svo_i_program_cache_destroy(svo_i_program_cache *cache);
+
+#endif

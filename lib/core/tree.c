@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: MIT */
+/* The finished tree: its arrays on the device and on the host, its hash. Stands at the end of the pipeline. */
+#include "core/tree.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "core/device.h"
+#include "core/message.h"
+#include "rays/rays.h"
+#include "svocl/plan.h"
+#include "build/workspace.h"
+
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "svocl hashes and stores arrays in memory order and needs a little-endian host"
+#endif
+
+svo_tree *svo_i_tree_new(void)
+{
+    svo_tree *tree = calloc(1, sizeof *tree);
+    if (tree != NULL) {
+        tree->ray_boxes = calloc(1, sizeof *tree->ray_boxes);
+    }
+    if (tree != NULL && tree->ray_boxes == NULL) {
+        free(tree);
+        return NULL;
+    }
+    return tree;
+}
+
+void svo_tree_destroy(svo_tree **tree)
+{
+    if (tree == NULL || *tree == NULL) {
+        return;
+    }
+    svo_i_tree_leave_workspace(*tree);
+    svo_i_tree_forget(*tree);
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if ((*tree)->buffers[i] != NULL) {
+            clReleaseMemObject((*tree)->buffers[i]);
+        }
+    }
+    free((*tree)->ray_boxes);
+    free(*tree);
+    *tree = NULL;
+}
+
+void svo_i_tree_forget(svo_tree *tree)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        free(tree->host[i]);
+        tree->host[i] = NULL;
+    }
+    tree->downloaded = false;
+    svo_i_rays_release(tree);
+}
+
+void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
+{
+    *info = tree->info;
+}
+
+const char *svo_tree_buffer_name(svo_tree_buffer buffer)
+{
+    static const char *const names[SVO_TREE_BUFFER_COUNT] = {"child_mask",   "first_child", "colors",   "normals",
+                                                             "list_begin",   "list",        "vertices", "indices",
+                                                             "triangle_ids", "materials",   "fills"};
+    return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
+}
+
+svo_tree_buffer svo_i_tree_buffer_named(const char *name)
+{
+    svo_tree_buffer buffer = SVO_TREE_CHILD_MASK;
+    while (buffer < SVO_TREE_BUFFER_COUNT && strcmp(svo_tree_buffer_name(buffer), name) != 0) {
+        ++buffer;
+    }
+    return buffer;
+}
+
+bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_TREE_CHILD_MASK:
+    case SVO_TREE_FIRST_CHILD:
+        return true;
+    case SVO_TREE_COLORS:
+        return (info->need & SVO_NEED_COLOR) != 0;
+    case SVO_TREE_NORMALS:
+        return (info->need & SVO_NEED_NORMAL) != 0;
+    case SVO_TREE_MATERIALS:
+        return (info->need & SVO_NEED_MATERIAL) != 0;
+    case SVO_TREE_FILLS:
+        return (info->need & SVO_NEED_FILL) != 0;
+    default:
+        return (info->need & SVO_NEED_RAYS) != 0;
+    }
+}
+
+bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_TREE_COLORS:
+        return (info->constant & SVO_NEED_COLOR) != 0;
+    case SVO_TREE_NORMALS:
+        return (info->constant & SVO_NEED_NORMAL) != 0;
+    case SVO_TREE_MATERIALS:
+        return (info->constant & SVO_NEED_MATERIAL) != 0;
+    default:
+        return false;
+    }
+}
+
+uint64_t svo_i_tree_payload_count(const svo_tree_info *info)
+{
+    return info->node_count - info->level_begin[info->payload_level];
+}
+
+uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_TREE_CHILD_MASK:
+    case SVO_TREE_FIRST_CHILD:
+        return info->inner_count;
+    case SVO_TREE_COLORS:
+    case SVO_TREE_NORMALS:
+    case SVO_TREE_MATERIALS:
+    case SVO_TREE_FILLS:
+        return svo_i_tree_is_constant(info, buffer) ? 1 : svo_i_tree_payload_count(info);
+    case SVO_TREE_LIST_BEGIN:
+        return info->leaf_count + 1;
+    case SVO_TREE_LIST:
+        return info->list_count;
+    case SVO_TREE_VERTICES:
+        return info->vertex_count;
+    default:
+        return info->list_triangle_count;
+    }
+}
+
+size_t svo_i_tree_element_bytes(svo_tree_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_TREE_CHILD_MASK:
+        return 1;
+    case SVO_TREE_MATERIALS:
+    case SVO_TREE_FILLS:
+        return 2;
+    case SVO_TREE_NORMALS:
+        return 6;
+    case SVO_TREE_VERTICES:
+    case SVO_TREE_INDICES:
+        return 12;
+    default:
+        return 4;
+    }
+}
+
+cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer)
+{
+    return buffer < SVO_TREE_BUFFER_COUNT ? tree->buffers[buffer] : NULL;
+}
+
+void svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
+{
+    arrays->child_mask = tree->host[SVO_TREE_CHILD_MASK];
+    arrays->first_child = tree->host[SVO_TREE_FIRST_CHILD];
+    arrays->colors = tree->host[SVO_TREE_COLORS];
+    arrays->normals = tree->host[SVO_TREE_NORMALS];
+    arrays->list_begin = tree->host[SVO_TREE_LIST_BEGIN];
+    arrays->list = tree->host[SVO_TREE_LIST];
+    arrays->vertices = tree->host[SVO_TREE_VERTICES];
+    arrays->indices = tree->host[SVO_TREE_INDICES];
+    arrays->triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS];
+    arrays->materials = tree->host[SVO_TREE_MATERIALS];
+    arrays->fills = tree->host[SVO_TREE_FILLS];
+}
+
+/* Bytes of an array the tree holds; 0 where it does not, or where the size does not fit the host. */
+static size_t array_bytes(const svo_tree *tree, svo_tree_buffer buffer)
+{
+    size_t bytes = 0;
+    if (!svo_i_tree_holds(&tree->info, buffer) || !svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer),
+                                                                  svo_i_tree_element_bytes(buffer), &bytes)) {
+        return 0;
+    }
+    return bytes;
+}
+
+/* The same on the host, where payload has an element for every node. */
+static size_t host_bytes(const svo_tree *tree, svo_tree_buffer buffer)
+{
+    const size_t bytes = array_bytes(tree, buffer);
+    size_t repeated = 0;
+    return svo_i_tree_is_constant(&tree->info, buffer) &&
+                   svo_i_mul_size(bytes, (size_t)svo_i_tree_payload_count(&tree->info), &repeated)
+               ? repeated
+               : bytes;
+}
+
+bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array)
+{
+    const size_t bytes = host_bytes(tree, buffer);
+    const size_t element_bytes = svo_i_tree_element_bytes(buffer);
+    if (!svo_i_tree_is_constant(&tree->info, buffer) || bytes <= element_bytes) {
+        return true;
+    }
+    unsigned char *repeated = realloc(*array, bytes);
+    if (repeated == NULL) {
+        return false;
+    }
+    for (size_t at = element_bytes; at < bytes; at += element_bytes) {
+        memcpy(repeated + at, repeated, element_bytes);
+    }
+    *array = repeated;
+    return true;
+}
+
+svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
+{
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_download: queue is NULL");
+    }
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_download: the tree's build is in flight; call svo_tree_finish first");
+    }
+    if (tree->downloaded) {
+        return SVO_OK;
+    }
+    void *host[SVO_TREE_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
+        const size_t bytes = array_bytes(tree, i);
+        if (bytes == 0 || tree->buffers[i] == NULL) {
+            continue;
+        }
+        host[i] = malloc(bytes);
+        if (host[i] == NULL) {
+            status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_download: %s needs %zu bytes",
+                                       svo_tree_buffer_name(i), bytes);
+            break;
+        }
+        const cl_int error = clEnqueueReadBuffer(queue, tree->buffers[i], CL_TRUE, 0, bytes, host[i], 0, NULL, NULL);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(tree->device, "svo_tree_download", "clEnqueueReadBuffer", error);
+        } else if (!svo_i_tree_repeat(tree, i, &host[i])) {
+            status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_download: %s needs %zu bytes",
+                                       svo_tree_buffer_name(i), host_bytes(tree, i));
+        }
+    }
+    if (status != SVO_OK) {
+        for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+            free(host[i]);
+        }
+        return status;
+    }
+    memcpy(tree->host, host, sizeof host);
+    tree->downloaded = true;
+    return SVO_OK;
+}
+
+svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
+{
+    if (tree == NULL || device == NULL || queue == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: %s is NULL",
+                                 tree == NULL     ? "tree"
+                                 : device == NULL ? "device"
+                                                  : "queue");
+    }
+    if (tree->device != NULL && tree->device != device) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: the tree is on %s already",
+                                 tree->device->name);
+    }
+    if (tree->device != NULL) {
+        return SVO_OK;
+    }
+    cl_mem buffers[SVO_TREE_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
+        if (!svo_i_tree_holds(&tree->info, i)) {
+            continue;
+        }
+        const size_t bytes = array_bytes(tree, i);
+        status = svo_i_device_buffer(device, "svo_tree_upload", svo_tree_buffer_name(i), CL_MEM_READ_ONLY, bytes,
+                                     &buffers[i]);
+        if (status == SVO_OK && bytes > 0) {
+            const cl_int error =
+                clEnqueueWriteBuffer(queue, buffers[i], CL_TRUE, 0, bytes, tree->host[i], 0, NULL, NULL);
+            if (error != CL_SUCCESS) {
+                status = svo_i_device_fail_cl(device, "svo_tree_upload", "clEnqueueWriteBuffer", error);
+            }
+        }
+    }
+    if (status != SVO_OK) {
+        for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+            if (buffers[i] != NULL) {
+                clReleaseMemObject(buffers[i]);
+            }
+        }
+        return status;
+    }
+    memcpy(tree->buffers, buffers, sizeof buffers);
+    tree->device = device;
+    return SVO_OK;
+}
+
+/* One array with its length before it, so that no two different trees feed the hash the same bytes. */
+static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffer buffer)
+{
+    const uint64_t bytes = host_bytes(tree, buffer);
+    XXH3_128bits_update(state, &bytes, sizeof bytes);
+    if (bytes > 0) {
+        XXH3_128bits_update(state, tree->host[buffer], (size_t)bytes);
+    }
+}
+
+svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES])
+{
+    if (tree == NULL || text == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (!tree->downloaded) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_hash: the tree has no host arrays; call svo_tree_download first");
+    }
+    XXH3_state_t *state = XXH3_createState();
+    if (state == NULL) {
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_hash: no memory for the hash state");
+    }
+    XXH3_128bits_reset(state);
+    const svo_tree_info *info = &tree->info;
+    const uint32_t words[3] = {info->depth, info->coverage, info->snap_bits};
+    XXH3_128bits_update(state, words, sizeof words);
+    XXH3_128bits_update(state, info->origin, sizeof info->origin);
+    XXH3_128bits_update(state, &info->edge, sizeof info->edge);
+    XXH3_128bits_update(state, info->level_begin, (info->depth + 2) * sizeof info->level_begin[0]);
+    hash_array(state, tree, SVO_TREE_CHILD_MASK);
+    hash_array(state, tree, SVO_TREE_FIRST_CHILD);
+    if (scope == SVO_HASH_ALL) {
+        hash_array(state, tree, SVO_TREE_LIST_BEGIN);
+        hash_array(state, tree, SVO_TREE_LIST);
+        hash_array(state, tree, SVO_TREE_COLORS);
+        hash_array(state, tree, SVO_TREE_NORMALS);
+        hash_array(state, tree, SVO_TREE_MATERIALS);
+        hash_array(state, tree, SVO_TREE_FILLS);
+    }
+    const XXH128_hash_t hash = XXH3_128bits_digest(state);
+    XXH3_freeState(state);
+    (void)snprintf(text, SVO_HASH_TEXT_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
+                   (unsigned long long)hash.low64);
+    return SVO_OK;
+}

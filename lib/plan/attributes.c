@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the payload is made of: the mesh's colours, normals, texture coordinates and materials as integers, so that the
+ * filter kernels need no floats. Only what the request reads and the mesh has is kept.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan/plan.h"
+
+#define UV_ONE     65536.0
+#define UV_LIMIT   32767.0
+#define NORMAL_ONE 32767.0
+
+#define STRETCH_ONE 1073741824.0 /* svo_triangle_record.stretch: 2^30 */
+
+/* Limits on the unit of weight, as powers of two: what one pair may weigh when its part's corners are rounded at their
+   worst, which doubles a tiny area; what all may, with what closed voxels count twice; and a face at least. */
+#define PAIR_LOG2_MAX  31
+#define TOTAL_LOG2_MAX 44
+#define FACE_LOG2_MIN  (SVO_I_FILL_LOG2 + 1u)
+/* More than the largest cut of a plane through a voxel: sqrt(2) faces. */
+#define CUT_FACES_MAX 1.5
+
+static svo_status no_memory(svo_plan *plan)
+{
+    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                             "svo_plan_create: no memory for the attributes of %u vertices", plan->vertex_count);
+}
+
+/* A kept triangle's material; one that is out of range is the first. */
+static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t triangle)
+{
+    const uint32_t material =
+        mesh->triangle_materials != NULL ? mesh->triangle_materials[plan->triangle_ids[triangle]] : 0;
+    return material < plan->material_count ? material : 0;
+}
+
+/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used where
+   the vertices have no coordinates. */
+static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
+{
+    uint8_t *used = calloc(mesh->texture_count + 1, 1);
+    plan->textures_given = mesh->texture_count;
+    if (used == NULL || mesh->uvs == NULL || mesh->texture_count == 0 || mesh->material_count == 0) {
+        return used;
+    }
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        const uint32_t texture = mesh->materials[material_of(plan, mesh, t)].texture_index;
+        if (texture < mesh->texture_count && used[texture] == 0) {
+            used[texture] = 1;
+            ++plan->textures_used;
+        }
+    }
+    return used;
+}
+
+static uint32_t resolve_need(uint32_t need, const svo_mesh *mesh)
+{
+    if (need == SVO_NEED_DEFAULT) {
+        return (mesh->colors != NULL || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) |
+               (mesh->normals != NULL ? (uint32_t)SVO_NEED_NORMAL : 0u);
+    }
+    return need & ~(uint32_t)SVO_NEED_NONE;
+}
+
+static void unit_normal(double x, double y, double z, int16_t out[3])
+{
+    const double length = sqrt(x * x + y * y + z * z);
+    const bool usable = isfinite(length) && length > 0.0;
+    out[0] = usable ? (int16_t)rint(x / length * NORMAL_ONE) : 0;
+    out[1] = usable ? (int16_t)rint(y / length * NORMAL_ONE) : 0;
+    out[2] = usable ? (int16_t)rint(z / length * NORMAL_ONE) : 0;
+}
+
+static svo_status copy_normals(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->normals = calloc((size_t)plan->vertex_count * 4 + 1, sizeof(int16_t));
+    if (plan->normals == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t v = 0; v < plan->vertex_count; ++v) {
+        const float *n = mesh->normals + v * 3;
+        unit_normal((double)n[0], (double)n[1], (double)n[2], plan->normals + v * 4);
+    }
+    return SVO_OK;
+}
+
+static svo_status copy_colors(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->colors = malloc(((size_t)plan->vertex_count + 1) * sizeof(uint32_t));
+    if (plan->colors == NULL) {
+        return no_memory(plan);
+    }
+    memcpy(plan->colors, mesh->colors, (size_t)plan->vertex_count * sizeof(uint32_t));
+    return SVO_OK;
+}
+
+static int32_t fixed_uv(float x)
+{
+    if (!isfinite(x)) {
+        return 0;
+    }
+    const double limited = fmin(fmax((double)x, -UV_LIMIT), UV_LIMIT);
+    return (int32_t)rint(limited * UV_ONE);
+}
+
+static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->uvs = malloc(((size_t)plan->vertex_count * 2 + 1) * sizeof(int32_t));
+    if (plan->uvs == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t i = 0; i < (size_t)plan->vertex_count * 2; ++i) {
+        plan->uvs[i] = fixed_uv(mesh->uvs[i]);
+    }
+    return SVO_OK;
+}
+
+/* All used textures one after the other; *offsets (owned by the caller) receives where each begins, in texels. */
+static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used, uint32_t **offsets)
+{
+    uint64_t total = 0;
+    *offsets = malloc((mesh->texture_count + 1) * sizeof(uint32_t));
+    if (*offsets == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        (*offsets)[i] = (uint32_t)total;
+        total += used[i] != 0 ? (uint64_t)mesh->textures[i].width * mesh->textures[i].height : 0;
+    }
+    if (total > UINT32_MAX) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_plan_create: textures have %llu texels, above 2^32 - 1",
+                                 (unsigned long long)total);
+    }
+    plan->texels = malloc((size_t)(total + 1) * sizeof(uint32_t));
+    if (plan->texels == NULL) {
+        return no_memory(plan);
+    }
+    plan->texel_count = total;
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const svo_texture *texture = &mesh->textures[i];
+        if (used[i] != 0) {
+            memcpy(plan->texels + (*offsets)[i], texture->rgba, (size_t)texture->width * texture->height * 4);
+        }
+    }
+    return SVO_OK;
+}
+
+/* used: which textures are; NULL: none. */
+static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
+{
+    uint32_t *offsets = NULL;
+    if (used != NULL) {
+        const svo_status status = copy_texels(plan, mesh, used, &offsets);
+        if (status != SVO_OK) {
+            free(offsets);
+            return status;
+        }
+    }
+    plan->materials = calloc(plan->material_count, sizeof(svo_material_record));
+    if (plan->materials == NULL) {
+        free(offsets);
+        return no_memory(plan);
+    }
+    plan->materials[0].rgba = UINT32_MAX; /* white, for a mesh without materials */
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        const svo_material *from = &mesh->materials[i];
+        svo_material_record *to = &plan->materials[i];
+        memcpy(&to->rgba, from->rgba, sizeof to->rgba);
+        if (used != NULL && from->texture_index < mesh->texture_count && used[from->texture_index] != 0) {
+            const svo_texture *texture = &mesh->textures[from->texture_index];
+            to->texel_offset = offsets[from->texture_index];
+            to->width = texture->width;
+            to->height = texture->height;
+            to->wrap_u = texture->wrap_u;
+            to->wrap_v = texture->wrap_v;
+        }
+    }
+    free(offsets);
+    return SVO_OK;
+}
+
+/* Whether an attribute of count numbers a vertex is the same at the three corners. */
+static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
+{
+    const uint8_t *a = attribute;
+    return memcmp(a + corners[0] * bytes, a + corners[1] * bytes, bytes) == 0 &&
+           memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
+}
+
+/* Of a snapped triangle. Components of the normal are at most 2^61; doubles hold their first 53 bits on every host alike. */
+typedef struct shape {
+    int16_t unit[3]; /* its own normal */
+    uint32_t axis; /* of the normal's largest component */
+    double area; /* square grid units */
+    double stretch; /* the area over that of the projection along the axis; 1 for no area */
+} shape;
+
+static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
+{
+    int64_t n[3];
+    shape s;
+    svo_i_plan_normal(plan, corners, n);
+    const double x = (double)n[0];
+    const double y = (double)n[1];
+    const double z = (double)n[2];
+    unit_normal(x, y, z, s.unit);
+    s.axis = llabs(n[1]) > llabs(n[0]) ? 1 : 0;
+    s.axis = llabs(n[2]) > llabs(n[s.axis]) ? 2 : s.axis;
+    const double doubled_area = sqrt(x * x + y * y + z * z);
+    s.area = doubled_area * 0.5;
+    s.stretch = n[s.axis] != 0 ? doubled_area / fabs((double)n[s.axis]) : 1.0;
+    return s;
+}
+
+/* Whether the attributes are the same all over the triangle. */
+static bool is_flat(const svo_plan *plan, const uint32_t corners[3], uint32_t material)
+{
+    const bool textured = plan->uvs != NULL && plan->materials[material].width != 0;
+    return !textured && (plan->colors == NULL || same(plan->colors, sizeof(uint32_t), corners)) &&
+           (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
+}
+
+/* Half the bits of a record's normal. */
+static uint32_t half_word(int16_t value)
+{
+    return (uint16_t)value;
+}
+
+/* largest_area: of a triangle, in square grid units. */
+static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *largest_area)
+{
+    plan->records = calloc((size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
+    if (plan->records == NULL) {
+        return no_memory(plan);
+    }
+    *largest_area = 0.0;
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        const uint32_t *corners = plan->indices + (size_t)t * 3;
+        svo_triangle_record *record = &plan->records[t];
+        record->material = material_of(plan, mesh, t);
+        plan->materials_vary = plan->materials_vary || record->material != plan->records[0].material;
+        const shape s = shape_of(plan, corners);
+        record->normal_xy = half_word(s.unit[0]) | half_word(s.unit[1]) << 16;
+        record->normal_z_flags = half_word(s.unit[2]) | s.axis << SVO_TRIANGLE_AXIS_SHIFT |
+                                 (is_flat(plan, corners, record->material) ? SVO_TRIANGLE_FLAT : 0u);
+        record->stretch = (uint32_t)rint(s.stretch * STRETCH_ONE);
+        *largest_area = fmax(*largest_area, s.area);
+    }
+    return SVO_OK;
+}
+
+/* The least power of two above x; that of 1 for 0. */
+static int power_above(double x)
+{
+    int power = 0;
+    (void)frexp(x, &power);
+    return power;
+}
+
+/* The finest unit of weight with which neither a pair nor the whole tree can overflow. Areas in faces of a voxel. */
+static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
+{
+    const double face = ldexp(1.0, 2 * (int)plan->voxel_log2);
+    const double pair = fmin(largest_area / face, CUT_FACES_MAX);
+    const double total = plan->law[2] / face; /* the areas of three projections: no less than the area */
+    const int by_pair = PAIR_LOG2_MAX - power_above(pair);
+    const int by_total = TOTAL_LOG2_MAX - power_above(total);
+    const int log2 = by_pair < by_total ? by_pair : by_total;
+    return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
+}
+
+/* What colours are made of. */
+static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
+{
+    uint8_t *used = find_textures(plan, mesh);
+    const bool textured = plan->textures_used > 0;
+    svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
+    free(used);
+    if (status == SVO_OK && textured) {
+        status = copy_uvs(plan, mesh);
+    }
+    if (status == SVO_OK && mesh->colors != NULL) {
+        status = copy_colors(plan, mesh);
+    }
+    if (status == SVO_OK) {
+        svo_i_plan_fold_colors(plan);
+    }
+    return status;
+}
+
+svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
+{
+    plan->info.need = resolve_need(plan->options.need, mesh);
+    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
+        return SVO_OK;
+    }
+    plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
+    svo_status status = (plan->info.need & SVO_NEED_COLOR) != 0 ? copy_color_inputs(plan, mesh) : SVO_OK;
+    if (status == SVO_OK && (plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
+        status = copy_normals(plan, mesh);
+        if (status == SVO_OK) {
+            svo_i_plan_fold_normals(plan);
+        }
+    }
+    double largest_area = 0.0;
+    if (status == SVO_OK) {
+        status = make_records(plan, mesh, &largest_area);
+    }
+    if (status == SVO_OK) {
+        svo_i_plan_find_constants(plan);
+    }
+    plan->weight_log2 = choose_weight_log2(plan, largest_area);
+    return status;
+}

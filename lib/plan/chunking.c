@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cutting the fragment list into chunks: which triangles, and for huge ones which tile of the screen, write to which
+ * chunk. Every chunk is at most what a storage block and an allocation may be; no result depends on the cut.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan/plan.h"
+
+/* Tiles are halved down to one pixel; a column gives at most four fragments per triangle, so that always fits. */
+#define TILE_PIXELS_MIN 1u
+/* Tiles along an axis that one triangle is cut into at first; where they turn out too large they are split later. */
+#define TILES_MAX 1024u
+
+static svo_status no_memory(const svo_plan *plan)
+{
+    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory to cut the fragment list");
+}
+
+void svo_i_layout_destroy(svo_i_layout *layout)
+{
+    free(layout->draws);
+    free(layout->chunks);
+    memset(layout, 0, sizeof *layout);
+}
+
+static bool add_draw(svo_i_layout *layout, svo_i_draw draw)
+{
+    if (layout->draw_count == layout->draw_capacity) {
+        const uint32_t capacity = layout->draw_capacity * 2 + 16;
+        svo_i_draw *draws = realloc(layout->draws, capacity * sizeof *draws);
+        if (draws == NULL) {
+            return false;
+        }
+        layout->draws = draws;
+        layout->draw_capacity = capacity;
+    }
+    layout->draws[layout->draw_count++] = draw;
+    return true;
+}
+
+/* Closes the chunk that began at first_draw. */
+static bool add_chunk(svo_i_layout *layout, uint32_t first_draw, uint64_t capacity)
+{
+    if (layout->chunk_count == layout->chunk_capacity) {
+        const uint32_t count = layout->chunk_capacity * 2 + 16;
+        svo_i_chunk *chunks = realloc(layout->chunks, count * sizeof *chunks);
+        if (chunks == NULL) {
+            return false;
+        }
+        layout->chunks = chunks;
+        layout->chunk_capacity = count;
+    }
+    layout->chunks[layout->chunk_count++] = (svo_i_chunk){first_draw, layout->draw_count - first_draw, capacity};
+    return true;
+}
+
+/* Draws a run of items over the whole grid, viewport by viewport. */
+static bool add_items(const svo_plan *plan, svo_i_layout *layout, svo_i_class class_id, uint32_t first_item,
+                      uint32_t item_count)
+{
+    const uint32_t depth = plan->info.depth;
+    const uint32_t views_log2 = depth > SVO_I_VIEW_LOG2 ? depth - SVO_I_VIEW_LOG2 : 0;
+    const uint32_t edge = 1u << (depth - views_log2);
+    for (uint32_t k = 0; k < 1u << (2 * views_log2); ++k) {
+        const uint32_t x = (k & ((1u << views_log2) - 1u)) * edge;
+        const uint32_t y = (k >> views_log2) * edge;
+        if (!add_draw(layout, (svo_i_draw){class_id, first_item, item_count, x, y, edge, edge})) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* What the walk over the items has gathered for the chunk that is open. */
+typedef struct cutter {
+    const svo_plan *plan;
+    svo_i_layout *layout;
+    double room; /* expected fragments a chunk should hold */
+    double held;
+    uint32_t first_draw;
+    uint64_t limit; /* fragments a chunk can hold */
+} cutter;
+
+static bool close_chunk(cutter *c)
+{
+    if (c->layout->draw_count == c->first_draw) {
+        return true;
+    }
+    uint64_t capacity = svo_i_with_slack(c->held);
+    capacity = capacity < c->limit ? capacity : c->limit;
+    const bool added = add_chunk(c->layout, c->first_draw, capacity);
+    c->first_draw = c->layout->draw_count;
+    c->held = 0.0;
+    return added;
+}
+
+/* One triangle that a chunk cannot be expected to hold: tiles of their own chunk each. */
+static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
+{
+    const uint32_t pixels = 1u << c->plan->info.depth;
+    uint32_t tiles = c->plan->info.depth > SVO_I_VIEW_LOG2 ? pixels >> SVO_I_VIEW_LOG2 : 2;
+    while (tiles < pixels && tiles < TILES_MAX &&
+           (double)c->plan->item_fragments[item] / ((double)tiles * tiles) * 4.0 > c->room) {
+        tiles *= 2;
+    }
+    const uint32_t edge = pixels / tiles;
+    for (uint32_t k = 0; k < tiles * tiles; ++k) {
+        const svo_i_draw draw = {class_id, item, 1, k % tiles * edge, k / tiles * edge, edge, edge};
+        /* A tile may be covered whole: up to four fragments per pixel, of which two are usual. */
+        c->held = (double)edge * edge * 2.5;
+        if (!add_draw(c->layout, draw) || !close_chunk(c)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool cut_class(cutter *c, svo_i_class class_id)
+{
+    const uint32_t end = c->plan->class_begin[class_id + 1];
+    uint32_t first = c->plan->class_begin[class_id];
+    for (uint32_t item = first; item < end; ++item) {
+        const double expected = (double)c->plan->item_fragments[item];
+        const bool huge = expected > c->room;
+        if (huge || c->held + expected > c->room) {
+            if ((item > first && !add_items(c->plan, c->layout, class_id, first, item - first)) || !close_chunk(c)) {
+                return false;
+            }
+            first = item;
+        }
+        if (huge) {
+            if (!cut_triangle(c, class_id, item)) {
+                return false;
+            }
+            first = item + 1;
+            continue;
+        }
+        c->held += expected;
+    }
+    return first == end || add_items(c->plan, c->layout, class_id, first, end - first);
+}
+
+svo_status svo_i_layout_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_layout *layout)
+{
+    memset(layout, 0, sizeof *layout);
+    cutter c = {.plan = plan, .layout = layout, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
+    /* Leaves the slack and the least allocation of svo_i_with_slack inside the limit. */
+    c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
+    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        if (!cut_class(&c, class_id)) {
+            svo_i_layout_destroy(layout);
+            return no_memory(plan);
+        }
+    }
+    if (!close_chunk(&c)) {
+        svo_i_layout_destroy(layout);
+        return no_memory(plan);
+    }
+    if (plan->options.fragment_capacity != 0 && layout->chunk_count == 1) {
+        const uint64_t asked = plan->options.fragment_capacity;
+        layout->chunks[0].capacity = asked < c.limit ? asked : c.limit;
+    }
+    return SVO_OK;
+}
+
+/* Splits a draw in two: its triangles, or for a single triangle its tile. False where nothing is left to split. */
+static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
+{
+    halves[0] = *draw;
+    halves[1] = *draw;
+    if (draw->item_count > 1) {
+        halves[0].item_count = draw->item_count / 2;
+        halves[1].first_item += halves[0].item_count;
+        halves[1].item_count -= halves[0].item_count;
+        return true;
+    }
+    if (draw->tile_width <= TILE_PIXELS_MIN && draw->tile_height <= TILE_PIXELS_MIN) {
+        return false;
+    }
+    if (draw->tile_width >= draw->tile_height) {
+        halves[0].tile_width = draw->tile_width / 2;
+        halves[1].tile_x += halves[0].tile_width;
+        halves[1].tile_width -= halves[0].tile_width;
+    } else {
+        halves[0].tile_height = draw->tile_height / 2;
+        halves[1].tile_y += halves[0].tile_height;
+        halves[1].tile_height -= halves[0].tile_height;
+    }
+    return true;
+}
+
+/* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two halves
+   where it can be split. */
+static bool regrow_chunk(const svo_i_layout *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
+                         svo_i_layout *layout)
+{
+    const svo_i_chunk *chunk = &old->chunks[chunk_index];
+    const uint32_t first_draw = layout->draw_count;
+    const uint64_t capacity = needed < limit ? needed : limit;
+    for (uint32_t i = 0; i < chunk->draw_count; ++i) {
+        svo_i_draw parts[2] = {old->draws[chunk->first_draw + i]};
+        const unsigned part_count = needed > limit && split_draw(&old->draws[chunk->first_draw + i], parts) ? 2 : 1;
+        for (unsigned part = 0; part < part_count; ++part) {
+            const uint32_t begin = layout->draw_count;
+            if (!add_draw(layout, parts[part]) || (needed > limit && !add_chunk(layout, begin, capacity))) {
+                return false;
+            }
+        }
+    }
+    return needed > limit || add_chunk(layout, first_draw, needed > chunk->capacity ? needed : chunk->capacity);
+}
+
+svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed, svo_i_layout *layout)
+{
+    const uint64_t limit = chunk_bytes / svo_i_plan_fragment_bytes(plan);
+    svo_i_layout grown = {0};
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        if (!regrow_chunk(layout, i, needed[i], limit, &grown)) {
+            svo_i_layout_destroy(&grown);
+            return no_memory(plan);
+        }
+    }
+    svo_i_layout_destroy(layout);
+    *layout = grown;
+    return SVO_OK;
+}

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Decides what a build of a plan does. Nothing else looks at the request and the scene to find out: stages run, kernels are
+ * compiled and buffers are listed by what svo_i_work says, and whatever is left out is named here with its reason.
+ */
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "build/frontend_choice.h"
+#include "plan/plan.h"
+
+static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
+{
+    if (work->left_out_count == SVO_I_LEFT_OUT_MAX) {
+        return;
+    }
+    svo_i_left_out *entry = &work->left_out[work->left_out_count++];
+    va_list arguments;
+    va_start(arguments, format);
+    entry->what = what;
+    (void)vsnprintf(entry->reason.text, sizeof entry->reason.text, format, arguments);
+    va_end(arguments);
+}
+
+/* Leaf lists, and where each leaf's entries begin. */
+static void decide_lists(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    work->sorted = plan->options.builder == SVO_BUILDER_SORTED;
+    work->lists = (plan->info.need & SVO_NEED_RAYS) != 0;
+    work->ranges = work->lists || (work->made & SVO_NEED_MATERIAL) != 0;
+    if (!work->lists) {
+        leave_out(work, "leaf lists",
+                  "rays were not asked for: no lists, no snapped vertices, indices or triangle ids");
+        leave_out(work, "packing",
+                  work->ranges ? "no lists; only where each leaf's entries begin is found, for the materials"
+                               : "there are no lists to pack");
+    } else if (work->sorted) {
+        leave_out(work, "packing copy", "the sorted list is in the lists' order");
+    }
+}
+
+static void leave_out_payload(svo_plan *plan, svo_need bit, const char *what)
+{
+    svo_i_work *work = &plan->work;
+    if ((plan->info.need & (uint32_t)bit) == 0) {
+        const bool by_default =
+            plan->options.need == SVO_NEED_DEFAULT && (bit == SVO_NEED_COLOR || bit == SVO_NEED_NORMAL);
+        leave_out(work, what, "%s", by_default ? "the mesh has none" : "not asked for");
+    }
+}
+
+/* What is the same in every node. */
+static void leave_out_constants(svo_i_work *work)
+{
+    if ((work->constant & SVO_NEED_COLOR) != 0) {
+        const uint32_t color = work->constant_color;
+        leave_out(work, "color per node", "all is of the color #%02x%02x%02x%02x, which is stored once", color & 255u,
+                  color >> 8 & 255u, color >> 16 & 255u, color >> 24);
+    }
+    if ((work->constant & SVO_NEED_NORMAL) != 0) {
+        leave_out(work, "normal per node", "all is of the normal (%.3f, %.3f, %.3f), which is stored once",
+                  work->constant_normal[0] / 32767.0, work->constant_normal[1] / 32767.0,
+                  work->constant_normal[2] / 32767.0);
+    }
+    if ((work->constant & SVO_NEED_MATERIAL) != 0) {
+        leave_out(work, "material per node", "all is of material %u, which is stored once", work->constant_material);
+    }
+}
+
+static void leave_out_clipping(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    if (!work->places) {
+        leave_out(work, "clipping", "uniform weights do not ask where in its voxel a triangle is");
+    } else if (plan->options.weights == SVO_WEIGHTS_CENTRE) {
+        leave_out(work, "clipping", "with weights by centre every pair weighs 1");
+    }
+}
+
+static void leave_out_textures(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    const bool color = (work->made & SVO_NEED_COLOR) != 0;
+    const char *reason = color ? "no accepted triangle has one" : "no color per node is made of them";
+    if (!work->textures) {
+        leave_out(work, "textures", "%s", reason);
+        leave_out(work, "texture coordinates", "%s", color ? "no texture is looked up" : reason);
+    } else if (plan->textures_used < plan->textures_given) {
+        leave_out(work, "unused textures", "no accepted triangle has %zu of the %zu",
+                  plan->textures_given - plan->textures_used, plan->textures_given);
+    }
+}
+
+/* What payload is made of. */
+static void leave_out_inputs(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    if (!work->surface) {
+        leave_out(work, "mesh attributes", "no payload is made of them");
+        return;
+    }
+    leave_out_clipping(plan);
+    if (!work->vertex_colors) {
+        leave_out(work, "vertex colors", "%s",
+                  (work->made & SVO_NEED_COLOR) != 0 ? "the mesh has none, or one, which is part of the materials"
+                                                     : "no color per node is made of them");
+    }
+    leave_out_textures(plan);
+    if (!work->vertex_normals) {
+        leave_out(work, "vertex normals", "%s",
+                  (work->made & SVO_NEED_NORMAL) != 0 ? "the mesh has none, so triangles have their own"
+                                                      : "no normal per node is made of them");
+    }
+}
+
+static void decide_payload(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
+    work->filter = (work->made & SVO_I_NEED_FILTER) != 0;
+    work->surface = work->made != 0;
+    work->places = work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM;
+    work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && plan->colors != NULL;
+    work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && plan->normals != NULL;
+    work->textures = (work->made & SVO_NEED_COLOR) != 0 && plan->texels != NULL;
+    leave_out_payload(plan, SVO_NEED_COLOR, "color");
+    leave_out_payload(plan, SVO_NEED_NORMAL, "normal");
+    leave_out_payload(plan, SVO_NEED_MATERIAL, "material");
+    leave_out_payload(plan, SVO_NEED_FILL, "fill");
+    leave_out_constants(work);
+    if (work->made != 0 && plan->options.payload_level > 0) {
+        leave_out(work, "filtered levels", "payload of levels above level %u is not read", plan->options.payload_level);
+    }
+    leave_out_inputs(plan);
+}
+
+static uint32_t class_count(const svo_plan *plan, svo_i_class class_id)
+{
+    return plan->class_begin[class_id + 1] - plan->class_begin[class_id];
+}
+
+/* Which overlap tests run. Triangles inside one voxel are not tested: any kernel will do for them. */
+static void decide_tests(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    const uint32_t points = class_count(plan, SVO_I_CLASS_POINT);
+    work->tests[SVO_I_TEST_NARROW] = class_count(plan, SVO_I_CLASS_NARROW) > 0;
+    work->tests[SVO_I_TEST_REGULAR] = class_count(plan, SVO_I_CLASS_REGULAR) > 0;
+    work->tests[SVO_I_TEST_WIDE] = class_count(plan, SVO_I_CLASS_WIDE) > 0;
+    const bool any = work->tests[SVO_I_TEST_NARROW] || work->tests[SVO_I_TEST_REGULAR] || work->tests[SVO_I_TEST_WIDE];
+    work->tests[SVO_I_TEST_NONE] = points > 0 && !any;
+    if (plan->triangle_count == 0) {
+        leave_out(work, "voxelization", "no accepted triangle is inside the grid");
+        return;
+    }
+    if (points > 0) {
+        leave_out(work, "overlap test", "%u of %u triangles lie inside one voxel each", points, plan->triangle_count);
+    }
+    if (!work->tests[SVO_I_TEST_REGULAR] && !work->tests[SVO_I_TEST_WIDE]) {
+        leave_out(work, "64-bit overlap test", "no triangle's box of voxels is wider than 2^14 grid units");
+    }
+    if (!work->tests[SVO_I_TEST_WIDE]) {
+        leave_out(work, "128-bit products", "no triangle reaches outside the grid%s",
+                  plan->info.snap_bits > 20 ? ", or is wider than 2^14 of its units" : "");
+    }
+}
+
+static void decide_codes(svo_plan *plan)
+{
+    plan->work.long_codes = plan->info.depth > SVO_CODE30_DEPTH_MAX;
+    if (!plan->work.long_codes) {
+        leave_out(&plan->work, "64-bit Morton codes", "depth %u is not above %d", plan->info.depth,
+                  SVO_CODE30_DEPTH_MAX);
+    }
+}
+
+static void decide_opengl(svo_plan *plan)
+{
+    svo_message reason;
+    if (svo_frontend_cl_suffices(plan, &reason)) {
+        leave_out(&plan->work, "OpenGL", "%s", reason.text);
+    }
+}
+
+/* Room for the keys of one more program. */
+static char *add_kernels(svo_i_work *work, const char *name)
+{
+    work->kernels[work->kernels_count].name = name;
+    return work->kernels[work->kernels_count++].keys;
+}
+
+static void list_kernels(svo_plan *plan)
+{
+    svo_i_work *work = &plan->work;
+    work->builder_kernels = !work->sorted || work->surface;
+    if (work->builder_kernels) {
+        svo_i_plan_keys(plan, add_kernels(work, "build"), SVO_I_KEYS_BYTES);
+    }
+    if (work->sorted) {
+        (void)snprintf(add_kernels(work, "sort"), SVO_I_KEYS_BYTES, "%s", svo_i_plan_sort_keys(plan));
+    }
+    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
+        if (work->tests[test]) {
+            svo_i_plan_test_keys(plan, test, add_kernels(work, "voxelize"), SVO_I_KEYS_BYTES);
+        }
+    }
+}
+
+void svo_i_plan_decide(svo_plan *plan)
+{
+    decide_payload(plan);
+    decide_lists(plan);
+    decide_tests(plan);
+    decide_codes(plan);
+    decide_opengl(plan);
+    list_kernels(plan);
+}
+
+void svo_i_plan_test_keys(const svo_plan *plan, svo_i_test test, char *keys, size_t bytes)
+{
+    static const char *const names[SVO_I_TEST_COUNT] = {" -DSVO_NO_TEST", " -DSVO_NARROW", "", " -DSVO_WIDE"};
+    (void)snprintf(keys, bytes, "%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
+                   plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
+}
+
+const char *svo_i_plan_sort_keys(const svo_plan *plan)
+{
+    return plan->work.long_codes ? " -DSVO_SORT -DSVO_CODE48" : " -DSVO_SORT";
+}
+
+void svo_i_plan_keys(const svo_plan *plan, char *keys, size_t bytes)
+{
+    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTRE"};
+    const svo_i_work *work = &plan->work;
+    /* Every key begins with a space: some compilers choke on options that end in one. */
+    (void)snprintf(
+        keys, bytes, "%s%s%s%s%s%s%s%s%s%s%s%s", work->sorted ? "" : " -DSVO_LEVELS",
+        work->ranges && !work->sorted ? " -DSVO_RANGES" : "", work->lists && !work->sorted ? " -DSVO_LISTS" : "",
+        work->long_codes ? " -DSVO_CODE48" : "", (work->made & SVO_NEED_COLOR) != 0 ? " -DSVO_COLOR" : "",
+        work->vertex_colors ? " -DSVO_VERTEX_COLOR" : "", work->textures ? " -DSVO_TEXTURE" : "",
+        (work->made & SVO_NEED_NORMAL) != 0 ? " -DSVO_NORMAL" : "", work->vertex_normals ? " -DSVO_VERTEX_NORMAL" : "",
+        (work->made & SVO_NEED_MATERIAL) != 0 ? " -DSVO_MATERIAL" : "",
+        (work->made & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "", work->surface ? weights[plan->options.weights] : "");
+}
+
+int svo_plan_has_stage(const svo_plan *plan, svo_stage stage)
+{
+    const svo_i_work *work = &plan->work;
+    const bool any = plan->triangle_count > 0;
+    switch (stage) {
+    case SVO_STAGE_VOXELIZE:
+        return any;
+    case SVO_STAGE_PACK:
+        return work->ranges;
+    case SVO_STAGE_LINK:
+        return work->filter && any;
+    case SVO_STAGE_FILTER:
+        return work->surface;
+    default:
+        return (unsigned)stage < SVO_STAGE_COUNT;
+    }
+}
+
+size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
+{
+    if (info != NULL && index < plan->work.kernels_count) {
+        info->name = plan->work.kernels[index].name;
+        info->keys = plan->work.kernels[index].keys;
+    }
+    return plan->work.kernels_count;
+}
+
+size_t svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)
+{
+    if (entry != NULL && index < plan->work.left_out_count) {
+        entry->what = plan->work.left_out[index].what;
+        entry->reason = plan->work.left_out[index].reason.text;
+    }
+    return plan->work.left_out_count;
+}

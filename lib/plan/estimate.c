@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The count law: how many voxels a triangle is expected to touch. For bounding widths w, area A and unit normal n, over
+ * random offsets of a grid of edge h, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2. The last product is the sum
+ * of the areas of the three projections.
+ *
+ * Of a triangle that reaches outside the grid only the part inside counts: it is clipped to the cube (Sutherland and
+ * Hodgman, "Reentrant Polygon Clipping", 1974). Doubles are enough here: the law only sizes buffers, and what does not fit
+ * is counted and drawn again.
+ */
+#include <math.h>
+
+#include "plan/plan.h"
+
+/* Leaves are about as large as the triangles where a triangle is in this many of them. */
+#define RAY_PAIRS_PER_TRIANGLE 6.0
+/* The deepest tree of a grid of 2^20 units. */
+#define RAY_DEPTH_MAX 12u
+
+/* A triangle cut by six planes has at most nine corners. */
+#define CORNERS_MAX 9
+
+typedef struct polygon {
+    double corners[CORNERS_MAX][3];
+    unsigned count;
+} polygon;
+
+/* Keeps the part with side * x[axis] <= side * bound. */
+static polygon cut(const polygon *from, unsigned axis, double side, double bound)
+{
+    polygon to = {.count = 0};
+    for (unsigned i = 0; i < from->count; ++i) {
+        const double *a = from->corners[i];
+        const double *b = from->corners[(i + 1) % from->count];
+        const double a_depth = side * (bound - a[axis]);
+        const double b_depth = side * (bound - b[axis]);
+        if (a_depth >= 0.0 && to.count < CORNERS_MAX) {
+            for (unsigned k = 0; k < 3; ++k) {
+                to.corners[to.count][k] = a[k];
+            }
+            ++to.count;
+        }
+        if ((a_depth >= 0.0) != (b_depth >= 0.0) && to.count < CORNERS_MAX) {
+            const double share = a_depth / (a_depth - b_depth);
+            for (unsigned k = 0; k < 3; ++k) {
+                to.corners[to.count][k] = a[k] + share * (b[k] - a[k]);
+            }
+            ++to.count;
+        }
+    }
+    return to;
+}
+
+static polygon clip_to_grid(const svo_plan *plan, const uint32_t corners[3])
+{
+    polygon p = {.count = 3};
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            p.corners[corner][axis] = plan->vertices[(size_t)corners[corner] * 3 + axis];
+        }
+    }
+    const double units = (double)(1u << plan->info.snap_bits);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        bool above = false;
+        bool below = false;
+        for (unsigned corner = 0; corner < p.count; ++corner) {
+            above = above || p.corners[corner][axis] > units;
+            below = below || p.corners[corner][axis] < 0.0;
+        }
+        p = above ? cut(&p, axis, 1.0, units) : p;
+        p = below ? cut(&p, axis, -1.0, 0.0) : p;
+    }
+    return p;
+}
+
+static double sum_of_widths(const polygon *p)
+{
+    double sum = 0.0;
+    for (unsigned axis = 0; axis < 3 && p->count > 0; ++axis) {
+        double low = p->corners[0][axis];
+        double high = low;
+        for (unsigned i = 1; i < p->count; ++i) {
+            low = fmin(low, p->corners[i][axis]);
+            high = fmax(high, p->corners[i][axis]);
+        }
+        sum += high - low;
+    }
+    return sum;
+}
+
+static double sum_of_projected_areas(const polygon *p)
+{
+    double sum = 0.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned u = (axis + 1) % 3;
+        const unsigned v = (axis + 2) % 3;
+        double doubled = 0.0;
+        for (unsigned i = 1; i + 1 < p->count; ++i) {
+            const double *a = p->corners[0];
+            const double *b = p->corners[i];
+            const double *c = p->corners[i + 1];
+            doubled += (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+        }
+        sum += fabs(doubled) * 0.5;
+    }
+    return sum;
+}
+
+float svo_i_law_add(svo_plan *plan, const uint32_t corners[3])
+{
+    const polygon part = clip_to_grid(plan, corners);
+    const double widths = sum_of_widths(&part);
+    const double areas = sum_of_projected_areas(&part);
+    const double voxel = (double)(1u << plan->voxel_log2);
+    plan->law[0] += 1.0;
+    plan->law[1] += widths;
+    plan->law[2] += areas;
+    return (float)(1.0 + widths / voxel + areas / (voxel * voxel));
+}
+
+double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
+{
+    const double voxel = (double)(1u << (plan->info.snap_bits - level));
+    return plan->law[0] + plan->law[1] / voxel + plan->law[2] / (voxel * voxel);
+}
+
+unsigned svo_plan_ray_depth(const svo_plan *plan)
+{
+    unsigned depth = SVO_DEPTH_MIN;
+    while (depth < RAY_DEPTH_MAX && svo_i_plan_expected(plan, depth + 1) <= RAY_PAIRS_PER_TRIANGLE * plan->law[0]) {
+        ++depth;
+    }
+    return depth;
+}
+
+uint64_t svo_i_with_slack(double expected)
+{
+    const double least = expected + 64.0; /* few triangles stray further from what is expected of them */
+    return expected > 0.0 ? (uint64_t)(expected * 1.125 + fmin(least, 1024.0)) : 0;
+}

@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * From the caller's mesh to the snapped one: which triangles are accepted, the grid, integer vertices, and per triangle
+ * what the front end must know. First stage of the pipeline.
+ *
+ * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. From here on the integers are
+ * the geometry.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan/plan.h"
+
+#define VERTEX_FINITE 1u
+#define VERTEX_USED   2u
+/* Beyond this many grid units from the origin the overlap test's arithmetic ends. */
+#define UNITS_MAX (1 << 29)
+/* Where vertices beyond that are put: still on the right side of the grid. */
+#define UNITS_FAR (1 << 30)
+/* Largest bounding box, in grid units, whose lines fit 32 bits. */
+#define NARROW_UNITS (1 << 14)
+/* Largest grid, as a power of two of its units, whose planes fit 64 bits. */
+#define REGULAR_BITS 20u
+/* A triangle this many times as long as high is drawn by its bounds: the corners of its expanded form lie too far out for
+   float arithmetic. */
+#define NEEDLE_RATIO 4096.0
+
+static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
+{
+    const size_t index = vertex * 3 + axis;
+    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
+}
+
+static uint32_t corner_index(const svo_mesh *mesh, size_t triangle, unsigned corner)
+{
+    const size_t index = triangle * 3 + corner;
+    return mesh->indices != NULL ? mesh->indices[index] : (uint32_t)index;
+}
+
+/* Whether all indices are in range and all three vertices finite. */
+static bool acceptable(const svo_mesh *mesh, const uint8_t *flags, size_t triangle)
+{
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        /* Without indices a triangle count beyond the vertices is out of range too. */
+        const size_t index = mesh->indices != NULL ? mesh->indices[triangle * 3 + corner] : triangle * 3 + corner;
+        if (index >= mesh->vertex_count || (flags[index] & VERTEX_FINITE) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Marks finite vertices, and those an accepted triangle uses; returns the number of refused triangles. */
+static uint64_t mark_vertices(const svo_mesh *mesh, uint8_t *flags)
+{
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        const bool finite =
+            isfinite(coordinate(mesh, v, 0)) && isfinite(coordinate(mesh, v, 1)) && isfinite(coordinate(mesh, v, 2));
+        flags[v] = finite ? VERTEX_FINITE : 0;
+    }
+    uint64_t refused = 0;
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        if (!acceptable(mesh, flags, t)) {
+            ++refused;
+            continue;
+        }
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            flags[corner_index(mesh, t, corner)] |= VERTEX_USED;
+        }
+    }
+    return refused;
+}
+
+/* x / y rounded toward zero, for positive x and y. */
+static double divide_toward_zero(double x, double y)
+{
+    const double quotient = x / y;
+    return fma(quotient, y, -x) > 0.0 ? nextafter(quotient, 0.0) : quotient;
+}
+
+/* The default grid: the smallest cube over the used vertices; its far face is the last unit. */
+static void fit_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    bool any = false;
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        if ((flags[v] & VERTEX_USED) == 0) {
+            continue;
+        }
+        any = true;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const double x = coordinate(mesh, v, axis);
+            low[axis] = x < low[axis] ? x : low[axis];
+            high[axis] = x > high[axis] ? x : high[axis];
+        }
+    }
+    double edge = 0.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        plan->info.origin[axis] = any ? low[axis] + 0.0 : 0.0; /* + 0.0 turns -0 into 0, which the hash tells apart */
+        edge = any && high[axis] - low[axis] > edge ? high[axis] - low[axis] : edge;
+    }
+    plan->info.edge = edge > 0.0 ? edge : 1.0;
+    plan->info.scale = divide_toward_zero((double)((1u << plan->info.snap_bits) - 1u), plan->info.edge);
+}
+
+static svo_status make_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
+{
+    if (plan->options.edge > 0.0) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            plan->info.origin[axis] = plan->options.origin[axis] + 0.0;
+        }
+        plan->info.edge = plan->options.edge;
+        plan->info.scale = (double)(1u << plan->info.snap_bits) / plan->info.edge;
+    } else {
+        fit_grid(plan, mesh, flags);
+    }
+    if (!isfinite(plan->info.edge) || !isfinite(plan->info.scale) || plan->info.scale <= 0.0) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: a grid of edge %g cannot be scaled to 2^%u units", plan->info.edge,
+                                 plan->info.snap_bits);
+    }
+    return SVO_OK;
+}
+
+/* Snaps the used vertices; the largest error is over those inside the arithmetic's reach. */
+static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
+{
+    const svo_plan_info *info = &plan->info;
+    double largest = 0.0;
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
+            const double x = coordinate(mesh, v, axis);
+            const double q = rint((x - info->origin[axis]) * info->scale);
+            if (fabs(q) < UNITS_MAX) {
+                plan->vertices[v * 3 + axis] = (int32_t)q;
+                /* On grids near the end of the doubles the way back may overflow. */
+                const double error = fmin(fabs(q / info->scale + info->origin[axis] - x), DBL_MAX);
+                largest = error > largest ? error : largest;
+            } else {
+                plan->vertices[v * 3 + axis] = q > 0.0 ? UNITS_FAR : -UNITS_FAR;
+            }
+        }
+    }
+    plan->info.snap_error = largest;
+}
+
+/* A snapped triangle against the grid. */
+typedef struct placed {
+    int32_t low[3], high[3]; /* grid units */
+    int32_t first[3], last[3]; /* voxels, clamped to the grid */
+    bool far; /* a vertex is beyond UNITS_MAX */
+    bool outside; /* misses the grid */
+} placed;
+
+static placed place(const svo_plan *plan, const uint32_t corners[3])
+{
+    const int32_t units = (int32_t)(1u << plan->info.snap_bits);
+    /* A closed voxel owns its far faces: a face on the border of two voxels touches both. */
+    const int32_t closed = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
+    placed p = {.far = false, .outside = false};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int32_t low = INT32_MAX;
+        int32_t high = INT32_MIN;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const int32_t q = plan->vertices[(size_t)corners[corner] * 3 + axis];
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        p.far = p.far || low <= -UNITS_FAR || high >= UNITS_FAR;
+        p.outside = p.outside || high < 0 || low >= units + closed;
+        p.low[axis] = low;
+        p.high[axis] = high;
+        p.first[axis] = (low < closed ? 0 : low - closed) >> plan->voxel_log2;
+        p.last[axis] = (high >= units ? units - 1 : high) >> plan->voxel_log2;
+    }
+    return p;
+}
+
+static bool inside_grid(const svo_plan *plan, const placed *p)
+{
+    bool inside = true;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        inside = inside && p->low[axis] >= 0 && p->high[axis] < (int32_t)(1u << plan->info.snap_bits);
+    }
+    return inside;
+}
+
+static svo_i_class classify(const svo_plan *plan, const placed *p)
+{
+    bool one_voxel = true;
+    bool narrow = plan->voxel_log2 < 14;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        one_voxel = one_voxel && p->first[axis] == p->last[axis];
+        narrow = narrow && (p->last[axis] - p->first[axis] + 1) <= (NARROW_UNITS >> plan->voxel_log2);
+    }
+    if (!inside_grid(plan, p)) {
+        return SVO_I_CLASS_WIDE;
+    }
+    if (one_voxel && plan->info.coverage != SVO_COVERAGE_THIN) {
+        return SVO_I_CLASS_POINT;
+    }
+    if (narrow) {
+        return SVO_I_CLASS_NARROW;
+    }
+    return plan->info.snap_bits <= REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
+}
+
+void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])
+{
+    const int32_t *a = plan->vertices + (size_t)corners[0] * 3;
+    const int32_t *b = plan->vertices + (size_t)corners[1] * 3;
+    const int32_t *c = plan->vertices + (size_t)corners[2] * 3;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned p = (axis + 1) % 3;
+        const unsigned q = (axis + 2) % 3;
+        normal[axis] =
+            ((int64_t)b[p] - a[p]) * ((int64_t)c[q] - a[q]) - ((int64_t)b[q] - a[q]) * ((int64_t)c[p] - a[p]);
+    }
+}
+
+/* The longest edge of the projection along axis, in grid units. */
+static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsigned axis)
+{
+    double longest = 0.0;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        const int32_t *a = plan->vertices + (size_t)corners[corner] * 3;
+        const int32_t *b = plan->vertices + (size_t)corners[(corner + 1) % 3] * 3;
+        const double p = (double)b[(axis + 1) % 3] - a[(axis + 1) % 3];
+        const double q = (double)b[(axis + 2) % 3] - a[(axis + 2) % 3];
+        const double length = sqrt(p * p + q * q);
+        longest = length > longest ? length : longest;
+    }
+    return longest;
+}
+
+/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent
+   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches
+   outside are drawn by their bounds. */
+static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
+{
+    unsigned axis = 0;
+    unsigned shortest = 0;
+    for (unsigned k = 1; k < 3; ++k) {
+        axis = llabs(normal[k]) > llabs(normal[axis]) ? k : axis;
+        shortest = p->high[k] - p->low[k] < p->high[shortest] - p->low[shortest] ? k : shortest;
+    }
+    if (normal[axis] == 0) {
+        return shortest | SVO_DRAW_BOUNDS;
+    }
+    const double voxel = (double)(1u << plan->voxel_log2);
+    const double area = (double)llabs(normal[axis]);
+    const double longest = longest_edge(plan, corners, axis);
+    const bool needle = area < voxel * longest || area * NEEDLE_RATIO < longest * longest;
+    return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
+}
+
+/* Keeps accepted triangles that meet the grid, counts the others. Items come in the order of the mesh; classes[] says
+   where each belongs. */
+static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
+{
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        if (!acceptable(mesh, flags, t)) {
+            continue;
+        }
+        const uint32_t corners[3] = {corner_index(mesh, t, 0), corner_index(mesh, t, 1), corner_index(mesh, t, 2)};
+        const placed p = place(plan, corners);
+        if (p.outside) {
+            ++plan->info.outside_triangles;
+            continue;
+        }
+        if (p.far) {
+            ++plan->info.refused_triangles;
+            continue;
+        }
+        int64_t normal[3];
+        svo_i_plan_normal(plan, corners, normal);
+        const uint32_t kept = plan->triangle_count++;
+        const svo_i_class class_id = classify(plan, &p);
+        classes[kept] = (uint8_t)class_id;
+        memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
+        plan->triangle_ids[kept] = (uint32_t)t;
+        plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
+        plan->item_fragments[kept] = svo_i_law_add(plan, corners);
+    }
+}
+
+/* Vertices that no kept triangle uses become 0: those far outside may not even be in range. */
+static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
+{
+    memset(flags, 0, plan->vertex_count);
+    for (size_t i = 0; i < (size_t)plan->triangle_count * 3; ++i) {
+        flags[plan->indices[i]] = VERTEX_USED;
+    }
+    for (size_t v = 0; v < plan->vertex_count; ++v) {
+        if (flags[v] == 0) {
+            memset(plan->vertices + v * 3, 0, 3 * sizeof *plan->vertices);
+        }
+    }
+}
+
+/* Sorts the items by class, stable. */
+static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
+{
+    const size_t count = plan->triangle_count;
+    svo_draw_item *items = malloc((count + 1) * sizeof *items);
+    float *fragments = malloc((count + 1) * sizeof *fragments);
+    if (items == NULL || fragments == NULL) {
+        free(items);
+        free(fragments);
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for %zu triangles",
+                                 count);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        ++plan->class_begin[classes[i] + 1];
+    }
+    uint32_t next[SVO_I_CLASS_COUNT];
+    for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
+        plan->class_begin[c + 1] += plan->class_begin[c];
+        next[c] = plan->class_begin[c];
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t slot = next[classes[i]]++;
+        items[slot] = plan->items[i];
+        fragments[slot] = plan->item_fragments[i];
+    }
+    free(plan->items);
+    free(plan->item_fragments);
+    plan->items = items;
+    plan->item_fragments = fragments;
+    return SVO_OK;
+}
+
+svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
+{
+    const size_t vertices = mesh->vertex_count;
+    const size_t triangles = mesh->triangle_count;
+    svo_status status = SVO_OK;
+    uint8_t *flags = calloc(vertices + 1, 1);
+    uint8_t *classes = calloc(triangles + 1, 1);
+    plan->vertices = calloc(vertices * 3 + 1, sizeof(int32_t));
+    plan->indices = calloc(triangles * 3 + 1, sizeof(uint32_t));
+    plan->triangle_ids = malloc((triangles + 1) * sizeof(uint32_t));
+    plan->items = malloc((triangles + 1) * sizeof(svo_draw_item));
+    plan->item_fragments = malloc((triangles + 1) * sizeof(float));
+    if (flags == NULL || classes == NULL || plan->vertices == NULL || plan->indices == NULL ||
+        plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL) {
+        status =
+            svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                              "svo_plan_create: no memory for %zu vertices and %zu triangles", vertices, triangles);
+        goto cleanup;
+    }
+    plan->vertex_count = (uint32_t)vertices;
+    plan->info.triangles = triangles;
+    plan->info.refused_triangles = mark_vertices(mesh, flags);
+    status = make_grid(plan, mesh, flags);
+    if (status != SVO_OK) {
+        goto cleanup;
+    }
+    snap_vertices(plan, mesh, flags);
+    keep_triangles(plan, mesh, flags, classes);
+    clear_unused_vertices(plan, flags);
+    status = sort_items(plan, classes);
+cleanup:
+    free(flags);
+    free(classes);
+    return status;
+}

@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the count law and keeps
+ * the list of buffers. Everything later in the pipeline obeys it.
+ */
+#include "plan/plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Grid units per axis as a power of two: the same for all depths up to 12, so that their trees nest; above, 2^8 units to
+   a voxel. */
+#define SNAP_BITS           20u
+#define SNAP_BITS_DEPTH_MAX 12u
+#define DEEP_VOXEL_LOG2     8u
+/* A chunk holds at least the fragments of one column of one triangle, with a lot to spare. */
+#define CHUNK_BYTES_MIN 16384
+
+const char *svo_coverage_name(svo_coverage coverage)
+{
+    static const char *const names[] = {"half-open", "closed", "thin"};
+    return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
+}
+
+const char *svo_need_name(svo_need bit)
+{
+    switch (bit) {
+    case SVO_NEED_COLOR:
+        return "color";
+    case SVO_NEED_NORMAL:
+        return "normal";
+    case SVO_NEED_RAYS:
+        return "rays";
+    case SVO_NEED_MATERIAL:
+        return "material";
+    case SVO_NEED_FILL:
+        return "fill";
+    default:
+        return "none";
+    }
+}
+
+const char *svo_weights_name(svo_weights weights)
+{
+    static const char *const names[] = {"area", "uniform", "centre"};
+    return (unsigned)weights <= SVO_WEIGHTS_CENTRE ? names[weights] : "unknown weights";
+}
+
+const char *svo_builder_name(svo_builder builder)
+{
+    static const char *const names[] = {"cl", "sorted"};
+    return (unsigned)builder <= SVO_BUILDER_SORTED ? names[builder] : "unknown builder";
+}
+
+const char *svo_certainty_name(svo_certainty certainty)
+{
+    static const char *const names[] = {"exact", "bound", "estimate"};
+    return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
+}
+
+static svo_status check_options(svo_device *device, const svo_plan_options *options)
+{
+    if (options->struct_size != sizeof *options) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.struct_size is %zu, not %zu",
+                                 options->struct_size, sizeof *options);
+    }
+    if ((options->need & ~((uint32_t)SVO_NEED_ALL | (uint32_t)SVO_NEED_NONE)) != 0 ||
+        ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.need 0x%x is not a combination of svo_need", options->need);
+    }
+    if ((unsigned)options->coverage > SVO_COVERAGE_THIN) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.coverage %d is not in 0 .. %d",
+                                 (int)options->coverage, (int)SVO_COVERAGE_THIN);
+    }
+    if ((unsigned)options->builder > SVO_BUILDER_SORTED) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.builder %d is not in 0 .. %d",
+                                 (int)options->builder, (int)SVO_BUILDER_SORTED);
+    }
+    if ((unsigned)options->weights > SVO_WEIGHTS_CENTRE) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.weights %d is not in 0 .. %d",
+                                 (int)options->weights, (int)SVO_WEIGHTS_CENTRE);
+    }
+    if ((options->need & SVO_NEED_FILL) != 0 && options->weights != SVO_WEIGHTS_AREA) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.need asks for fill, which is made of areas, and "
+                                 "options.weights is %s",
+                                 svo_weights_name(options->weights));
+    }
+    if (!isfinite(options->edge) || options->edge < 0.0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.edge %g is not finite and at least 0", options->edge);
+    }
+    if (options->fragment_capacity > SVO_I_FRAGMENTS_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.fragment_capacity %llu is above %u",
+                                 (unsigned long long)options->fragment_capacity, SVO_I_FRAGMENTS_MAX);
+    }
+    if (options->chunk_bytes != 0 && options->chunk_bytes < CHUNK_BYTES_MIN) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.chunk_bytes %llu is below %d",
+                                 (unsigned long long)options->chunk_bytes, CHUNK_BYTES_MIN);
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        if (!isfinite(options->origin[axis])) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                     "svo_plan_create: options.origin[%u] %g is not finite", axis,
+                                     options->origin[axis]);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_textures(svo_device *device, const svo_mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const svo_texture *texture = &mesh->textures[i];
+        if (texture->rgba == NULL || texture->width < 1 || texture->width > 16384 || texture->height < 1 ||
+            texture->height > 16384) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                     "svo_plan_create: texture %zu is %u x %u texels, not 1 .. 16384 each, or has none",
+                                     i, texture->width, texture->height);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
+{
+    if (mesh->struct_size != sizeof *mesh) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: mesh.struct_size is %zu, not %zu",
+                                 mesh->struct_size, sizeof *mesh);
+    }
+    if (mesh->vertex_count > 0 && (mesh->positions == NULL) == (mesh->positions_double == NULL)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: mesh has %zu vertices but not exactly one array of positions",
+                                 mesh->vertex_count);
+    }
+    if (mesh->vertex_count >= UINT32_MAX || mesh->triangle_count >= UINT32_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: mesh has %zu vertices and %zu triangles, not below 2^32 - 1",
+                                 mesh->vertex_count, mesh->triangle_count);
+    }
+    if (mesh->material_count > 65535 || (mesh->material_count > 0 && mesh->materials == NULL) ||
+        (mesh->texture_count > 0 && mesh->textures == NULL)) {
+        return svo_i_device_fail(
+            device, SVO_INVALID_ARGUMENT,
+            "svo_plan_create: mesh has %zu materials (at most 65535) and %zu textures, or no array",
+            mesh->material_count, mesh->texture_count);
+    }
+    return check_textures(device, mesh);
+}
+
+uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
+{
+    return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
+}
+
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain)
+{
+    uint64_t nodes = UINT64_C(1) << (3 * level);
+    if (level == 0) {
+        return nodes; /* the root is always there */
+    }
+    nodes = nodes > fragments ? fragments : nodes;
+    const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
+    return !certain && likely < nodes ? likely : nodes;
+}
+
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain)
+{
+    uint64_t total = 0;
+    for (uint32_t level = 0; level < plan->info.depth; ++level) {
+        total += svo_i_plan_level_nodes(plan, level, fragments, certain);
+    }
+    return total;
+}
+
+svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                           svo_plan **out)
+{
+    if (device == NULL || mesh == NULL || out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: %s is NULL",
+                                 device == NULL ? "device"
+                                 : mesh == NULL ? "mesh"
+                                                : "out");
+    }
+    if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,
+                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+    }
+    svo_status status = options != NULL ? check_options(device, options) : SVO_OK;
+    if (status == SVO_OK) {
+        status = check_mesh(device, mesh);
+    }
+    if (status == SVO_OK && options != NULL && options->payload_level > depth) {
+        status = svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                   "svo_plan_create: options.payload_level %u is above depth %u",
+                                   options->payload_level, depth);
+    }
+    if (status != SVO_OK) {
+        return status;
+    }
+    svo_plan *plan = calloc(1, sizeof *plan);
+    if (plan == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
+    }
+    const double start_ms = svo_i_now_ms();
+    plan->device = device;
+    plan->options = options != NULL ? *options : (svo_plan_options){.struct_size = sizeof *options};
+    plan->info.depth = depth;
+    plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+    plan->info.coverage = plan->options.coverage;
+    plan->voxel_log2 = plan->info.snap_bits - depth;
+    status = svo_i_plan_grid(plan, mesh);
+    if (status == SVO_OK) {
+        status = svo_i_plan_attributes(plan, mesh);
+    }
+    if (status != SVO_OK) {
+        svo_plan_destroy(&plan);
+        return status;
+    }
+    plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    svo_i_plan_decide(plan);
+    plan->info.grid_ms = svo_i_now_ms() - start_ms;
+    status = svo_i_plan_predict(plan);
+    if (status != SVO_OK) {
+        svo_plan_destroy(&plan);
+        return status;
+    }
+    *out = plan;
+    return SVO_OK;
+}
+
+void svo_plan_destroy(svo_plan **plan)
+{
+    if (plan == NULL || *plan == NULL) {
+        return;
+    }
+    svo_plan *p = *plan;
+    free(p->vertices);
+    free(p->indices);
+    free(p->triangle_ids);
+    free(p->items);
+    free(p->item_fragments);
+    free(p->records);
+    free(p->colors);
+    free(p->normals);
+    free(p->uvs);
+    free(p->materials);
+    free(p->texels);
+    free(p);
+    *plan = NULL;
+}
+
+void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
+{
+    *info = plan->info;
+}
+
+size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info)
+{
+    if (info != NULL && index < plan->buffer_count) {
+        *info = plan->buffers[index];
+    }
+    return plan->buffer_count;
+}
+
+uint64_t svo_plan_peak_bytes(const svo_plan *plan)
+{
+    return plan->peak_bytes;
+}
+
+uint64_t svo_plan_tree_bytes(const svo_plan *plan)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        bytes += plan->buffers[i].stays != 0 ? plan->buffers[i].bytes : 0;
+    }
+    return bytes;
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cutting large triangles for the OpenCL front end: which tiles of columns a triangle's projection can meet, so that one
+ * huge triangle is work for many work-items. The kernel (kernels/voxelize.cl) finds the same bounds for every triangle and
+ * passes over those that have more columns than a tile.
+ */
+#include "plan/tiles.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A triangle's projection along its axis. */
+typedef struct projection {
+    double u[3], v[3]; /* corners, in voxels */
+    int32_t first_u, first_v, end_u, end_v; /* its columns inside the draw */
+} projection;
+
+/* First and last voxel on an axis, as the kernel has them. */
+static void voxel_bounds(const svo_plan *plan, const int32_t *corners[3], unsigned axis, int32_t *first, int32_t *last)
+{
+    const int32_t limit = (int32_t)(1u << plan->info.depth) - 1;
+    int32_t low = corners[0][axis];
+    int32_t high = low;
+    for (unsigned corner = 1; corner < 3; ++corner) {
+        low = corners[corner][axis] < low ? corners[corner][axis] : low;
+        high = corners[corner][axis] > high ? corners[corner][axis] : high;
+    }
+    low = (low - (plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0)) >> plan->voxel_log2;
+    high >>= plan->voxel_log2;
+    *first = low < 0 ? 0 : low > limit ? limit : low;
+    *last = high < 0 ? 0 : high > limit ? limit : high;
+}
+
+static projection project(const svo_plan *plan, const svo_i_draw *draw, const svo_draw_item *item)
+{
+    const uint32_t *indices = plan->indices + (size_t)item->triangle * 3;
+    const unsigned axis = item->flags & SVO_DRAW_AXIS_MASK;
+    const unsigned axis_u = (axis + 1) % 3;
+    const unsigned axis_v = (axis + 2) % 3;
+    const double voxel = (double)(1u << plan->voxel_log2);
+    const int32_t *corners[3];
+    projection p;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        corners[corner] = plan->vertices + (size_t)indices[corner] * 3;
+        p.u[corner] = corners[corner][axis_u] / voxel;
+        p.v[corner] = corners[corner][axis_v] / voxel;
+    }
+    int32_t last_u;
+    int32_t last_v;
+    voxel_bounds(plan, corners, axis_u, &p.first_u, &last_u);
+    voxel_bounds(plan, corners, axis_v, &p.first_v, &last_v);
+    const int32_t left = (int32_t)draw->tile_x;
+    const int32_t bottom = (int32_t)draw->tile_y;
+    const int32_t right = left + (int32_t)draw->tile_width;
+    const int32_t top = bottom + (int32_t)draw->tile_height;
+    p.first_u = p.first_u > left ? p.first_u : left;
+    p.first_v = p.first_v > bottom ? p.first_v : bottom;
+    p.end_u = last_u + 1 < right ? last_u + 1 : right;
+    p.end_v = last_v + 1 < top ? last_v + 1 : top;
+    return p;
+}
+
+static bool is_large(const projection *p)
+{
+    const int64_t width = p->end_u - p->first_u;
+    const int64_t height = p->end_v - p->first_v;
+    const int32_t most = SVO_TILE_COLUMNS;
+    return width > 0 && height > 0 && width * height > most;
+}
+
+/* The least and greatest u of the projection between two values of v; low is above high where there is none. */
+static void band_reach(const projection *p, double from, double to, double *low, double *high)
+{
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        const unsigned next = (corner + 1) % 3;
+        const double rise = p->v[next] - p->v[corner];
+        if (rise == 0.0 && (p->v[corner] < from || p->v[corner] > to)) {
+            continue;
+        }
+        /* Where the edge enters and leaves the band, as a share of its length. */
+        const double at_from = rise != 0.0 ? (from - p->v[corner]) / rise : 0.0;
+        const double at_to = rise != 0.0 ? (to - p->v[corner]) / rise : 1.0;
+        double enter = fmin(at_from, at_to);
+        double leave = fmax(at_from, at_to);
+        enter = enter > 0.0 ? enter : 0.0;
+        leave = leave < 1.0 ? leave : 1.0;
+        if (enter <= leave) {
+            const double at_enter = p->u[corner] + enter * (p->u[next] - p->u[corner]);
+            const double at_leave = p->u[corner] + leave * (p->u[next] - p->u[corner]);
+            *low = fmin(*low, fmin(at_enter, at_leave));
+            *high = fmax(*high, fmax(at_enter, at_leave));
+        }
+    }
+}
+
+static bool add_tile(svo_i_tiles *tiles, uint32_t item, uint32_t u, uint32_t v)
+{
+    if (tiles->count == tiles->capacity) {
+        const size_t capacity = tiles->capacity * 2 + 1024;
+        svo_tile_item *grown = realloc(tiles->items, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return false;
+        }
+        tiles->items = grown;
+        tiles->capacity = capacity;
+    }
+    tiles->items[tiles->count++] = (svo_tile_item){item, u | v << 16};
+    return true;
+}
+
+/* The tiles of one row that the projection can meet. Doubles are enough: a voxel more on every side swallows their
+   rounding, and that a voxel's far faces may belong to it. */
+static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int32_t v)
+{
+    double low;
+    double high;
+    band_reach(p, v - 1.0, v + SVO_TILE_EDGE + 1.0, &low, &high);
+    if (low > high) {
+        return true;
+    }
+    const int32_t last_tile = (p->end_u - 1 - p->first_u) / SVO_TILE_EDGE;
+    const double first = fmax(floor((low - 1.0 - p->first_u) / SVO_TILE_EDGE), 0.0);
+    const double last = fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE), last_tile);
+    for (int32_t k = (int32_t)first; k <= (int32_t)last && last >= 0.0; ++k) {
+        if (!add_tile(tiles, item, (uint32_t)(p->first_u + k * SVO_TILE_EDGE), (uint32_t)v)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Below this many expected fragments a triangle inside the grid has no more columns than a tile: with widths wu and wv in
+   voxels it has less than (wu + 3) (wv + 3), and the law expects more than wu + wv + 1 fragments. */
+#define SMALL_FRAGMENTS (2.0f * (SVO_TILE_EDGE - 3) + 1.0f)
+
+bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)
+{
+    for (uint32_t item = draw->first_item; item < draw->first_item + draw->item_count; ++item) {
+        if (plan->item_fragments[item] <= SMALL_FRAGMENTS && draw->class_id != SVO_I_CLASS_WIDE) {
+            continue;
+        }
+        const projection p = project(plan, draw, &plan->items[item]);
+        for (int32_t v = p.first_v; v < p.end_v && is_large(&p); v += SVO_TILE_EDGE) {
+            if (!add_row(tiles, &p, item, v)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+void svo_i_tiles_free(svo_i_tiles *tiles)
+{
+    free(tiles->items);
+    *tiles = (svo_i_tiles){0};
+}

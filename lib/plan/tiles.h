@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* Large triangles cut into tiles of columns, for the OpenCL front end. */
+#ifndef SVO_LIB_TILES_H
+#define SVO_LIB_TILES_H
+
+#include "plan/plan.h"
+
+typedef struct svo_i_tiles {
+    svo_tile_item *items;
+    size_t count, capacity;
+} svo_i_tiles;
+
+/* Adds the tiles that the draw's triangles of more than SVO_TILE_COLUMNS columns can touch, those inside the draw. False:
+   out of memory. */
+bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles);
+void svo_i_tiles_free(svo_i_tiles *tiles); /* one that is all zero is allowed */
+
+#endif

@@ -1,0 +1,476 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The tree of boxes that rays walk through: nodes of up to eight children, leaves of up to eight triangles, each triangle
+ * in one leaf. Stands after a build, when rays are first asked for; kernels/rays.clh reads it.
+ *
+ * Sets of triangles are halved where the surface area heuristic says, estimated with bins along the three axes (Wald, "On
+ * fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node takes the largest of its sets apart until it
+ * has eight, or all are leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Boxes are whole numbers of
+ * grid units, exact in floats, and are rounded outwards to 16 bits in the end (after Mahovsky and Wyvill, "Memory-Conserving
+ * Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are added, multiplied and compared alone, so the
+ * same geometry gives the same boxes everywhere.
+ */
+#include "rays/bvh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Bins along an axis: these, or half as many for few items, where looking through them would take longer than filling them. */
+#define BINS      16
+#define FEW_ITEMS 64
+/* Beyond the last leaf: kernels read eight numbers where fewer are left. */
+#define PADDING_WORDS 8
+
+/* Least x, y, z, and the greatest with their sign turned, so that boxes grow by one minimum over all. */
+typedef struct box {
+    float least[8];
+} box;
+
+typedef struct item {
+    box bounds; /* the part inside the grid */
+    uint32_t triangle;
+} item;
+
+/* Consecutive items, to become one child. */
+typedef struct range {
+    box bounds;
+    uint32_t first, count;
+    uint32_t halvings; /* on the way here */
+} range;
+
+typedef struct maker {
+    const svo_i_box_source *source;
+    svo_i_boxes *out;
+    item *items;
+    uint32_t item_count;
+} maker;
+
+/* ---- boxes ---- */
+
+static void box_clear(box *b)
+{
+    for (int i = 0; i < 8; ++i) {
+        b->least[i] = 0x1p40f;
+    }
+}
+
+static void box_grow(box *b, const box *other)
+{
+    for (int i = 0; i < 8; ++i) {
+        b->least[i] = other->least[i] < b->least[i] ? other->least[i] : b->least[i];
+    }
+}
+
+static float box_half_area(const box *b)
+{
+    const float x = -b->least[0] - b->least[4];
+    const float y = -b->least[1] - b->least[5];
+    const float z = -b->least[2] - b->least[6];
+    return x * y + y * z + z * x;
+}
+
+/* Twice the middle. */
+static float box_middle(const box *b, int axis)
+{
+    return b->least[axis] - b->least[4 + axis];
+}
+
+static void box_of_triangle(const svo_i_box_source *source, uint32_t triangle, box *out)
+{
+    const float width = (float)(1u << source->snap_bits);
+    box_clear(out);
+    for (size_t corner = 0; corner < 3; ++corner) {
+        const int32_t *vertex = source->vertices + (size_t)source->indices[(size_t)triangle * 3 + corner] * 3;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float at = (float)vertex[axis];
+            out->least[axis] = at < out->least[axis] ? at : out->least[axis];
+            out->least[4 + axis] = -at < out->least[4 + axis] ? -at : out->least[4 + axis];
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        out->least[axis] = out->least[axis] > 0.0f ? out->least[axis] : 0.0f;
+        out->least[4 + axis] = out->least[4 + axis] > -width ? out->least[4 + axis] : -width;
+    }
+}
+
+/* ---- halving ---- */
+
+typedef struct bin {
+    box bounds;
+    uint32_t count;
+} bin;
+
+/* Where bins lie: an item's is (middle - begin) * per_unit, rounded down. */
+typedef struct binning {
+    int bin_count; /* along each axis */
+    float begin[3], per_unit[3];
+} binning;
+
+static int bin_of(const binning *by, const box *bounds, int axis)
+{
+    return (int)((box_middle(bounds, axis) - by->begin[axis]) * by->per_unit[axis]);
+}
+
+static void place_bins(const item *items, uint32_t count, binning *out)
+{
+    float least[3] = {0x1p40f, 0x1p40f, 0x1p40f};
+    float greatest[3] = {-0x1p40f, -0x1p40f, -0x1p40f};
+    for (uint32_t i = 0; i < count; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const float middle = box_middle(&items[i].bounds, axis);
+            least[axis] = middle < least[axis] ? middle : least[axis];
+            greatest[axis] = middle > greatest[axis] ? middle : greatest[axis];
+        }
+    }
+    out->bin_count = count < FEW_ITEMS ? BINS / 2 : BINS;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float width = greatest[axis] - least[axis];
+        out->begin[axis] = least[axis];
+        out->per_unit[axis] = width > 0.0f ? (float)out->bin_count * 0.9999f / width : 0.0f;
+    }
+}
+
+static void fill_bins(const item *items, uint32_t count, const binning *by, bin bins[3][BINS])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int k = 0; k < by->bin_count; ++k) {
+            box_clear(&bins[axis][k].bounds);
+            bins[axis][k].count = 0;
+        }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            bin *into = &bins[axis][bin_of(by, &items[i].bounds, axis)];
+            box_grow(&into->bounds, &items[i].bounds);
+            ++into->count;
+        }
+    }
+}
+
+/* Where a set is cut, and the two parts. */
+typedef struct cut {
+    float cost;
+    int axis; /* below 0: nowhere */
+    int at; /* the first bin of the second part */
+    box parts[2];
+} cut;
+
+static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *best)
+{
+    box after[BINS];
+    uint32_t count_after[BINS] = {0};
+    box sum;
+    uint32_t count = 0;
+    box_clear(&sum);
+    for (int k = bin_count - 1; k > 0; --k) {
+        box_grow(&sum, &bins[k].bounds);
+        count += bins[k].count;
+        after[k] = sum;
+        count_after[k] = count;
+    }
+    box_clear(&sum);
+    count = 0;
+    for (int k = 1; k < bin_count; ++k) {
+        box_grow(&sum, &bins[k - 1].bounds);
+        count += bins[k - 1].count;
+        if (count == 0 || count_after[k] == 0) {
+            continue;
+        }
+        const float cost = box_half_area(&sum) * (float)count + box_half_area(&after[k]) * (float)count_after[k];
+        if (best->axis < 0 || cost < best->cost) {
+            *best = (cut){.cost = cost, .axis = axis, .at = k, .parts = {sum, after[k]}};
+        }
+    }
+}
+
+/* Moves the items of the first part to the front; returns their number. */
+static uint32_t part_items(item *items, uint32_t count, const binning *by, const cut *where)
+{
+    uint32_t front = 0;
+    uint32_t back = count;
+    while (front < back) {
+        if (bin_of(by, &items[front].bounds, where->axis) < where->at) {
+            ++front;
+        } else {
+            const item moved = items[front];
+            items[front] = items[--back];
+            items[back] = moved;
+        }
+    }
+    return front;
+}
+
+static box bounds_of(const item *items, uint32_t count)
+{
+    box sum;
+    box_clear(&sum);
+    for (uint32_t i = 0; i < count; ++i) {
+        box_grow(&sum, &items[i].bounds);
+    }
+    return sum;
+}
+
+/* Halvings by number until what is left fits a leaf. */
+static uint32_t halvings_by_number(uint32_t count)
+{
+    uint32_t halvings = 0;
+    for (; count > SVO_RAY_LEAF_TRIANGLES; count -= count / 2) {
+        ++halvings;
+    }
+    return halvings;
+}
+
+/* Makes two ranges of one that is too large for a leaf: by area, as long as that leaves enough halvings by number for the
+   way to end in time. */
+static void halve(item *all, const range *whole, range *first, range *second)
+{
+    item *items = all + whole->first;
+    cut where = {.axis = -1};
+    uint32_t front = whole->count / 2;
+    if (whole->halvings + 1 + halvings_by_number(whole->count) <= SVO_RAY_HALVINGS_MAX) {
+        binning by;
+        bin bins[3][BINS];
+        place_bins(items, whole->count, &by);
+        fill_bins(items, whole->count, &by, bins);
+        for (int axis = 0; axis < 3; ++axis) {
+            find_cut_along(bins[axis], by.bin_count, axis, &where);
+        }
+        front = where.axis < 0 ? front : part_items(items, whole->count, &by, &where);
+    }
+    if (where.axis < 0) {
+        where.parts[0] = bounds_of(items, front);
+        where.parts[1] = bounds_of(items + front, whole->count - front);
+    }
+    const uint32_t halvings = whole->halvings + 1;
+    const range parts[2] = {
+        {.bounds = where.parts[0], .first = whole->first, .count = front, .halvings = halvings},
+        {.bounds = where.parts[1], .first = whole->first + front, .count = whole->count - front, .halvings = halvings}};
+    *first = parts[0];
+    *second = parts[1];
+}
+
+/* ---- records ---- */
+
+/* Makes room for more elements at the end of an array; the array stays as it is when it cannot. */
+static bool reserve(void **array, size_t *capacity, size_t needed, size_t element_bytes)
+{
+    if (needed <= *capacity) {
+        return true;
+    }
+    size_t grown = *capacity < 1024 ? 1024 : *capacity;
+    while (grown < needed) {
+        grown += grown / 2;
+    }
+    void *moved = grown <= SIZE_MAX / element_bytes ? realloc(*array, grown * element_bytes) : NULL;
+    if (moved == NULL) {
+        return false;
+    }
+    *array = moved;
+    *capacity = grown;
+    return true;
+}
+
+/* Least and greatest coordinates of whole triangles; true where 16 bits do not reach from one to the other. */
+static bool find_leaf_bounds(const svo_i_box_source *source, const item *items, uint32_t count, int32_t low[3],
+                             int32_t high[3])
+{
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = INT32_MAX;
+        high[axis] = INT32_MIN;
+    }
+    for (uint32_t i = 0; i < count * 3; ++i) {
+        const uint32_t vertex = source->indices[(size_t)items[i / 3].triangle * 3 + i % 3];
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const int32_t at = source->vertices[(size_t)vertex * 3 + axis];
+            low[axis] = at < low[axis] ? at : low[axis];
+            high[axis] = at > high[axis] ? at : high[axis];
+        }
+    }
+    bool wide = false;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        wide = wide || high[axis] - low[axis] > UINT16_MAX;
+    }
+    return wide;
+}
+
+/* Rows of one coordinate of one corner each, relative to the origin. */
+static void write_corners(const svo_i_box_source *source, const item *items, uint32_t count, const int32_t origin[3],
+                          bool wide, uint32_t *words)
+{
+    uint16_t *halves = (uint16_t *)words;
+    size_t at = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        for (size_t corner = 0; corner < 3; ++corner) {
+            for (uint32_t i = 0; i < count; ++i, ++at) {
+                const uint32_t vertex = source->indices[(size_t)items[i].triangle * 3 + corner];
+                const uint32_t relative = (uint32_t)(source->vertices[(size_t)vertex * 3 + axis] - origin[axis]);
+                if (wide) {
+                    words[at] = relative;
+                } else {
+                    halves[at] = (uint16_t)relative;
+                }
+            }
+        }
+    }
+}
+
+/* Adds a leaf; *reference becomes what a node says to point to it. */
+static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
+{
+    svo_i_boxes *out = m->out;
+    int32_t low[3] = {0, 0, 0};
+    int32_t high[3] = {0, 0, 0};
+    const bool wide = count > 0 && find_leaf_bounds(m->source, items, count, low, high);
+    const size_t corner_words = wide ? 9 * (size_t)count : (9 * (size_t)count + 1) / 2;
+    const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + corner_words + count + 3) / 4 * 4;
+    const size_t position = out->leaf_words / 4;
+    if (position >= SVO_RAY_LEAF || !reserve((void **)&out->leaves, &out->leaf_capacity,
+                                             out->leaf_words + words + PADDING_WORDS, sizeof *out->leaves)) {
+        return false;
+    }
+    uint32_t *record = out->leaves + out->leaf_words;
+    memset(record, 0, (words + PADDING_WORDS) * sizeof *record);
+    for (int axis = 0; axis < 3; ++axis) {
+        record[axis] = (uint32_t)low[axis];
+        record[4 + axis] = (uint32_t)high[axis];
+    }
+    record[3] = count | (wide ? SVO_RAY_LEAF_WIDE : 0);
+    write_corners(m->source, items, count, low, wide, record + SVO_RAY_LEAF_HEAD_WORDS);
+    for (uint32_t i = 0; i < count; ++i) {
+        record[SVO_RAY_LEAF_HEAD_WORDS + corner_words + i] = m->source->triangle_ids[items[i].triangle];
+    }
+    out->leaf_words += words;
+    *reference = SVO_RAY_LEAF | (uint32_t)position;
+    return true;
+}
+
+/* Adds a node without children: all point to the empty leaf. */
+static bool add_node(maker *m, uint32_t *index)
+{
+    svo_i_boxes *out = m->out;
+    if (out->node_count >= SVO_RAY_LEAF ||
+        !reserve((void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
+        return false;
+    }
+    svo_ray_node *node = &out->nodes[out->node_count];
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int word = 0; word < 4; ++word) {
+            node->low[4 * axis + word] = UINT32_MAX;
+            node->high[4 * axis + word] = 0;
+        }
+    }
+    for (int child = 0; child < 8; ++child) {
+        node->child[child] = SVO_RAY_LEAF;
+    }
+    *index = (uint32_t)out->node_count++;
+    return true;
+}
+
+static void set_bound(uint32_t words[12], int axis, int child, uint32_t value)
+{
+    uint32_t *word = &words[4 * axis + child / 2];
+    const uint32_t shift = 16u * (uint32_t)(child % 2);
+    *word = (*word & ~(UINT32_C(0xffff) << shift)) | value << shift;
+}
+
+/* Both bounds rounded down: a box ends where the next step begins. */
+static void set_child(svo_ray_node *node, int child, const box *bounds, uint32_t box_log2, uint32_t reference)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const uint32_t low = (uint32_t)bounds->least[axis] >> box_log2;
+        const uint32_t high = (uint32_t)-bounds->least[4 + axis] >> box_log2;
+        set_bound(node->low, axis, child, low < UINT16_MAX ? low : UINT16_MAX);
+        set_bound(node->high, axis, child, high < UINT16_MAX ? high : UINT16_MAX);
+    }
+    node->child[child] = reference;
+}
+
+/* The range with the largest area of those that fit no leaf; below 0: there is none. */
+static int largest_range(const range *ranges, int count)
+{
+    int best = -1;
+    float most = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        const float area = box_half_area(&ranges[i].bounds);
+        if (ranges[i].count > SVO_RAY_LEAF_TRIANGLES && (best < 0 || area > most)) {
+            best = i;
+            most = area;
+        }
+    }
+    return best;
+}
+
+/* Adds a node of what is in the range, and all below it; *index becomes the node's. As deep as there are halvings. */
+static bool make_node(maker *m, const range *whole, uint32_t *index)
+{
+    range ranges[8] = {*whole};
+    int count = whole->count > 0 ? 1 : 0;
+    for (int best = largest_range(ranges, count); best >= 0 && count < 8; best = largest_range(ranges, count)) {
+        const range taken_apart = ranges[best];
+        halve(m->items, &taken_apart, &ranges[best], &ranges[count]);
+        ++count;
+    }
+    if (!add_node(m, index)) {
+        return false;
+    }
+    for (int i = 0; i < count; ++i) {
+        uint32_t reference = 0;
+        const bool made = ranges[i].count <= SVO_RAY_LEAF_TRIANGLES
+                              ? add_leaf(m, m->items + ranges[i].first, ranges[i].count, &reference)
+                              : make_node(m, &ranges[i], &reference);
+        if (!made) {
+            return false;
+        }
+        set_child(&m->out->nodes[*index], i, &ranges[i].bounds, m->source->snap_bits - SVO_RAY_BOX_BITS, reference);
+    }
+    return true;
+}
+
+/* ---- all of it ---- */
+
+/* The triangles that count, each once, in their order. */
+static bool gather_items(maker *m)
+{
+    const svo_i_box_source *source = m->source;
+    const uint32_t count = source->triangle_count;
+    uint8_t *listed = source->list != NULL ? calloc((size_t)count + 1, 1) : NULL;
+    m->items = calloc((size_t)count + 1, sizeof *m->items);
+    if (m->items == NULL || (source->list != NULL && listed == NULL)) {
+        free(listed);
+        return false;
+    }
+    for (uint64_t i = 0; listed != NULL && i < source->list_count; ++i) {
+        listed[source->list[i]] = 1;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (listed == NULL || listed[i] != 0) {
+            item *added = &m->items[m->item_count++];
+            added->triangle = i;
+            box_of_triangle(source, i, &added->bounds);
+        }
+    }
+    free(listed);
+    return true;
+}
+
+bool svo_i_boxes_make(const svo_i_box_source *source, svo_i_boxes *out)
+{
+    maker m = {.source = source, .out = out};
+    uint32_t unread = 0;
+    *out = (svo_i_boxes){.nodes = NULL};
+    bool made = gather_items(&m) && add_leaf(&m, NULL, 0, &unread);
+    if (made) {
+        const range all = {.bounds = bounds_of(m.items, m.item_count), .first = 0, .count = m.item_count};
+        made = make_node(&m, &all, &unread);
+    }
+    out->leaf_words += made ? PADDING_WORDS : 0;
+    free(m.items);
+    return made;
+}
+
+void svo_i_boxes_free(svo_i_boxes *boxes)
+{
+    free(boxes->nodes);
+    free(boxes->leaves);
+    *boxes = (svo_i_boxes){.nodes = NULL};
+}

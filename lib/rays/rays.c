@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays against triangles, the host's side of kernels/rays.clh: the tree of boxes on the device, made when it is first
+ * asked for, and the way into svocl's and an integrator's kernels. Reads finished trees; rays_batch.c launches.
+ */
+#include "rays/rays.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "rays/bvh.h"
+#include "svocl/plan.h"
+#include "svocl/trace.h"
+
+/* Made by cmake/embed.cmake. */
+extern const char svo_i_source_rays[];
+
+/* ---- the tree of boxes ---- */
+
+/* The largest coordinate there is, at least the width of the grid. */
+static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+{
+    int32_t reach = (int32_t)(1u << snap_bits);
+    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
+        const int32_t far_off = vertices[i] < 0 ? -vertices[i] : vertices[i];
+        reach = far_off > reach ? far_off : reach;
+    }
+    return reach;
+}
+
+/* Whether a triangle may lie outside the grid, so that only the lists say which ones count. */
+static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+{
+    bool outside = false;
+    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
+        outside = outside || vertices[i] < 0 || vertices[i] >= (int32_t)(1u << snap_bits);
+    }
+    return outside;
+}
+
+/* An array of the tree on the host: the tree's own, or *copy, read from the device, which the caller frees. */
+static svo_status read_array(const svo_tree *tree, const char *function, cl_command_queue queue, svo_tree_buffer buffer,
+                             const void **array, void **copy)
+{
+    *array = tree->host[buffer];
+    if (tree->host[buffer] != NULL) {
+        return SVO_OK;
+    }
+    size_t bytes = 0;
+    if (svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer), svo_i_tree_element_bytes(buffer),
+                       &bytes)) {
+        *copy = calloc(bytes + 1, 1);
+    }
+    if (*copy == NULL) {
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function,
+                                 svo_tree_buffer_name(buffer));
+    }
+    *array = *copy;
+    const cl_int error =
+        bytes > 0 ? clEnqueueReadBuffer(queue, tree->buffers[buffer], CL_TRUE, 0, bytes, *copy, 0, NULL, NULL)
+                  : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
+}
+
+static svo_status upload(const svo_tree *tree, const char *function, cl_command_queue queue, const char *name,
+                         const void *data, size_t bytes, cl_mem *out)
+{
+    const svo_status status = svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
+}
+
+/* Makes the boxes of geometry on the host and takes them to the device. */
+static svo_status make_boxes(const svo_tree *tree, const char *function, cl_command_queue queue,
+                             const svo_i_box_source *source)
+{
+    struct svo_i_ray_boxes *to = tree->ray_boxes;
+    svo_i_boxes boxes;
+    if (!svo_i_boxes_make(source, &boxes)) {
+        svo_i_boxes_free(&boxes);
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the boxes of %u triangles",
+                                 function, source->triangle_count);
+    }
+    const size_t node_bytes = boxes.node_count * sizeof *boxes.nodes;
+    const size_t leaf_bytes = boxes.leaf_words * sizeof *boxes.leaves;
+    svo_status status = upload(tree, function, queue, "ray_nodes", boxes.nodes, node_bytes, &to->nodes);
+    if (status == SVO_OK) {
+        status = upload(tree, function, queue, "ray_leaves", boxes.leaves, leaf_bytes, &to->leaves);
+    }
+    to->bytes = node_bytes + leaf_bytes;
+    to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    svo_i_boxes_free(&boxes);
+    return status;
+}
+
+static svo_status prepare_on(const svo_tree *tree, const char *function, cl_command_queue queue)
+{
+    static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
+                                               SVO_TREE_LIST};
+    const svo_tree_info *info = &tree->info;
+    const void *arrays[4] = {NULL};
+    void *copies[4] = {NULL};
+    svo_status status = SVO_OK;
+    bool outside = false;
+    for (int i = 0; i < 4 && status == SVO_OK; ++i) {
+        if (buffers[i] != SVO_TREE_LIST || outside) {
+            status = read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]);
+        }
+        outside =
+            i == 0 && status == SVO_OK ? reaches_outside(arrays[0], info->vertex_count, info->snap_bits) : outside;
+    }
+    if (status == SVO_OK) {
+        const svo_i_box_source source = {.vertices = arrays[0],
+                                         .indices = arrays[1],
+                                         .triangle_ids = arrays[2],
+                                         .list = arrays[3],
+                                         .list_count = info->list_count,
+                                         .triangle_count = (uint32_t)info->list_triangle_count,
+                                         .snap_bits = info->snap_bits};
+        status = make_boxes(tree, function, queue, &source);
+    }
+    for (int i = 0; i < 4; ++i) {
+        free(copies[i]);
+    }
+    return status;
+}
+
+svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue)
+{
+    if (tree->ray_boxes->leaves != NULL) {
+        return SVO_OK;
+    }
+    cl_command_queue own = NULL;
+    if (queue == NULL) {
+        cl_int error = CL_SUCCESS;
+        own = clCreateCommandQueue(tree->device->context, tree->device->device, 0, &error);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(tree->device, function, "clCreateCommandQueue", error);
+        }
+    }
+    const svo_status status = prepare_on(tree, function, own != NULL ? own : queue);
+    if (status != SVO_OK) {
+        svo_i_rays_release(tree);
+    }
+    if (own != NULL) {
+        clReleaseCommandQueue(own);
+    }
+    return status;
+}
+
+void svo_i_rays_release(const svo_tree *tree)
+{
+    cl_mem *const buffers[] = {&tree->ray_boxes->nodes, &tree->ray_boxes->leaves};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        if (*buffers[i] != NULL) {
+            clReleaseMemObject(*buffers[i]);
+            *buffers[i] = NULL;
+        }
+    }
+    tree->ray_boxes->bytes = 0;
+}
+
+svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
+{
+    static const char function[] = "svo_tree_prepare_rays";
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: queue is NULL", function);
+    }
+    const svo_status status = svo_i_rays_check(tree, function);
+    return status == SVO_OK ? svo_i_rays_prepare(tree, function, queue) : status;
+}
+
+uint64_t svo_tree_ray_bytes(const svo_tree *tree)
+{
+    return tree != NULL ? tree->ray_boxes->bytes : 0;
+}
+
+/* ---- kernel arguments ---- */
+
+/* A double as a sum of three floats, exactly; false where floats do not reach that far. */
+static bool split(double value, float parts[3])
+{
+    if (!(fabs(value) < 0x1p120) || (value != 0 && fabs(value) < 0x1p-70)) {
+        return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+        parts[i] = (float)value;
+        value -= (double)parts[i];
+    }
+    return true;
+}
+
+static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+{
+    const svo_tree_info *info = &tree->info;
+    bool fits = split(info->scale, params->scale);
+    for (int axis = 0; axis < 3 && fits; ++axis) {
+        float parts[3] = {0};
+        /* A corner next to zero is as good as zero. */
+        fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
+        for (int part = 0; part < 3; ++part) {
+            params->origin[3 * part + axis] = parts[part];
+        }
+    }
+    if (!fits) {
+        return svo_i_device_fail(tree->device, SVO_UNSUPPORTED,
+                                 "%s: a grid of edge %g at %g, %g, %g is beyond what rays of floats reach", function,
+                                 info->edge, info->origin[0], info->origin[1], info->origin[2]);
+    }
+    params->depth = info->depth;
+    params->snap_bits = info->snap_bits;
+    params->reserved = 0;
+    params->reach = tree->ray_boxes->reach;
+    return SVO_OK;
+}
+
+svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
+{
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree's build is in flight; call svo_tree_finish first", function);
+    }
+    if ((tree->info.need & SVO_NEED_RAYS) == 0) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree holds no leaf lists; build it with SVO_NEED_RAYS", function);
+    }
+    if (tree->info.coverage == SVO_COVERAGE_THIN) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree's coverage is thin, which leaves out voxels that triangles touch",
+                                 function);
+    }
+    if (tree->device == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+    }
+    return SVO_OK;
+}
+
+/* Sets arguments from first_index on. */
+svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
+                          const svo_i_argument *arguments, cl_uint argument_count)
+{
+    for (cl_uint i = 0; i < argument_count; ++i) {
+        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    svo_ray_params params = {.depth = 0};
+    /* Voxels can be asked for without triangles. */
+    const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
+    svo_status status = triangles ? svo_i_rays_prepare(tree, function, NULL) : SVO_OK;
+    if (status == SVO_OK) {
+        status = fill_params(tree, function, &params);
+    }
+    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(tree->ray_boxes->nodes), SVO_I_ARGUMENT(tree->ray_boxes->leaves), SVO_I_ARGUMENT(params)};
+    return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
+                            : status;
+}
+
+svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index)
+{
+    static const char function[] = "svo_tree_set_args";
+    if (tree == NULL || kernel == NULL) {
+        return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 tree == NULL ? "tree" : "kernel");
+    }
+    if (tree->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    return svo_i_rays_set_tree(tree, function, kernel, first_index);
+}
+
+const char *svo_tree_kernel_source(void)
+{
+    return svo_i_source_rays;
+}
+
+const char *svo_tree_kernel_options(void)
+{
+    return "-cl-std=CL1.2";
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* Batches of rays and of points against the triangles of a tree: launches kernels/trace.cl and nearest.cl. */
+#include <string.h>
+
+#include "rays/rays.h"
+#include "svocl/trace.h"
+
+/* One batch: records in, records out, one work-item each. */
+typedef struct batch {
+    const char *function; /* for messages */
+    const char *kernel_name, *keys; /* of the program */
+    const char *input_name, *output_name; /* of the arguments */
+    size_t input_bytes, output_bytes; /* of a record */
+    size_t count;
+    size_t per_item; /* records a work-item takes */
+    const cl_uint *last_argument; /* after the count; NULL: none */
+} batch;
+
+/* ---- checks ---- */
+
+static svo_status check_batch(const svo_tree *tree, const batch *asked, const void *input, const void *output,
+                              cl_command_queue queue)
+{
+    if (input == NULL || output == NULL || queue == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", asked->function,
+                                 input == NULL    ? asked->input_name
+                                 : output == NULL ? asked->output_name
+                                                  : "queue");
+    }
+    if (asked->count > SVO_TRACE_RAYS_MAX) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %zu %s are above %u", asked->function,
+                                 asked->count, asked->input_name, SVO_TRACE_RAYS_MAX);
+    }
+    return svo_i_rays_check(tree, asked->function);
+}
+
+/* A caller's buffer must do for all records. */
+static svo_status check_buffer(const svo_tree *tree, const batch *asked, const char *name, cl_mem buffer, size_t bytes)
+{
+    size_t held = 0;
+    const cl_int error = clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(tree->device, asked->function, "clGetMemObjectInfo", error);
+    }
+    return held >= bytes ? SVO_OK
+                         : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s holds %zu bytes, below %zu",
+                                             asked->function, name, held, bytes);
+}
+
+/* ---- launches ---- */
+
+static svo_status make_kernel(const svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_kernel *out)
+{
+    const cl_uint count = (cl_uint)asked->count;
+    cl_program program = NULL;
+    svo_status status =
+        svo_i_program_get(tree->device, asked->function, SVO_I_PROGRAM_TRACE, asked->keys, &program, NULL);
+    if (status == SVO_OK) {
+        status = svo_i_kernel_create(tree->device, asked->function, program, asked->kernel_name, out);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_rays_set_tree(tree, asked->function, *out, 0);
+    }
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(input), SVO_I_ARGUMENT(output), SVO_I_ARGUMENT(count),
+                                        (svo_i_argument){sizeof(cl_uint), asked->last_argument}};
+    return status == SVO_OK ? svo_i_rays_set(tree, asked->function, *out, SVO_TREE_ARGUMENTS, arguments,
+                                             asked->last_argument != NULL ? 4 : 3)
+                            : status;
+}
+
+static svo_status enqueue(const svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
+                          cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    svo_status status = check_batch(tree, asked, input, output, queue);
+    if (status == SVO_OK) {
+        status = check_buffer(tree, asked, asked->input_name, input, asked->count * asked->input_bytes);
+    }
+    if (status == SVO_OK) {
+        status = check_buffer(tree, asked, asked->output_name, output, asked->count * asked->output_bytes);
+    }
+    cl_kernel kernel = NULL;
+    if (status == SVO_OK && asked->count > 0) {
+        status = make_kernel(tree, asked, input, output, &kernel);
+    }
+    if (status == SVO_OK) {
+        const size_t groups = (asked->count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+        const size_t local = SVO_GROUP_ITEMS / asked->per_item;
+        const size_t global = groups * local;
+        /* Nothing to do: an event all the same. */
+        const cl_int error =
+            asked->count > 0 ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
+                             : clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+        if (error != CL_SUCCESS) {
+            status = svo_i_device_fail_cl(tree->device, asked->function, "clEnqueueNDRangeKernel", error);
+        }
+    }
+    if (kernel != NULL) {
+        clReleaseKernel(kernel);
+    }
+    return status;
+}
+
+/* Host arrays through buffers of this call. */
+static svo_status go_through(const svo_tree *tree, const batch *asked, const void *input, void *output,
+                             cl_command_queue queue, cl_mem buffers[2])
+{
+    const size_t input_bytes = asked->count * asked->input_bytes;
+    const size_t output_bytes = asked->count * asked->output_bytes;
+    cl_event done = NULL;
+    svo_status status = svo_i_device_buffer(tree->device, asked->function, asked->input_name, CL_MEM_READ_ONLY,
+                                            input_bytes, &buffers[0]);
+    if (status == SVO_OK) {
+        status = svo_i_device_buffer(tree->device, asked->function, asked->output_name, CL_MEM_WRITE_ONLY, output_bytes,
+                                     &buffers[1]);
+    }
+    if (status == SVO_OK) {
+        const cl_int error = clEnqueueWriteBuffer(queue, buffers[0], CL_TRUE, 0, input_bytes, input, 0, NULL, NULL);
+        status = error == CL_SUCCESS
+                     ? SVO_OK
+                     : svo_i_device_fail_cl(tree->device, asked->function, "clEnqueueWriteBuffer", error);
+    }
+    if (status == SVO_OK) {
+        status = enqueue(tree, asked, buffers[0], buffers[1], queue, 0, NULL, &done);
+    }
+    if (status == SVO_OK) {
+        const cl_int error = clEnqueueReadBuffer(queue, buffers[1], CL_TRUE, 0, output_bytes, output, 1, &done, NULL);
+        status = error == CL_SUCCESS
+                     ? SVO_OK
+                     : svo_i_device_fail_cl(tree->device, asked->function, "clEnqueueReadBuffer", error);
+        clReleaseEvent(done);
+    }
+    return status;
+}
+
+static svo_status run_blocking(const svo_tree *tree, const batch *asked, const void *input, void *output,
+                               cl_command_queue queue)
+{
+    const svo_status checked = check_batch(tree, asked, input, output, queue);
+    if (checked != SVO_OK || asked->count == 0) {
+        return checked;
+    }
+    cl_mem buffers[2] = {NULL, NULL};
+    const svo_status status = go_through(tree, asked, input, output, queue, buffers);
+    for (int i = 0; i < 2; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    return status;
+}
+
+/* ---- rays ---- */
+
+/* any: 1 for SVO_TRACE_ANY, else 0; lives as long as the batch. */
+static svo_status ray_batch(const svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
+                            batch *out)
+{
+    const bool streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->is_cpu;
+    *any = flags == SVO_TRACE_ANY;
+    *out = (batch){.function = function,
+                   .kernel_name = "svo_k_trace",
+                   .keys = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
+                           : streams                ? " -DSVO_RAY_STREAMS"
+                                                    : "",
+                   .input_name = "rays",
+                   .output_name = "hits",
+                   .input_bytes = sizeof(svo_ray),
+                   .output_bytes = sizeof(svo_hit),
+                   .count = ray_count,
+                   .per_item = streams ? SVO_GROUP_ITEMS : 1, /* see kernels/trace.cl */
+                   .last_argument = any};
+    return flags <= SVO_TRACE_COUNT
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function,
+                                   flags, (unsigned)SVO_TRACE_COUNT);
+}
+
+svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
+                                  cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    cl_uint any = 0;
+    batch asked;
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_status status = ray_batch(tree, "svo_tree_trace_enqueue", ray_count, flags, &any, &asked);
+    return status == SVO_OK ? enqueue(tree, &asked, rays, hits, queue, num_wait, wait, event) : status;
+}
+
+svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
+                          cl_command_queue queue)
+{
+    cl_uint any = 0;
+    batch asked;
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_status status = ray_batch(tree, "svo_tree_trace", ray_count, flags, &any, &asked);
+    return status == SVO_OK ? run_blocking(tree, &asked, rays, hits, queue) : status;
+}
+
+/* ---- points ---- */
+
+static batch point_batch(const char *function, size_t point_count)
+{
+    return (batch){.function = function,
+                   .kernel_name = "svo_k_nearest",
+                   .keys = "",
+                   .input_name = "points",
+                   .output_name = "results",
+                   .input_bytes = sizeof(svo_query_point),
+                   .output_bytes = sizeof(svo_nearest),
+                   .count = point_count,
+                   .per_item = 1};
+}
+
+svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const batch asked = point_batch("svo_tree_nearest_enqueue", point_count);
+    return tree != NULL ? enqueue(tree, &asked, points, results, queue, num_wait, wait, event) : SVO_INVALID_ARGUMENT;
+}
+
+svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
+                            size_t point_count, cl_command_queue queue)
+{
+    const batch asked = point_batch("svo_tree_nearest", point_count);
+    return tree != NULL ? run_blocking(tree, &asked, points, results, queue) : SVO_INVALID_ARGUMENT;
+}

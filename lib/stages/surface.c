@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The mesh's attributes on the device, for the stages that make payload of them (material.c, filter.c): kernels/attribute.clh
+ * reads them. Only what the plan has is uploaded; vertices and indices that the tree keeps for rays are used in place.
+ */
+#include "build/build.h"
+
+/* Uploads an array if the plan has it. */
+static svo_status upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
+{
+    return data != NULL ? svo_i_build_upload(build, name, data, bytes, out) : SVO_OK;
+}
+
+/* What places a triangle in a voxel. Uniform weights do not look at it. */
+static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
+{
+    const svo_plan *plan = build->plan;
+    svo_status status = SVO_OK;
+    out->is_borrowed = build->tree->buffers[SVO_TREE_VERTICES] != NULL;
+    if (out->is_borrowed) {
+        out->vertices = build->tree->buffers[SVO_TREE_VERTICES];
+        out->indices = build->tree->buffers[SVO_TREE_INDICES];
+        return SVO_OK;
+    }
+    if (plan->work.places) {
+        status = upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices);
+    }
+    return status == SVO_OK
+               ? upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices)
+               : status;
+}
+
+svo_status svo_i_surface_upload(svo_i_build *build, svo_i_surface *out)
+{
+    const svo_plan *plan = build->plan;
+    const uint64_t vertices = plan->vertex_count;
+    svo_i_build_stage_begin(build);
+    svo_status status = upload_geometry(build, out);
+    if (status == SVO_OK) {
+        status = upload(build, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
+                        &out->records);
+    }
+    if (status == SVO_OK) {
+        status = upload(build, "vertex_colors", plan->colors, vertices * 4, &out->colors);
+    }
+    if (status == SVO_OK) {
+        status = upload(build, "vertex_normals", plan->normals, vertices * 8, &out->normals);
+    }
+    if (status == SVO_OK) {
+        status = upload(build, "uvs", plan->uvs, vertices * 8, &out->uvs);
+    }
+    if (status == SVO_OK) {
+        status = upload(build, "material_records", plan->materials, plan->material_count * sizeof(svo_material_record),
+                        &out->materials);
+    }
+    if (status == SVO_OK) {
+        status = upload(build, "texels", plan->texels, plan->texel_count * 4, &out->texels);
+    }
+    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
+}
+
+void svo_i_surface_free(svo_i_build *build, svo_i_surface *surface)
+{
+    if (!surface->is_borrowed) {
+        svo_i_build_free(build, &surface->vertices);
+        svo_i_build_free(build, &surface->indices);
+    }
+    cl_mem *buffers[] = {&surface->records, &surface->colors,    &surface->normals,
+                         &surface->uvs,     &surface->materials, &surface->texels};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_build_free(build, buffers[i]);
+    }
+}

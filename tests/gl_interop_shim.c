@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: MIT */
+/* cl_khr_gl_sharing over copies. */
+#include "gl_interop_shim.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { OBJECTS_MAX = 256, CONTEXTS_MAX = 16, PROPERTIES_MAX = 8 };
+
+typedef struct shared_object {
+    cl_mem memory;
+    GLuint name;
+    size_t bytes;
+    bool acquired, acquired_before;
+} shared_object;
+
+typedef struct joined_context {
+    cl_context context;
+    cl_context_properties properties[PROPERTIES_MAX];
+    size_t bytes;
+} joined_context;
+
+/* The driver's state. */
+static struct {
+    svo_gl_context *context;
+    svo_i_gl_functions honest; /* the context's functions as they were */
+    shim_faults faults;
+    shim_counts counts;
+    bool finished; /* glFinish since the last acquire */
+    shared_object objects[OBJECTS_MAX];
+    joined_context contexts[CONTEXTS_MAX];
+    unsigned context_count;
+} shim;
+
+static void violate(const char *what)
+{
+    ++shim.counts.violations;
+    shim.counts.last_violation = what;
+}
+
+static void expect_current(void)
+{
+    if (!shim.context->platform->is_current(shim.context->native)) {
+        violate("the OpenGL context is not current");
+    }
+}
+
+static cl_int give_bytes(const void *from, size_t from_bytes, size_t bytes, void *value, size_t *value_bytes)
+{
+    if (value_bytes != NULL) {
+        *value_bytes = from_bytes;
+    }
+    if (value != NULL && bytes < from_bytes) {
+        return CL_INVALID_VALUE;
+    }
+    if (value != NULL) {
+        memcpy(value, from, from_bytes);
+    }
+    return CL_SUCCESS;
+}
+
+static cl_int CL_API_CALL get_device_info(cl_device_id device, cl_device_info what, size_t bytes, void *value,
+                                          size_t *value_bytes)
+{
+    if (what != CL_DEVICE_EXTENSIONS) {
+        return clGetDeviceInfo(device, what, bytes, value, value_bytes);
+    }
+    const char *list =
+        shim.faults.extensions != NULL ? shim.faults.extensions : "cl_khr_fp64 cl_khr_gl_sharing cl_khr_gl_event";
+    return give_bytes(list, strlen(list) + 1, bytes, value, value_bytes);
+}
+
+/* The value of a property, or 0. */
+static cl_context_properties property_of(const cl_context_properties *properties, cl_context_properties key)
+{
+    for (; properties != NULL && *properties != 0; properties += 2) {
+        if (properties[0] == key) {
+            return properties[1];
+        }
+    }
+    return 0;
+}
+
+static bool names_the_context(const cl_context_properties *properties)
+{
+    const svo_i_gl_handles handles = shim.context->platform->handles(shim.context->native);
+    return property_of(properties, CL_GL_CONTEXT_KHR) == (cl_context_properties)handles.context &&
+           property_of(properties, CL_EGL_DISPLAY_KHR) == (cl_context_properties)handles.display;
+}
+
+static cl_int CL_API_CALL get_context_info(cl_context context, cl_context_info what, size_t bytes, void *value,
+                                           size_t *value_bytes)
+{
+    for (unsigned i = 0; i < shim.context_count && what == CL_CONTEXT_PROPERTIES; ++i) {
+        if (shim.contexts[i].context == context) {
+            return give_bytes(shim.contexts[i].properties, shim.contexts[i].bytes, bytes, value, value_bytes);
+        }
+    }
+    return clGetContextInfo(context, what, bytes, value, value_bytes);
+}
+
+static cl_context CL_API_CALL create_context(const cl_context_properties *properties, cl_uint device_count,
+                                             const cl_device_id *devices,
+                                             void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *),
+                                             void *user, cl_int *error)
+{
+    *error = shim.faults.context_error;
+    if (*error == CL_SUCCESS && !names_the_context(properties)) {
+        *error = CL_INVALID_GL_SHAREGROUP_REFERENCE_KHR;
+    }
+    if (*error != CL_SUCCESS) {
+        return NULL;
+    }
+    expect_current();
+    cl_context created = clCreateContext(NULL, device_count, devices, notify, user, error);
+    assert_true(shim.context_count < CONTEXTS_MAX);
+    joined_context *joined = &shim.contexts[shim.context_count++];
+    joined->context = created;
+    for (joined->bytes = sizeof *properties; *properties != 0; properties += 2) {
+        const size_t count = joined->bytes / sizeof *properties - 1;
+        assert_true(count + 3 <= PROPERTIES_MAX);
+        memcpy(joined->properties + count, properties, 2 * sizeof *properties);
+        joined->bytes += 2 * sizeof *properties;
+    }
+    return created;
+}
+
+static cl_int CL_API_CALL get_gl_context_info(const cl_context_properties *properties, cl_gl_context_info what,
+                                              size_t bytes, void *value, size_t *value_bytes)
+{
+    if (shim.faults.info_error != CL_SUCCESS) {
+        return shim.faults.info_error;
+    }
+    if (what != CL_DEVICES_FOR_GL_CONTEXT_KHR) {
+        return CL_INVALID_VALUE;
+    }
+    if (!names_the_context(properties)) {
+        return CL_INVALID_GL_SHAREGROUP_REFERENCE_KHR;
+    }
+    cl_device_id devices[8];
+    cl_uint count = 0;
+    const cl_platform_id platform = (cl_platform_id)property_of(properties, CL_CONTEXT_PLATFORM);
+    assert_int_equal(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 8, devices, &count), CL_SUCCESS);
+    count = shim.faults.lists_no_device ? 0 : count < 8 ? count : 8;
+    return give_bytes(devices, count * sizeof devices[0], bytes, value, value_bytes);
+}
+
+static void CL_CALLBACK forget_object(cl_mem memory, void *user)
+{
+    shared_object *object = user;
+    if (object->memory == memory) {
+        if (object->acquired) {
+            violate("released while it is acquired");
+        }
+        *object = (shared_object){0};
+        --shim.counts.objects;
+    }
+}
+
+static bool is_joined(cl_context context)
+{
+    for (unsigned i = 0; i < shim.context_count; ++i) {
+        if (shim.contexts[i].context == context) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The call's error, once the spared calls are used up. */
+static cl_int fault(cl_int error, unsigned earlier_calls)
+{
+    return earlier_calls >= shim.faults.spared_calls ? error : CL_SUCCESS;
+}
+
+static size_t gl_buffer_bytes(GLuint name)
+{
+    GLint64 bytes = 0;
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, name);
+    shim.honest.GetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &bytes);
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    return (size_t)bytes;
+}
+
+static cl_mem CL_API_CALL create_from_gl_buffer(cl_context context, cl_mem_flags flags, cl_GLuint name, cl_int *error)
+{
+    expect_current();
+    *error = is_joined(context) ? fault(shim.faults.create_error, shim.counts.created++) : CL_INVALID_CONTEXT;
+    if (*error != CL_SUCCESS) {
+        return NULL;
+    }
+    shared_object *object = shim.objects;
+    while (object->memory != NULL) {
+        ++object;
+        assert_true(object < shim.objects + OBJECTS_MAX);
+    }
+    *object = (shared_object){.name = name, .bytes = gl_buffer_bytes(name)};
+    object->memory = clCreateBuffer(context, flags, object->bytes, NULL, error);
+    if (*error == CL_SUCCESS) {
+        ++shim.counts.objects;
+        assert_int_equal(clSetMemObjectDestructorCallback(object->memory, forget_object, object), CL_SUCCESS);
+    }
+    return object->memory;
+}
+
+static shared_object *find_object(cl_mem memory)
+{
+    for (unsigned i = 0; i < OBJECTS_MAX; ++i) {
+        if (shim.objects[i].memory == memory) {
+            return &shim.objects[i];
+        }
+    }
+    return NULL;
+}
+
+static cl_int copy_to_cl(shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
+                         cl_event *event)
+{
+    if (shim.faults.acquires_nothing && object->acquired_before) {
+        return clEnqueueMarkerWithWaitList(queue, wait_count, wait, event);
+    }
+    cl_uint *words = malloc(object->bytes);
+    assert_non_null(words);
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, object->name);
+    shim.honest.GetBufferSubData(GL_COPY_WRITE_BUFFER, 0, (GLsizeiptr)object->bytes, words);
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    if (shim.faults.corrupts) {
+        words[object->bytes / 8] ^= 0x10000u;
+    }
+    const cl_int error =
+        clEnqueueWriteBuffer(queue, object->memory, CL_TRUE, 0, object->bytes, words, wait_count, wait, event);
+    free(words);
+    return error;
+}
+
+static cl_int CL_API_CALL acquire(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
+                                  const cl_event *wait, cl_event *event)
+{
+    shared_object *object = count == 1 ? find_object(objects[0]) : NULL;
+    if (object == NULL) {
+        return CL_INVALID_GL_OBJECT;
+    }
+    expect_current();
+    if (object->acquired) {
+        violate("acquired twice");
+    }
+    if (!shim.finished && shim.faults.extensions != NULL && strstr(shim.faults.extensions, "gl_event") == NULL) {
+        violate("acquired without glFinish");
+    }
+    const cl_int error = fault(shim.faults.acquire_error, shim.counts.acquired++);
+    if (error != CL_SUCCESS) {
+        return error;
+    }
+    const cl_int copied = copy_to_cl(object, queue, wait_count, wait, event);
+    shim.finished = false;
+    object->acquired = object->acquired_before = true;
+    return copied;
+}
+
+static cl_int copy_to_gl(const shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
+                         cl_event *event)
+{
+    void *bytes = malloc(object->bytes);
+    assert_non_null(bytes);
+    const cl_int error =
+        clEnqueueReadBuffer(queue, object->memory, CL_TRUE, 0, object->bytes, bytes, wait_count, wait, event);
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, object->name);
+    shim.honest.BufferSubData(GL_COPY_WRITE_BUFFER, 0, (GLsizeiptr)object->bytes, bytes);
+    shim.honest.BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    free(bytes);
+    return error;
+}
+
+static cl_int CL_API_CALL release(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
+                                  const cl_event *wait, cl_event *event)
+{
+    shared_object *object = count == 1 ? find_object(objects[0]) : NULL;
+    if (object == NULL) {
+        return CL_INVALID_GL_OBJECT;
+    }
+    expect_current();
+    if (!object->acquired) {
+        violate("released without being acquired");
+    }
+    object->acquired = false;
+    const cl_int error = fault(shim.faults.release_error, shim.counts.released++);
+    return error != CL_SUCCESS ? error : copy_to_gl(object, queue, wait_count, wait, event);
+}
+
+static void *CL_API_CALL get_function(cl_platform_id platform, const char *name)
+{
+    static const struct {
+        const char *name;
+        void (*function)(void);
+    } functions[] = {{"clGetGLContextInfoKHR", (void (*)(void))get_gl_context_info},
+                     {"clCreateFromGLBuffer", (void (*)(void))create_from_gl_buffer},
+                     {"clEnqueueAcquireGLObjects", (void (*)(void))acquire},
+                     {"clEnqueueReleaseGLObjects", (void (*)(void))release}};
+    (void)platform;
+    void *address = NULL;
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; ++i) {
+        const bool missing = shim.faults.missing_function != NULL && strcmp(shim.faults.missing_function, name) == 0;
+        if (strcmp(functions[i].name, name) == 0 && !missing) {
+            memcpy(&address, &functions[i].function, sizeof address);
+        }
+    }
+    return address;
+}
+
+static const svo_i_opencl shim_opencl = {
+    .GetDeviceInfo = get_device_info,
+    .GetContextInfo = get_context_info,
+    .CreateContext = create_context,
+    .GetExtensionFunctionAddressForPlatform = get_function,
+};
+
+static void APIENTRY note_finish(void)
+{
+    shim.finished = true;
+    shim.honest.Finish();
+}
+
+void shim_install(svo_gl_context *context, const shim_faults *faults)
+{
+    memset(&shim, 0, sizeof shim);
+    shim.context = context;
+    shim.honest = context->functions;
+    shim.faults = *faults;
+    context->opencl = &shim_opencl;
+    context->functions.Finish = note_finish;
+}
+
+void shim_set_faults(const shim_faults *faults)
+{
+    shim.faults = *faults;
+}
+
+void shim_get_counts(shim_counts *counts)
+{
+    *counts = shim.counts;
+}
+
+void shim_remove(svo_gl_context *context)
+{
+    context->opencl = &svo_i_opencl_installed;
+    context->functions.Finish = shim.honest.Finish;
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/* Targets lie in eighths of an edge, and directions are eight times the way to them: on a lattice everything is a whole
+   number of units that float holds. */
+#include "errors/adversarial_rays.h"
+
+#include <math.h>
+
+#include "measure/quantization.h"
+#include "measure/ray_sets.h"
+#include "scenes/maths.h"
+
+#define EIGHTHS       8.0
+#define T_MIN         0x1p-12f /* what the origin lies on does not count */
+#define GRAZING_SLOPE 1e-3 /* of the ray against the triangle's plane */
+
+const char *aim_name(aim kind)
+{
+    static const char *const names[AIM_COUNT] = {"anywhere", "at vertices", "at edges", "grazing"};
+    return names[kind];
+}
+
+static vector3 vertex_of(const svo_mesh *mesh, size_t index)
+{
+    return vector(lattice_position_of(mesh, 3 * index), lattice_position_of(mesh, 3 * index + 1),
+                  lattice_position_of(mesh, 3 * index + 2));
+}
+
+static double share(random_stream *random)
+{
+    return (double)(random_bits(random) >> 40) * 0x1p-24;
+}
+
+/* The corners of some triangle that has an area. */
+static void pick_triangle(const svo_mesh *mesh, random_stream *random, vector3 corners[3], vector3 *normal)
+{
+    for (int attempt = 0; attempt < 1000; ++attempt) {
+        const size_t triangle = (size_t)((random_bits(random) >> 32) * mesh->triangle_count >> 32);
+        for (size_t i = 0; i < 3; ++i) {
+            corners[i] = vertex_of(mesh, mesh->indices != NULL ? mesh->indices[3 * triangle + i] : 3 * triangle + i);
+        }
+        *normal = vector_cross(vector_subtract(corners[1], corners[0]), vector_subtract(corners[2], corners[0]));
+        if (vector_length(*normal) > 0.0) {
+            break;
+        }
+    }
+    *normal = vector_scale(*normal, 1.0 / fmax(vector_length(*normal), 1e-300));
+}
+
+static vector3 target_in(aim kind, const vector3 corners[3], random_stream *random)
+{
+    if (kind == AIM_VERTICES) {
+        return corners[0];
+    }
+    const double eighths = 1.0 + floor(7.0 * share(random));
+    const vector3 on_edge = vector_mix(corners[0], corners[1], eighths / EIGHTHS);
+    return kind == AIM_EDGES ? on_edge : vector_mix(on_edge, corners[2], 0.1 + 0.8 * share(random));
+}
+
+static double round_to(double value, double unit)
+{
+    return unit > 0.0 ? unit * rint(value / unit) : value;
+}
+
+static svo_ray ray_to(vector3 origin, vector3 target, double unit)
+{
+    const double from[3] = {origin.x, origin.y, origin.z};
+    const double to[3] = {target.x, target.y, target.z};
+    svo_ray ray = {.t_min = T_MIN, .t_max = INFINITY};
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = (float)round_to(from[k], unit);
+        ray.direction[k] = (float)round_to(EIGHTHS * (to[k] - (double)ray.origin[k]), unit);
+    }
+    return ray;
+}
+
+static svo_ray aimed_ray(const svo_mesh *mesh, const aimed_set *set, double extent, random_stream *random)
+{
+    vector3 corners[3];
+    vector3 normal;
+    pick_triangle(mesh, random, corners, &normal);
+    const vector3 target = target_in(set->kind, corners, random);
+    const double distance = extent * (set->reach > 0.0 ? set->reach : 0.02 + 0.3 * share(random));
+    const vector3 sideways = vector(share(random) - 0.5, share(random) - 0.5, share(random) - 0.5);
+    vector3 away = vector_add(normal, vector_scale(sideways, 0.8));
+    if (set->kind == AIM_GRAZING) {
+        const vector3 edge = vector_subtract(corners[1], corners[2]);
+        away = vector_add(vector_scale(edge, 1.0 / vector_length(edge)), vector_scale(normal, GRAZING_SLOPE));
+    }
+    return ray_to(vector_add(target, vector_scale(away, distance)), target, set->unit);
+}
+
+static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        low[k] = HUGE_VAL;
+        high[k] = -HUGE_VAL;
+    }
+    for (size_t i = 0; i < mesh->vertex_count; ++i) {
+        const vector3 at = vertex_of(mesh, i);
+        const double components[3] = {at.x, at.y, at.z};
+        for (int k = 0; k < 3; ++k) {
+            low[k] = fmin(low[k], components[k]);
+            high[k] = fmax(high[k], components[k]);
+        }
+    }
+}
+
+void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ray *rays)
+{
+    random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)set->kind};
+    double low[3];
+    double high[3];
+    bounds_of(mesh, low, high);
+    const double extent = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    if (set->kind == AIM_ANYWHERE) {
+        ray_set_incoherent(low, high, count, rays); /* these meet no edge but by chance */
+        return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        rays[i] = aimed_ray(mesh, set, extent, &random);
+    }
+}

@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens every way, times them in turns, and judges what each of them found. */
+#include "errors/ray_methods.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "measure/embree.h"
+#include "measure/ray_judge.h"
+#include "errors/ray_tests.h"
+#include "measure/interleave.h"
+#include "errors/voxel_cast.h"
+#include "support/input.h"
+
+#define SOME_VOXEL    (SVO_NO_TRIANGLE - 1) /* in the place of a triangle */
+#define LEAN          0x1p-30
+#define LEANING_SIDES 8
+
+typedef struct ray_bench ray_bench;
+
+typedef struct ray_way {
+    ray_bench *bench;
+    const char *name;
+    double (*work_ms)(void *user);
+    bvh_test *test; /* of a float way */
+    embree *rival; /* of Embree's */
+    voxel_cast *cast; /* of voxels alone */
+    svo_hit *hits; /* of the last round */
+} ray_way;
+
+struct ray_bench {
+    error_run *run;
+    const ray_case *given;
+    svo_plan_options grid;
+    svo_tree *tree;
+    svo_tree_info info;
+    svo_tree_arrays arrays;
+    oracle_ray_scene snapped;
+    float *vertices; /* of the tree, in world coordinates */
+    bvh *hierarchy;
+    cl_mem rays, hits; /* on the device */
+    svo_hit *found; /* of all ways, one after the other */
+    svo_hit *exact;
+    double *exact_ts; /* infinity: nothing is met */
+    ray_way ways[RAY_WAYS_MAX];
+    size_t way_count;
+};
+
+/* ---- the ways ---- */
+
+static double run_ours(void *user)
+{
+    const ray_way *way = user;
+    const ray_bench *bench = way->bench;
+    cl_command_queue queue = bench->run->opened.queue;
+    const double started_ms = input_now_ms();
+    const bool worked = svo_tree_trace_enqueue(bench->tree, bench->rays, bench->hits, bench->given->ray_count,
+                                               SVO_TRACE_CLOSEST, queue, 0, NULL, NULL) == SVO_OK &&
+                        clFinish(queue) == CL_SUCCESS;
+    return worked ? input_now_ms() - started_ms : -1.0;
+}
+
+static double run_voxels(void *user)
+{
+    const ray_way *way = user;
+    return voxel_cast_run(way->cast);
+}
+
+static double run_hierarchy(void *user)
+{
+    const ray_way *way = user;
+    const ray_bench *bench = way->bench;
+    const float_triangles triangles = {bench->vertices, bench->arrays.indices};
+    return bvh_trace(bench->hierarchy, way->test, &triangles, bench->given->rays, way->hits, bench->given->ray_count,
+                     bench->run->threads);
+}
+
+static double run_embree(void *user)
+{
+    const ray_way *way = user;
+    return embree_trace(way->rival, way->bench->given->rays, way->hits, way->bench->given->ray_count,
+                        way->bench->run->threads);
+}
+
+static ray_way *add_way(ray_bench *bench, const char *name, double (*work_ms)(void *))
+{
+    ray_way *way = &bench->ways[bench->way_count++];
+    *way = (ray_way){.bench = bench,
+                     .name = name,
+                     .work_ms = work_ms,
+                     .hits = bench->found + (bench->way_count - 1) * bench->given->ray_count};
+    return way;
+}
+
+static bool add_embree(ray_bench *bench, const char *name, bool robust)
+{
+    if (!embree_is_there()) {
+        return true;
+    }
+    ray_way *way = add_way(bench, name, run_embree);
+    way->rival = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
+                               (size_t)bench->info.list_triangle_count, robust);
+    return way->rival != NULL;
+}
+
+static bool add_voxels(ray_bench *bench)
+{
+    static const char *const names[RAY_LEVELS_MAX] = {"voxels alone, coarse", "voxels alone, middle",
+                                                      "voxels alone, fine"};
+    bool worked = true;
+    for (size_t i = 0; i < RAY_LEVELS_MAX && bench->given->levels[i] != 0 && worked; ++i) {
+        ray_way *way = add_way(bench, names[i], run_voxels);
+        way->cast = voxel_cast_create(&bench->run->opened, bench->given->mesh, bench->given->levels[i], &bench->grid,
+                                      bench->given->rays, bench->given->ray_count);
+        worked = way->cast != NULL;
+    }
+    return worked;
+}
+
+static bool list_ways(ray_bench *bench)
+{
+    bench->found = calloc(RAY_WAYS_MAX * bench->given->ray_count + 1, sizeof *bench->found);
+    if (bench->found == NULL) {
+        return false;
+    }
+    add_way(bench, "svocl", run_ours);
+    add_way(bench, "Möller-Trumbore, float32", run_hierarchy)->test = ray_test_moller_trumbore;
+    add_way(bench, "watertight, float32", run_hierarchy)->test = ray_test_watertight;
+    bool worked =
+        add_embree(bench, "Embree, fast", false) && add_embree(bench, "Embree, robust", true) && add_voxels(bench);
+    for (size_t i = 0; i < bench->way_count; ++i) {
+        worked = worked && bench->ways[i].hits != NULL;
+    }
+    return worked;
+}
+
+/* ---- the scene ---- */
+
+static bool build_tree(ray_bench *bench)
+{
+    const session *opened = &bench->run->opened;
+    svo_plan_options for_rays = bench->grid;
+    svo_plan *plan = NULL;
+    for_rays.need = SVO_NEED_RAYS;
+    bool worked = svo_plan_create(opened->device, bench->given->mesh, 6, &for_rays, &plan) == SVO_OK;
+    if (worked) {
+        const unsigned depth = svo_plan_ray_depth(plan);
+        svo_plan_destroy(&plan);
+        worked = svo_plan_create(opened->device, bench->given->mesh, depth, &for_rays, &plan) == SVO_OK &&
+                 svo_build(plan, opened->frontend, opened->queue, &bench->tree, NULL) == SVO_OK &&
+                 svo_tree_download(bench->tree, opened->queue) == SVO_OK;
+    }
+    svo_plan_destroy(&plan);
+    if (worked) {
+        svo_tree_get_info(bench->tree, &bench->info);
+        svo_tree_get_arrays(bench->tree, &bench->arrays);
+        bench->snapped =
+            (oracle_ray_scene){.vertices = bench->arrays.vertices,
+                               .indices = bench->arrays.indices,
+                               .triangle_count = (size_t)bench->info.list_triangle_count,
+                               .origin = {bench->info.origin[0], bench->info.origin[1], bench->info.origin[2]},
+                               .scale = bench->info.scale};
+    }
+    return worked;
+}
+
+/* World coordinates of the snapped triangles, and the hierarchy over them, wide enough for their rounding to float. */
+static bool make_hierarchy(ray_bench *bench)
+{
+    const size_t count = (size_t)bench->info.vertex_count * 3;
+    double *positions = calloc(count + 1, sizeof *positions);
+    double largest = 0.0;
+    bench->vertices = calloc(count + 1, sizeof *bench->vertices);
+    if (positions != NULL && bench->vertices != NULL) {
+        for (size_t i = 0; i < count; ++i) {
+            positions[i] = bench->info.origin[i % 3] + bench->arrays.vertices[i] / bench->info.scale;
+            bench->vertices[i] = (float)positions[i];
+            largest = fmax(largest, fabs(positions[i]));
+        }
+        bench->hierarchy =
+            bvh_create(positions, bench->arrays.indices, (size_t)bench->info.list_triangle_count, largest * 0x1p-22);
+    }
+    free(positions);
+    return bench->hierarchy != NULL;
+}
+
+static bool upload_rays(ray_bench *bench)
+{
+    cl_context context = svo_device_cl_context(bench->run->opened.device);
+    const size_t count = bench->given->ray_count;
+    bench->rays = clCreateBuffer(context, CL_MEM_READ_ONLY, count * sizeof(svo_ray), NULL, NULL);
+    bench->hits = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof(svo_hit), NULL, NULL);
+    return bench->rays != NULL && bench->hits != NULL &&
+           clEnqueueWriteBuffer(bench->run->opened.queue, bench->rays, CL_TRUE, 0, count * sizeof(svo_ray),
+                                bench->given->rays, 0, NULL, NULL) == CL_SUCCESS;
+}
+
+/* The exact answers: the hierarchy proposes, long double decides. */
+static bool find_exact(ray_bench *bench)
+{
+    const size_t count = bench->given->ray_count;
+    const exact_triangles triangles = {.snapped = &bench->snapped};
+    bench->exact = calloc(count + 1, sizeof *bench->exact);
+    bench->exact_ts = calloc(count + 1, sizeof *bench->exact_ts);
+    if (bench->exact == NULL || bench->exact_ts == NULL ||
+        bvh_trace(bench->hierarchy, ray_test_exact, &triangles, bench->given->rays, bench->exact, count,
+                  bench->run->threads) < 0.0) {
+        return false;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const oracle_ray wide = ray_widen(&bench->given->rays[i]);
+        bench->exact_ts[i] = (double)INFINITY;
+        if (bench->exact[i].triangle != SVO_NO_TRIANGLE) {
+            oracle_ray_meets(&bench->snapped, bench->exact[i].triangle, &wide, &bench->exact_ts[i]);
+        }
+    }
+    return true;
+}
+
+/* ---- the verdict ---- */
+
+/* ts, and triangles by their position in the tree. */
+static bool fetch(ray_bench *bench, ray_way *way)
+{
+    const size_t count = bench->given->ray_count;
+    if (way->cast != NULL) {
+        float *ts = calloc(count + 1, sizeof *ts);
+        const bool worked = ts != NULL && voxel_cast_read(way->cast, ts);
+        for (size_t i = 0; i < count && worked; ++i) {
+            way->hits[i] = (svo_hit){.t = ts[i], .triangle = isinf(ts[i]) ? SVO_NO_TRIANGLE : SOME_VOXEL};
+        }
+        free(ts);
+        return worked;
+    }
+    if (way->work_ms != run_ours) {
+        return true;
+    }
+    if (clEnqueueReadBuffer(bench->run->opened.queue, bench->hits, CL_TRUE, 0, count * sizeof(svo_hit), way->hits, 0,
+                            NULL, NULL) != CL_SUCCESS) {
+        return false;
+    }
+    uint32_t last = 0; /* triangle_ids ascend: a hit's id is at or before its number */
+    for (size_t i = 0; i < count; ++i) {
+        svo_hit *hit = &way->hits[i];
+        last = hit->triangle < bench->info.list_triangle_count ? hit->triangle
+                                                               : (uint32_t)bench->info.list_triangle_count - 1;
+        while (hit->triangle != SVO_NO_TRIANGLE && bench->arrays.triangle_ids[last] > hit->triangle) {
+            --last;
+        }
+        hit->triangle = hit->triangle == SVO_NO_TRIANGLE ? hit->triangle : last;
+    }
+    return true;
+}
+
+/* Whether the answer is that of the ray when it leans to some side, by far less than a float can say: a ray that only
+   touches an outline may be taken for one that meets it or for one that goes past. */
+static bool is_right_when_leaning(const ray_bench *bench, size_t index, const svo_hit *hit)
+{
+    for (int side = 0; side < LEANING_SIDES; ++side) {
+        exact_triangles triangles = {.snapped = &bench->snapped};
+        svo_hit exact = {0};
+        for (int k = 0; k < 3; ++k) {
+            triangles.lean[k] = (side >> k & 1) != 0 ? LEAN : -LEAN;
+        }
+        bvh_trace(bench->hierarchy, ray_test_exact, &triangles, &bench->given->rays[index], &exact, 1, 1);
+        if (exact.triangle == hit->triangle ||
+            (exact.triangle != SVO_NO_TRIANGLE && hit->triangle != SVO_NO_TRIANGLE &&
+             (hit->triangle == SOME_VOXEL || ray_ties((double)hit->t, (double)exact.t)))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, ray_way_result *result)
+{
+    const double exact = bench->exact_ts[index];
+    const bool met = hit->triangle != SVO_NO_TRIANGLE;
+    const bool named =
+        hit->triangle == SOME_VOXEL || hit->triangle == bench->exact[index].triangle || ray_ties((double)hit->t, exact);
+    if (met && !isinf(exact) && named) {
+        const double error = exact > 0.0 ? fabs((double)hit->t - exact) / exact : 0.0;
+        result->t_error_mean += error;
+        result->t_error_max = fmax(result->t_error_max, error);
+        ++result->compared;
+    } else if ((met || !isinf(exact)) && !is_right_when_leaning(bench, index, hit)) {
+        ++*(met ? &result->wrong : &result->missed);
+    }
+}
+
+static void judge(const ray_bench *bench, const ray_way *way, ray_way_result *result)
+{
+    for (size_t i = 0; i < result->rays; ++i) {
+        judge_one(bench, i, &way->hits[i], result);
+    }
+    result->t_error_mean /= result->compared > 0 ? (double)result->compared : 1.0;
+}
+
+static bool measure(ray_bench *bench, ray_way_result *results)
+{
+    turn turns[RAY_WAYS_MAX];
+    for (size_t i = 0; i < bench->way_count; ++i) {
+        turns[i] = (turn){.work_ms = bench->ways[i].work_ms, .user = &bench->ways[i]};
+    }
+    bool worked = turns_measure(turns, bench->way_count, bench->run->rounds);
+    for (size_t i = 0; i < bench->way_count && worked; ++i) {
+        results[i] =
+            (ray_way_result){.way = bench->ways[i].name, .ms = turns[i].median_ms, .rays = bench->given->ray_count};
+        worked = fetch(bench, &bench->ways[i]);
+        if (worked) {
+            judge(bench, &bench->ways[i], &results[i]);
+        }
+    }
+    return worked;
+}
+
+static void release(ray_bench *bench)
+{
+    for (size_t i = 0; i < bench->way_count; ++i) {
+        embree_destroy(&bench->ways[i].rival);
+        voxel_cast_destroy(&bench->ways[i].cast);
+    }
+    if (bench->rays != NULL) {
+        clReleaseMemObject(bench->rays);
+    }
+    if (bench->hits != NULL) {
+        clReleaseMemObject(bench->hits);
+    }
+    bvh_destroy(&bench->hierarchy);
+    svo_tree_destroy(&bench->tree);
+    free(bench->vertices);
+    free(bench->found);
+    free(bench->exact);
+    free(bench->exact_ts);
+}
+
+int ray_ways_measure(error_run *run, const ray_case *given, ray_way_result *results, size_t *result_count)
+{
+    ray_bench bench = {.run = run, .given = given};
+    bench.grid = (svo_plan_options){.struct_size = sizeof bench.grid, .edge = given->edge};
+    memcpy(bench.grid.origin, given->origin, sizeof bench.grid.origin);
+    const bool worked = build_tree(&bench) && make_hierarchy(&bench) && upload_rays(&bench) && find_exact(&bench) &&
+                        list_ways(&bench) && measure(&bench, results);
+    *result_count = bench.way_count;
+    release(&bench);
+    return worked ? PROGRAM_DONE : errors_fail(run);
+}
+
+double ray_way_error(const ray_way_result *result)
+{
+    return result->rays > 0 ? (double)(result->missed + result->wrong) / (double)result->rays : 0.0;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The same rays against the same triangles by every way there is: svocl's, its voxels alone, Embree's two modes where the
+ * program has them, and float32 tests in a hierarchy on the host; each against the exact first hit.
+ */
+#ifndef SVOCL_RAY_WAYS_H
+#define SVOCL_RAY_WAYS_H
+
+#include "errors/errors.h"
+
+#define RAY_WAYS_MAX   12u
+#define RAY_LEVELS_MAX 3u
+
+typedef struct ray_way_result {
+    const char *way; /* static */
+    double ms; /* median, of one batch */
+    size_t rays;
+    size_t missed; /* the exact answer is a hit, the way has none */
+    size_t wrong; /* another triangle at another t, or a hit where there is none */
+    size_t compared; /* rays with the right answer that hit */
+    double t_error_mean, t_error_max; /* |t - exact| / exact, over those */
+} ray_way_result;
+
+typedef struct ray_case {
+    const svo_mesh *mesh;
+    double edge; /* of the grid from the origin; 0: fitted */
+    double origin[3];
+    const svo_ray *rays;
+    size_t ray_count;
+    unsigned levels[RAY_LEVELS_MAX]; /* depths at which voxels alone are cast; 0: no more */
+} ray_case;
+
+/* results: RAY_WAYS_MAX of them. Returns the exit code. */
+int ray_ways_measure(error_run *run, const ray_case *given, ray_way_result *results, size_t *result_count);
+
+/* Missed and wrong rays over all. */
+double ray_way_error(const ray_way_result *result);
+
+#endif

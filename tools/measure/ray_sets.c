@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/* Coherent and incoherent rays for measurements. */
+#include "measure/ray_sets.h"
+
+#include <math.h>
+#include <stdint.h>
+
+/* [0, 1), a multiple of 2^-24: Marsaglia, "Xorshift RNGs", 2003. */
+static double random_unit(uint64_t *state)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    return (double)(*state >> 40) * 0x1p-24;
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void normalize(double vector[3])
+{
+    const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (int axis = 0; axis < 3; ++axis) {
+        vector[axis] /= length;
+    }
+}
+
+static svo_ray make_ray(const double origin[3], const double direction[3])
+{
+    svo_ray ray = {.t_min = 0, .t_max = INFINITY};
+    for (int axis = 0; axis < 3; ++axis) {
+        ray.origin[axis] = (float)origin[axis];
+        ray.direction[axis] = (float)direction[axis];
+    }
+    return ray;
+}
+
+void ray_set_primary(const svo_camera *camera, size_t count, svo_ray *rays)
+{
+    size_t edge = (size_t)sqrt((double)count);
+    edge = edge > 0 ? edge : 1;
+    const double tangent = tan(0.5 * (double)camera->vertical_fov);
+    double eye[3];
+    double forward[3];
+    double up[3];
+    double right[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        eye[axis] = (double)camera->eye[axis];
+        forward[axis] = (double)camera->target[axis] - eye[axis];
+        up[axis] = (double)camera->up[axis];
+    }
+    normalize(forward);
+    cross(forward, up, right);
+    normalize(right);
+    cross(right, forward, up);
+    for (size_t i = 0; i < count; ++i) {
+        const double across = (2.0 * ((double)(i % edge) + 0.5) / (double)edge - 1.0) * tangent;
+        const double down = (2.0 * ((double)(i / edge % edge) + 0.5) / (double)edge - 1.0) * tangent;
+        double direction[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            direction[axis] = forward[axis] + across * right[axis] - down * up[axis];
+        }
+        normalize(direction);
+        rays[i] = make_ray(eye, direction);
+    }
+}
+
+void ray_set_incoherent(const double low[3], const double high[3], size_t count, svo_ray *rays)
+{
+    uint64_t state = UINT64_C(0x9e3779b97f4a7c15);
+    double radius = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        radius += (high[axis] - low[axis]) * (high[axis] - low[axis]);
+    }
+    radius = 0.5 * sqrt(radius);
+    for (size_t i = 0; i < count; ++i) {
+        const double height = 2.0 * random_unit(&state) - 1.0;
+        const double angle = 6.283185307179586 * random_unit(&state);
+        const double ring = sqrt(1.0 - height * height);
+        const double on_sphere[3] = {ring * cos(angle), ring * sin(angle), height};
+        double origin[3];
+        double direction[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            origin[axis] = 0.5 * (low[axis] + high[axis]) + radius * on_sphere[axis];
+            direction[axis] = low[axis] + (high[axis] - low[axis]) * random_unit(&state) - origin[axis];
+        }
+        normalize(direction);
+        rays[i] = make_ray(origin, direction);
+    }
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* Order statistics of a few repeated measurements, and their place in a table. */
+#include "measure/spread.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double left = *(const double *)a;
+    const double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+double spread_quantile(const double *sorted, size_t count, double fraction)
+{
+    const double at = fraction * (double)(count - 1);
+    const size_t below = (size_t)at;
+    const size_t above = below + 1 < count ? below + 1 : below;
+    return sorted[below] + (at - (double)below) * (sorted[above] - sorted[below]);
+}
+
+spread spread_none(void)
+{
+    return (spread){.median = NAN, .low = NAN, .high = NAN};
+}
+
+spread spread_of(double *values, size_t count)
+{
+    if (count == 0) {
+        return spread_none();
+    }
+    qsort(values, count, sizeof *values, compare_doubles);
+    return (spread){.median = spread_quantile(values, count, 0.5),
+                    .low = spread_quantile(values, count, 0.25),
+                    .high = spread_quantile(values, count, 0.75)};
+}
+
+void spread_add_columns(result_table *table, const char *name, const char *unit)
+{
+    static const char *const suffixes[] = {"", " q1", " q3"};
+    for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "%.48s%s", name, suffixes[i]);
+        result_add_column(table, text, unit);
+    }
+}
+
+void spread_add(result_table *table, spread measured)
+{
+    result_add_number(table, measured.median);
+    result_add_number(table, measured.low);
+    result_add_number(table, measured.high);
+}

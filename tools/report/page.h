@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* The page of a report: one HTML file that needs nothing else, and the short version in Markdown. */
+#ifndef SVOCL_PAGE_H
+#define SVOCL_PAGE_H
+
+#include <stdio.h>
+
+#include "measure/result.h"
+#include "report/pictures.h"
+
+typedef struct page_content {
+    const result_set *results;
+    const pictures *drawn;
+    const char *source; /* how the figures came here, one sentence: "Measured in this run." */
+    const char *absence; /* why a table is not there: "not in results.json" */
+} page_content;
+
+/* A step of the progress bar. Returns the exit code. */
+int page_write(program *state, const page_content *content, FILE *page);
+
+/* summary.c: the shortened tables, for a README. */
+void summary_write(const page_content *content, FILE *text);
+
+#endif

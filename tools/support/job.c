@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/* From INPUT to a tree in memory, measured: what build, hash, verify and render share. */
+#include "support/job.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void keep_buffers(const svo_plan *plan, build_result *result)
+{
+    result->peak_bytes = svo_plan_peak_bytes(plan);
+    free(result->buffers);
+    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    result->buffers = calloc(count + 1, sizeof *result->buffers);
+    result->buffer_count = result->buffers != NULL ? count : 0;
+    for (size_t i = 0; i < result->buffer_count; ++i) {
+        svo_plan_get_buffer(plan, i, &result->buffers[i]);
+    }
+}
+
+/* A plan at the depth that was asked for, or at the one that is best for rays. */
+static svo_status make_plan(const options *given, svo_device *device, const svo_mesh *mesh,
+                            const svo_plan_options *plan_options, svo_plan **out)
+{
+    svo_status status = svo_plan_create(device, mesh, (unsigned)given->depth, plan_options, out);
+    if (status != SVO_OK || !given->depth_for_rays) {
+        return status;
+    }
+    const unsigned depth = svo_plan_ray_depth(*out);
+    if (depth != (unsigned)given->depth) {
+        svo_plan_destroy(out);
+        status = svo_plan_create(device, mesh, depth, plan_options, out);
+    }
+    return status;
+}
+
+int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out)
+{
+    const options *given = &state->options;
+    const bool in_gl = given->builder == OPTION_BUILDER_GL_COMPUTE;
+    svo_plan_options plan_options = {.struct_size = sizeof plan_options,
+                                     .need = need,
+                                     .coverage = (svo_coverage)given->coverage,
+                                     .weights = (svo_weights)given->weights,
+                                     .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)given->builder,
+                                     .payload_level = (uint32_t)given->payload_level,
+                                     .edge = given->edge};
+    memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
+    return make_plan(given, device, mesh, &plan_options, out) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, svo_device_message(device));
+}
+
+/* The tree of a plan; an earlier build's tree in result is replaced. */
+static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
+{
+    session_choose(state, opened, plan);
+    if (state->options.count_first && svo_plan_count(plan, opened->frontend, opened->queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    progress_step(state->progress, "building the tree");
+    svo_tree_destroy(&result->tree);
+    result->report = (svo_build_report){.struct_size = sizeof result->report};
+    const svo_status status = state->options.builder == OPTION_BUILDER_GL_COMPUTE
+                                  ? opengl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
+                                  : svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
+    if (status != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    svo_plan_get_info(plan, &result->plan);
+    svo_tree_get_info(result->tree, &result->info);
+    keep_buffers(plan, result);
+    return PROGRAM_DONE;
+}
+
+/* One build from the mesh to the tree. */
+static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+{
+    svo_plan *plan = NULL;
+    progress_step(state->progress, "snapping to the grid");
+    int exit_code = job_plan(state, opened->device, mesh, need, &plan);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = build_plan(state, opened, plan, result);
+    }
+    svo_plan_destroy(&plan);
+    return exit_code;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double left = *(const double *)a;
+    const double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+static double median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, compare_doubles);
+    return count % 2 == 1 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2.0;
+}
+
+/* Replaces the times of the last build by the medians of the builds after the first. */
+static void take_medians(double *times, size_t repeats, svo_build_report *report)
+{
+    for (size_t stage = 0; stage < SVO_STAGE_COUNT && repeats > 1; ++stage) {
+        report->stages[stage].ms = median(times + stage * repeats, repeats - 1);
+    }
+}
+
+static int build_repeatedly(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+{
+    const size_t repeats = (size_t)state->options.repeat;
+    double *times = calloc(repeats * SVO_STAGE_COUNT, sizeof *times); /* per stage, the builds after the first */
+    if (times == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    int exit_code = PROGRAM_DONE;
+    for (size_t i = 0; i < repeats && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = build_once(state, opened, mesh, need, result);
+        if (i == 0) {
+            result->first_compile_ms = result->report.stages[SVO_STAGE_COMPILE].ms;
+        }
+        for (size_t stage = 0; stage < SVO_STAGE_COUNT && i > 0; ++stage) {
+            times[stage * repeats + i - 1] = result->report.stages[stage].ms;
+        }
+    }
+    take_medians(times, repeats, &result->report);
+    free(times);
+    if (exit_code == PROGRAM_DONE && svo_tree_download(result->tree, opened->queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened->device));
+    }
+    return exit_code;
+}
+
+int job_build(program *state, uint32_t need, job *done)
+{
+    return build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+}
+
+int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
+{
+    *done = (job){0};
+    program_begin_progress(state, 1 + 2 * (unsigned)state->options.repeat + further_steps);
+    int exit_code = input_open(state, &done->source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open(state, &done->opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = job_build(state, need, done);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
+int job_load(program *state, unsigned further_steps, job *done)
+{
+    *done = (job){0};
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, 1 + further_steps);
+    exit_code = input_load_tree(state, &done->result.tree);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, &done->opened);
+    }
+    if (exit_code == PROGRAM_DONE &&
+        svo_tree_upload(done->result.tree, done->opened.device, done->opened.queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
+void job_release(job *done)
+{
+    svo_tree_destroy(&done->result.tree);
+    free(done->result.buffers);
+    done->result = (build_result){0};
+    session_close(&done->opened);
+    input_close(&done->source);
+}
+
+void job_add_what_ran(cJSON *document, const job *done)
+{
+    json_add_text(document, "frontend", done->result.report.frontend);
+    json_add_text(document, "frontend_reason", done->opened.reason.text);
+    json_add_text(document, "share", done->result.report.share);
+    json_add_text(document, "builder", done->result.report.builder);
+    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
+    json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
+    json_add_text(document, "context", session_context(&done->opened));
+    json_add_text(document, "device", svo_device_name(done->opened.device));
+    json_add_text(document, "renderer", session_renderer(&done->opened));
+    json_add_count(document, "depth", done->result.info.depth);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Figures as JSON on standard output or in a file. */
+#ifndef SVOCL_JSON_H
+#define SVOCL_JSON_H
+
+#include <cjson/cJSON.h>
+#include <stdint.h>
+
+#include "support/program.h"
+
+void json_add_count(cJSON *object, const char *name, uint64_t count);
+/* text: NULL becomes null. */
+void json_add_text(cJSON *object, const char *name, const char *text);
+void json_add_vector(cJSON *object, const char *name, const double vector[3]);
+/* bits: svo_need; an array of their names. */
+void json_add_needs(cJSON *object, const char *name, uint32_t bits);
+
+/* Writes the document to a file, whole or not at all. Returns the exit code. */
+int json_save(program *state, const char *path, const cJSON *document);
+
+/* Prints and releases the document. Returns the exit code. */
+int json_print(program *state, cJSON *document);
+
+#endif

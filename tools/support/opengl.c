@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT */
+/* An OpenGL context by the options, and the front end in it. */
+#include "support/opengl.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "svocl/gl.h"
+
+#define FURTHER_MAX 8
+
+struct opengl {
+    svo_device *device;
+    svo_gl_context *context;
+    svo_gl_context_info info;
+    svo_gl *gl;
+    struct {
+        int frontend, share; /* as asked for */
+        svo_gl *gl;
+    } further[FURTHER_MAX];
+    size_t further_count;
+};
+
+static svo_status create_context(const options *given, svo_gl_context_kind kind, svo_gl_context **out,
+                                 svo_message *message)
+{
+    return given->gl_device != NULL ? svo_gl_context_create_named(given->gl_device, out, message)
+                                    : svo_gl_context_create(kind, 0, out, message);
+}
+
+/* --context auto: the first kind that works. A forced kind that does not work is an error. */
+static bool open_context(const options *given, opengl *out, svo_message *reason)
+{
+    svo_message message = {""};
+    size_t used = (size_t)snprintf(reason->text, sizeof reason->text, "no OpenGL context");
+    for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
+        const char *name = svo_gl_context_kind_name((svo_gl_context_kind)kind);
+        if (given->context != OPTION_CONTEXT_AUTO && given->context != kind) {
+            continue;
+        }
+        if (create_context(given, (svo_gl_context_kind)kind, &out->context, &message) == SVO_OK) {
+            svo_gl_context_get_info(out->context, &out->info);
+            return true;
+        }
+        if (given->context != OPTION_CONTEXT_AUTO) {
+            snprintf(reason->text, sizeof reason->text, "--context %.32s: %.900s", name, program_words(message.text));
+            return false;
+        }
+        if (used < sizeof reason->text) {
+            used += (size_t)snprintf(reason->text + used, sizeof reason->text - used, "%s%s: %s",
+                                     kind == 0 ? ": " : "; ", name, program_words(message.text));
+        }
+    }
+    return false;
+}
+
+static svo_gl_raster raster_of(int frontend)
+{
+    return frontend == OPTION_FRONTEND_GL_EXPAND ? SVO_GL_RASTER_EXPAND
+           : frontend == OPTION_FRONTEND_GL_HW   ? SVO_GL_RASTER_HW
+                                                 : SVO_GL_RASTER_AUTO;
+}
+
+static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, svo_message *reason)
+{
+    const svo_gl_options gl_options = {.struct_size = sizeof gl_options, .raster = raster, .share = share};
+    svo_gl *gl = NULL;
+    if (svo_gl_create(opened->device, opened->context, &gl_options, &gl) != SVO_OK) {
+        snprintf(reason->text, sizeof reason->text, "%s", program_words(svo_device_message(opened->device)));
+    }
+    return gl;
+}
+
+bool opengl_may_share(const svo_device *device)
+{
+    return svo_gl_device_may_share(device) != 0;
+}
+
+svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
+{
+    svo_device *joined = NULL;
+    (void)svo_gl_device_create(opened->context, svo_device_cl_device(device), device_options, &joined, NULL);
+    return joined;
+}
+
+opengl *opengl_open(const options *given, svo_message *reason)
+{
+    opengl *opened = calloc(1, sizeof *opened);
+    if (opened == NULL) {
+        snprintf(reason->text, sizeof reason->text, "out of memory");
+        return NULL;
+    }
+    if (!open_context(given, opened, reason)) {
+        opengl_close(&opened);
+    }
+    return opened;
+}
+
+bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
+{
+    opened->device = device;
+    opened->gl = create(opened, raster_of(given->frontend), (svo_gl_share)given->share, reason);
+    return opened->gl != NULL;
+}
+
+void opengl_stop(opengl *opened)
+{
+    if (opened != NULL) {
+        for (size_t i = 0; i < opened->further_count; ++i) {
+            svo_gl_destroy(&opened->further[i].gl);
+        }
+        svo_gl_destroy(&opened->gl);
+    }
+}
+
+void opengl_close(opengl **opened)
+{
+    if (*opened == NULL) {
+        return;
+    }
+    opengl_stop(*opened);
+    svo_gl_context_destroy(&(*opened)->context);
+    free(*opened);
+    *opened = NULL;
+}
+
+const char *opengl_context_name(const opengl *opened)
+{
+    return svo_gl_context_kind_name(opened->info.kind);
+}
+
+const char *opengl_renderer(const opengl *opened)
+{
+    return opened->info.renderer;
+}
+
+svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                        svo_build_report *report)
+{
+    return svo_gl_build(opened->gl, plan, queue, out, report);
+}
+
+svo_frontend *opengl_frontend(opengl *opened)
+{
+    return svo_gl_frontend(opened->gl);
+}
+
+svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reason)
+{
+    return svo_gl_prefer(opened->gl, cl, reason);
+}
+
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
+{
+    for (size_t i = 0; i < opened->further_count; ++i) {
+        if (opened->further[i].frontend == frontend && opened->further[i].share == share) {
+            return svo_gl_frontend(opened->further[i].gl);
+        }
+    }
+    if (opened->further_count == FURTHER_MAX) {
+        snprintf(reason->text, sizeof reason->text, "more than %d front ends on one context", FURTHER_MAX);
+        return NULL;
+    }
+    svo_gl *gl = create(opened, raster_of(frontend), (svo_gl_share)share, reason);
+    if (gl == NULL) {
+        return NULL;
+    }
+    opened->further[opened->further_count].frontend = frontend;
+    opened->further[opened->further_count].share = share;
+    opened->further[opened->further_count++].gl = gl;
+    return svo_gl_frontend(gl);
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* In place of opengl.c and opengl_devices.c where svocl is built without svocl::gl: there is no OpenGL. */
+#include <stdio.h>
+
+#include "support/opengl.h"
+
+#define WITHOUT "this svocl was built without OpenGL"
+
+bool opengl_may_share(const svo_device *device)
+{
+    (void)device;
+    return false;
+}
+
+opengl *opengl_open(const options *given, svo_message *reason)
+{
+    (void)given;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return NULL;
+}
+
+void opengl_stop(opengl *opened)
+{
+    (void)opened;
+}
+
+void opengl_close(opengl **opened)
+{
+    *opened = NULL;
+}
+
+/* Nothing below is ever asked about a context, since none opens. */
+
+svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
+{
+    (void)opened;
+    (void)device;
+    (void)device_options;
+    return NULL;
+}
+
+bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
+{
+    (void)opened;
+    (void)given;
+    (void)device;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return false;
+}
+
+const char *opengl_context_name(const opengl *opened)
+{
+    (void)opened;
+    return "none";
+}
+
+const char *opengl_renderer(const opengl *opened)
+{
+    (void)opened;
+    return "none";
+}
+
+svo_frontend *opengl_frontend(opengl *opened)
+{
+    (void)opened;
+    return NULL;
+}
+
+svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                        svo_build_report *report)
+{
+    (void)opened;
+    (void)plan;
+    (void)queue;
+    (void)out;
+    (void)report;
+    return SVO_NO_GL;
+}
+
+svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reason)
+{
+    (void)opened;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return cl;
+}
+
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
+{
+    (void)opened;
+    (void)frontend;
+    (void)share;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return NULL;
+}
+
+void opengl_describe(cJSON *document, svo_device *const *devices, size_t device_count)
+{
+    (void)devices;
+    (void)device_count;
+    cJSON_AddArrayToObject(document, "renderers");
+    cJSON_AddArrayToObject(document, "pairs");
+}

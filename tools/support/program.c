@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* Failures, warnings and the progress bar of the running command. */
+#include "support/program.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TEXT_BYTES 2048
+
+/* A message stays one line whatever a file name or a driver puts into it. */
+static void print_line(const program *state, const char *kind, const char *text)
+{
+    fprintf(stderr, "svocl: %s%s%s", state->command != NULL ? state->command : "", state->command != NULL ? ": " : "",
+            kind);
+    for (const char *c = text; *c != '\0'; ++c) {
+        fputc(iscntrl((unsigned char)*c) ? ' ' : *c, stderr);
+    }
+    fputc('\n', stderr);
+}
+
+int program_fail(program *state, int exit_code, const char *format, ...)
+{
+    char text[TEXT_BYTES];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    progress_destroy(&state->progress);
+    print_line(state, "", text);
+    return exit_code;
+}
+
+const char *program_words(const char *message)
+{
+    const size_t name_length = strspn(message, "abcdefghijklmnopqrstuvwxyz0123456789_");
+    const bool is_function = strncmp(message, "svo_", 4) == 0 || strncmp(message, "scene_", 6) == 0;
+    return is_function && strncmp(message + name_length, ": ", 2) == 0 ? message + name_length + 2 : message;
+}
+
+int program_fail_scene(program *state, svo_status status, const char *message)
+{
+    const int exit_code = status == SVO_INVALID_ARGUMENT ? PROGRAM_WRONG_USAGE : PROGRAM_FAILED;
+    return program_fail(state, exit_code, "%s", program_words(message));
+}
+
+int program_fail_library(program *state, const char *message)
+{
+    return program_fail(state, PROGRAM_FAILED, "%s", program_words(message));
+}
+
+void program_begin_progress(program *state, unsigned step_count)
+{
+    progress_destroy(&state->progress);
+    state->progress = progress_create(state->command, step_count);
+}
+
+void program_log(void *user, svo_log_level level, const char *text)
+{
+    program *state = user;
+    if (state->options.verbose) {
+        progress_hide(state->progress);
+        fprintf(stderr, "%s\n", text);
+    } else if (level == SVO_LOG_WARNING) {
+        if (state->warning_count < PROGRAM_WARNINGS_KEPT) {
+            state->warnings[state->warning_count] = strdup(program_words(text));
+        }
+        ++state->warning_count;
+    }
+}
+
+void program_end_warnings(program *state, int discard)
+{
+    unsigned i = 0;
+    for (; i < state->warning_count && i < PROGRAM_WARNINGS_KEPT; ++i) {
+        if (!discard && state->warnings[i] != NULL) {
+            print_line(state, "warning: ", state->warnings[i]);
+        }
+        free(state->warnings[i]);
+        state->warnings[i] = NULL;
+    }
+    if (!discard && state->warning_count > i) {
+        char text[64];
+        snprintf(text, sizeof text, "%u more", state->warning_count - i);
+        print_line(state, "warning: ", text);
+    }
+    state->warning_count = 0;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What every command of the program gets and uses: its options, the progress bar, and the one way to report a failure.
+ *
+ * Functions of the program that can fail print their own line through program_fail and return the exit code, 0 for
+ * success; callers pass it on.
+ */
+#ifndef SVOCL_PROGRAM_H
+#define SVOCL_PROGRAM_H
+
+#include "support/options.h"
+#include "support/progress.h"
+#include "svocl/status.h"
+
+enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2 };
+
+#define PROGRAM_WARNINGS_KEPT 16
+
+typedef struct program {
+    const char *command; /* "build", ...; NULL before it is known */
+    options options;
+    progress *progress; /* NULL: no bar */
+    /* Warnings of the library, printed after success only: a failure is one line. */
+    char *warnings[PROGRAM_WARNINGS_KEPT];
+    unsigned warning_count; /* all that came, kept or not */
+} program;
+
+/* Takes the bar away, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */
+int program_fail(program *state, int exit_code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* A message of the library without the name of the function it begins with: "svo_plan_create: words" -> "words". */
+const char *program_words(const char *message);
+
+/* program_fail with such words. */
+int program_fail_library(program *state, const char *message);
+/* The same for the scenes, whose names and counts come from the command line. */
+int program_fail_scene(program *state, svo_status status, const char *message);
+
+/* Takes the bar away and begins a new one (see progress.h). */
+void program_begin_progress(program *state, unsigned step_count);
+
+/* An svo_log_callback whose user is the program: keeps warnings; --verbose prints everything at once. */
+void program_log(void *user, svo_log_level level, const char *text);
+
+/* Prints and releases the kept warnings; discard: only releases them. */
+void program_end_warnings(program *state, int discard);
+
+#endif

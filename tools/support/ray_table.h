@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays from a CSV file or a camera, and hits into a CSV file. */
+#ifndef SVOCL_RAY_TABLE_H
+#define SVOCL_RAY_TABLE_H
+
+#include "support/output.h"
+#include "svocl/svocl.h"
+
+typedef struct ray_table {
+    svo_ray *rays; /* by malloc */
+    size_t count;
+} ray_table;
+
+/* Lines ox,oy,oz,dx,dy,dz; a first line that does not begin with a number is a heading, empty lines do not count. A line
+   that is something else is an error, which names it. Returns the exit code. */
+int ray_table_read(program *state, const char *path, ray_table *out);
+
+/* One ray through the middle of each pixel, row by row from the upper left corner. Returns the exit code. */
+int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out);
+
+/* "auto", or EX,EY,EZ,TX,TY,TZ[,UX,UY,UZ[,DEGREES]]: eye, target, up (0,1,0), vertical field of view (32). Framed: the
+   camera for "auto". False where the text is neither. */
+bool ray_table_parse_camera(const char *text, const svo_camera *framed, svo_camera *out);
+
+void ray_table_free(ray_table *list);
+
+/* ray,t,triangle,u,v with a heading; triangle -1 and t inf where nothing was met. */
+void ray_table_write_hits(output_file *file, const svo_hit *hits, size_t count);
+
+#endif

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens devices by the options, and chooses front ends. */
+#include "support/session.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The drivers read their thread counts once, at their first call, which must therefore come later. */
+static int set_threads(program *state)
+{
+    if (state->options.threads == 0) {
+        return PROGRAM_DONE;
+    }
+    char text[24];
+    snprintf(text, sizeof text, "%u", (unsigned)state->options.threads);
+    if (setenv("POCL_MAX_PTHREAD_COUNT", text, 1) != 0 || setenv("LP_NUM_THREADS", text, 1) != 0) {
+        return program_fail(state, PROGRAM_FAILED, "--threads %s: out of memory", text);
+    }
+    return PROGRAM_DONE;
+}
+
+static svo_device_options device_options_of(program *state)
+{
+    return (svo_device_options){.struct_size = sizeof(svo_device_options),
+                                .log = program_log,
+                                .log_user = state,
+                                .device_name = state->options.device_name};
+}
+
+static int open_queue(program *state, session *opened)
+{
+    cl_int error = CL_SUCCESS;
+    opened->queue = clCreateCommandQueue(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device),
+                                         CL_QUEUE_PROFILING_ENABLE, &error);
+    if (error != CL_SUCCESS) {
+        return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)",
+                            svo_device_name(opened->device), error);
+    }
+    return PROGRAM_DONE;
+}
+
+int session_open_device(program *state, session *opened)
+{
+    *opened = (session){0};
+    int result = set_threads(state);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    const svo_device_options device_options = device_options_of(state);
+    svo_message message = {""};
+    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    result = open_queue(state, opened);
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
+}
+
+static int use(session *opened, svo_frontend *frontend)
+{
+    opened->frontend = frontend;
+    return PROGRAM_DONE;
+}
+
+static void explain(session *opened, const char *reason)
+{
+    snprintf(opened->reason.text, sizeof opened->reason.text, "%s", reason);
+}
+
+/* Device and queue on an OpenCL context that shares with OpenGL, in place of those that nothing was made of yet. */
+static int join_opengl(program *state, session *opened)
+{
+    const svo_device_options device_options = device_options_of(state);
+    svo_device *joined = opengl_join(opened->gl, opened->device, &device_options);
+    if (joined == NULL) {
+        return PROGRAM_DONE;
+    }
+    clReleaseCommandQueue(opened->queue);
+    opened->queue = NULL;
+    svo_device_destroy(&opened->device);
+    opened->device = joined;
+    return open_queue(state, opened);
+}
+
+/* OpenGL was asked for: a way that does not work is an error. */
+static int use_opengl(program *state, session *opened, const char *reason)
+{
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
+    }
+    const int result = join_opengl(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    if (!opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
+    }
+    explain(opened, reason);
+    return use(opened, opengl_frontend(opened->gl));
+}
+
+/* Which front end is used is left open, but once anything is made of the device it cannot join OpenGL any more: so where it
+   might, OpenGL is opened first. */
+static int leave_open(program *state, session *opened)
+{
+    if (opengl_may_share(opened->device)) {
+        opened->gl = opengl_open(&state->options, &opened->reason);
+    }
+    return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;
+}
+
+/* OpenGL's front end beside that of OpenCL alone, on the device as it is; without it the reason says why. */
+static bool try_opengl(program *state, session *opened)
+{
+    if (opened->gl == NULL) {
+        opened->gl = opengl_open(&state->options, &opened->reason);
+    }
+    return opened->gl != NULL && opengl_start(opened->gl, &state->options, opened->device, &opened->reason);
+}
+
+/* The front end of OpenCL alone, used where it was asked for. */
+static int open_cl(program *state, session *opened)
+{
+    if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    if (state->options.frontend == OPTION_FRONTEND_CL) {
+        explain(opened, "asked for");
+        return use(opened, opened->cl);
+    }
+    return PROGRAM_DONE;
+}
+
+int session_open(program *state, session *opened)
+{
+    int result = session_open_device(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    if (options_ask_for_gl(&state->options)) {
+        result = use_opengl(state, opened, "asked for");
+    } else {
+        result = state->options.frontend == OPTION_FRONTEND_CL ? PROGRAM_DONE : leave_open(state, opened);
+        result = result == PROGRAM_DONE ? open_cl(state, opened) : result;
+    }
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
+}
+
+int session_open_both(program *state, session *opened)
+{
+    int result = session_open_device(state, opened);
+    if (result != PROGRAM_DONE) {
+        return result;
+    }
+    opened->gl = opengl_open(&state->options, &opened->reason);
+    if (opened->gl != NULL) {
+        result = join_opengl(state, opened);
+    }
+    if (result == PROGRAM_DONE && opened->gl != NULL &&
+        !opengl_start(opened->gl, &state->options, opened->device, &opened->reason)) {
+        opengl_close(&opened->gl);
+    }
+    if (result == PROGRAM_DONE && svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
+        result = program_fail_library(state, svo_device_message(opened->device));
+    }
+    if (result != PROGRAM_DONE) {
+        session_close(opened);
+    }
+    return result;
+}
+
+void session_choose(program *state, session *opened, const svo_plan *plan)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    opened->frontend = opened->cl;
+    if (svo_frontend_cl_suffices(plan, &opened->reason)) {
+        return;
+    }
+    if (try_opengl(state, opened)) {
+        opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
+    }
+}
+
+void session_choose_opengl(program *state, session *opened)
+{
+    if (opened->frontend != NULL) {
+        return;
+    }
+    opened->frontend = opened->cl;
+    if (try_opengl(state, opened)) {
+        opened->frontend = opengl_frontend(opened->gl);
+        explain(opened, "OpenGL where there is one");
+    }
+}
+
+const char *session_context(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_context_name(opened->gl) : "none";
+}
+
+const char *session_renderer(const session *opened)
+{
+    return opened->gl != NULL && opened->frontend != opened->cl ? opengl_renderer(opened->gl) : "none";
+}
+
+void session_close(session *opened)
+{
+    opengl_stop(opened->gl);
+    svo_frontend_destroy(&opened->cl);
+    if (opened->queue != NULL) {
+        clReleaseCommandQueue(opened->queue);
+    }
+    svo_device_destroy(&opened->device);
+    opengl_close(&opened->gl);
+    *opened = (session){0};
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+/* Aligned tables and readable figures on standard output. */
+#include "support/table.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "svocl/plan.h"
+
+#define CELL_BYTES 512
+
+struct table {
+    char alignment[TABLE_COLUMNS_MAX + 1];
+    size_t column_count;
+    char **cells;
+    size_t cell_count;
+    size_t cell_capacity;
+};
+
+table *table_create(const char *alignment)
+{
+    table *rows = calloc(1, sizeof *rows);
+    if (rows != NULL) {
+        snprintf(rows->alignment, sizeof rows->alignment, "%s", alignment);
+        rows->column_count = strlen(rows->alignment);
+    }
+    return rows;
+}
+
+void table_cell(table *rows, const char *format, ...)
+{
+    if (rows == NULL) {
+        return;
+    }
+    if (rows->cell_count == rows->cell_capacity) {
+        const size_t capacity = rows->cell_capacity * 2 + 32;
+        char **cells = realloc(rows->cells, capacity * sizeof *cells);
+        if (cells == NULL) {
+            return;
+        }
+        rows->cells = cells;
+        rows->cell_capacity = capacity;
+    }
+    char text[CELL_BYTES];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    char *cell = strdup(text);
+    if (cell != NULL) {
+        rows->cells[rows->cell_count++] = cell;
+    }
+}
+
+static void measure(const table *rows, size_t widths[TABLE_COLUMNS_MAX])
+{
+    memset(widths, 0, TABLE_COLUMNS_MAX * sizeof widths[0]);
+    for (size_t i = 0; i < rows->cell_count; ++i) {
+        const size_t width = strlen(rows->cells[i]);
+        const size_t column = i % rows->column_count;
+        if (width > widths[column]) {
+            widths[column] = width;
+        }
+    }
+}
+
+/* Columns of the terminal; "no limit" where standard output is none. */
+static size_t line_width(void)
+{
+    struct winsize window = {0};
+    if (!isatty(STDOUT_FILENO)) {
+        return SIZE_MAX;
+    }
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
+}
+
+/* The characters of text that fit into width, up to a space if there is one. */
+static size_t fitting_length(const char *text, size_t width)
+{
+    const size_t length = strlen(text);
+    if (length <= width) {
+        return length;
+    }
+    size_t end = width;
+    while (end > 0 && text[end] != ' ') {
+        --end;
+    }
+    return end > 0 ? end : width;
+}
+
+/* The last cell of a row, wrapped under its own beginning. */
+static void print_wrapped(const char *text, size_t indent)
+{
+    const size_t width = line_width();
+    const size_t room = width > indent + 20 ? width - indent : 20;
+    size_t length = fitting_length(text, room);
+    printf("%.*s\n", (int)length, text);
+    for (text += length; *text != '\0'; text += length) {
+        text += strspn(text, " ");
+        length = fitting_length(text, room);
+        printf("%*s%.*s\n", (int)indent, "", (int)length, text);
+    }
+}
+
+static void print_cell(const table *rows, size_t index, const size_t widths[TABLE_COLUMNS_MAX])
+{
+    const size_t column = index % rows->column_count;
+    const bool last = column + 1 == rows->column_count || index + 1 == rows->cell_count;
+    const char *text = rows->cells[index];
+    if (rows->alignment[column] == 'r') {
+        printf("  %*s%s", (int)widths[column], text, last ? "\n" : "");
+    } else if (!last) {
+        printf("  %-*s", (int)widths[column], text);
+    } else {
+        size_t indent = 2;
+        for (size_t i = 0; i < column; ++i) {
+            indent += widths[i] + 2;
+        }
+        fputs("  ", stdout);
+        print_wrapped(text, indent);
+    }
+}
+
+void table_print(table *rows)
+{
+    if (rows == NULL) {
+        return;
+    }
+    size_t widths[TABLE_COLUMNS_MAX];
+    measure(rows, widths);
+    for (size_t i = 0; i < rows->cell_count; ++i) {
+        print_cell(rows, i, widths);
+    }
+    for (size_t i = 0; i < rows->cell_count; ++i) {
+        free(rows->cells[i]);
+    }
+    free(rows->cells);
+    free(rows);
+}
+
+static bool wants_bold(void)
+{
+    const char *no_color = getenv("NO_COLOR");
+    const char *term = getenv("TERM");
+    return isatty(STDOUT_FILENO) && (no_color == NULL || no_color[0] == '\0') && term != NULL &&
+           strcmp(term, "dumb") != 0;
+}
+
+void table_gap(void)
+{
+    putchar('\n');
+}
+
+void table_heading(const char *format, ...)
+{
+    const bool bold = wants_bold();
+    va_list arguments;
+    va_start(arguments, format);
+    fputs(bold ? "\033[1m" : "", stdout);
+    vprintf(format, arguments);
+    fputs(bold ? "\033[0m\n" : "\n", stdout);
+    va_end(arguments);
+}
+
+void table_line(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("  ", stdout);
+    vprintf(format, arguments);
+    putchar('\n');
+    va_end(arguments);
+}
+
+figure figure_count(uint64_t count)
+{
+    char digits[24];
+    const int length = snprintf(digits, sizeof digits, "%" PRIu64, count);
+    figure result;
+    size_t used = 0;
+    for (int i = 0; i < length; ++i) {
+        if (i > 0 && (length - i) % 3 == 0) {
+            result.text[used++] = ',';
+        }
+        result.text[used++] = digits[i];
+    }
+    result.text[used] = '\0';
+    return result;
+}
+
+figure figure_bytes(uint64_t bytes)
+{
+    static const char *const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+    double value = (double)bytes;
+    size_t unit = 0;
+    while (value >= 1024.0 && unit + 1 < sizeof units / sizeof units[0]) {
+        value /= 1024.0;
+        ++unit;
+    }
+    figure result;
+    snprintf(result.text, sizeof result.text, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+    return result;
+}
+
+figure figure_ms(double ms)
+{
+    figure result;
+    snprintf(result.text, sizeof result.text, "%.2f ms", ms);
+    return result;
+}
+
+figure figure_rate(double per_second)
+{
+    figure result;
+    if (per_second >= 1e6) {
+        snprintf(result.text, sizeof result.text, "%.2f M/s", per_second / 1e6);
+    } else if (per_second >= 1e3) {
+        snprintf(result.text, sizeof result.text, "%.2f k/s", per_second / 1e3);
+    } else {
+        snprintf(result.text, sizeof result.text, "%.2f /s", per_second);
+    }
+    return result;
+}
+
+figure figure_needs(uint32_t bits)
+{
+    figure result = {""};
+    for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
+        const size_t used = strlen(result.text);
+        if ((bits & bit) != 0) {
+            snprintf(result.text + used, sizeof result.text - used, "%s%s", used > 0 ? ", " : "",
+                     svo_need_name((svo_need)bit));
+        }
+    }
+    if (result.text[0] == '\0') {
+        snprintf(result.text, sizeof result.text, "none");
+    }
+    return result;
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* A tree with leaf lists against the exact reference: its snapped triangles are voxelized again, by tests/oracle. */
+#ifndef SVOCL_TREE_CHECK_H
+#define SVOCL_TREE_CHECK_H
+
+#include "reference/oracle.h"
+#include "svocl/tree.h"
+
+/* What must be 0, and how much was compared. */
+typedef struct tree_differences {
+    oracle_difference difference;
+    uint64_t node_differences; /* child masks, first children and level begins that differ */
+    uint64_t expected_voxels, expected_pairs;
+    uint64_t built_voxels, built_pairs;
+} tree_differences;
+
+/* info, arrays: of a downloaded tree built with SVO_NEED_RAYS. Returns false if memory runs out or the tree is
+   malformed. */
+bool tree_check(const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found);
+bool tree_check_is_exact(const tree_differences *found);
+
+/* The tree's voxel-triangle pairs out of its masks and leaf lists, sorted; leaves without any triangle are only counted.
+   Released by oracle_pairs_free. Returns false as tree_check. */
+bool tree_check_list_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out,
+                           uint64_t *empty_leaf_count);
+
+#endif

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl bench: measurements of time, as tables, JSON, or a file of it. Each subject is a file of its own in bench/. */
+#include <string.h>
+
+#include "bench/bench.h"
+#include "svocl/commands.h"
+#include "errors/bench_errors.h"
+#include "support/json.h"
+#include "support/output.h"
+#include "support/table.h"
+
+void command_bench_print_subjects(void)
+{
+    table *rows = table_create("ll");
+    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
+        table_cell(rows, "%s", bench_describe(i)->name);
+        table_cell(rows, "%s", bench_describe(i)->summary);
+    }
+    const char *summary = NULL;
+    table_cell(rows, "all");
+    table_cell(rows, "all of these; rays alone takes INPUT and the options of a build");
+    for (size_t i = 0; bench_errors_describe(i, &summary) != NULL; ++i) {
+        table_cell(rows, "%s", bench_errors_describe(i, &summary));
+        table_cell(rows, "%s", summary);
+    }
+    table_cell(rows, "errors");
+    table_cell(rows, "e1 to e5");
+    table_gap();
+    table_heading("SUBJECT");
+    table_print(rows);
+}
+
+static bool is_known(const char *wanted)
+{
+    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
+        if (strcmp(bench_describe(i)->name, wanted) == 0) {
+            return true;
+        }
+    }
+    return strcmp(wanted, "all") == 0 || bench_errors_know(wanted);
+}
+
+/* "voxelize, build, ..., all" */
+static void list_subjects(char *text, size_t text_bytes)
+{
+    size_t used = 0;
+    for (size_t i = 0; bench_describe(i) != NULL && used < text_bytes; ++i) {
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", bench_describe(i)->name);
+    }
+    if (used < text_bytes) {
+        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5");
+    }
+}
+
+static int check_subject(program *state)
+{
+    const options *given = &state->options;
+    char known[256];
+    list_subjects(known, sizeof known);
+    if (given->subject == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "what to measure is missing: one of %s", known);
+    }
+    if (!is_known(given->subject)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' cannot be measured, only one of %s", given->subject,
+                            known);
+    }
+    return PROGRAM_DONE;
+}
+
+/* Subjects have their own scenes, depths, needs and ways: what a build is told is told to `bench rays` alone. */
+static int check_options(program *state)
+{
+    const options *given = &state->options;
+    if (given->input != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many, bench %s takes --scenes",
+                            given->input, given->subject);
+    }
+    if (given->has_depth) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
+    }
+    if (given->versus != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--vs is for bench rays alone, the others take what is there");
+    }
+    const char *name = given->need != 0                            ? "need"
+                       : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
+                       : given->weights != SVO_WEIGHTS_AREA        ? "weights"
+                       : given->builder != SVO_BUILDER_CL          ? "builder"
+                       : given->frontend != OPTION_FRONTEND_AUTO   ? "frontend"
+                       : given->share != SVO_GL_SHARE_AUTO         ? "share"
+                       : given->edge > 0.0                         ? "edge"
+                                                                   : NULL;
+    return name == NULL ? PROGRAM_DONE
+                        : program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to bench %s", name,
+                                       given->subject);
+}
+
+static void print_tables(const result_set *results)
+{
+    result_print_machine(results);
+    for (size_t i = 0; i < results->table_count; ++i) {
+        table_gap();
+        result_print(results->tables[i]);
+    }
+}
+
+static int run_subjects(program *state)
+{
+    result_set *results = result_create();
+    if (results == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    int exit_code = bench_collect(state, state->options.subject, results);
+    cJSON *document = exit_code == PROGRAM_DONE ? result_to_json(results) : NULL;
+    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
+        exit_code = json_save(state, state->options.output_path, document);
+    }
+    if (exit_code == PROGRAM_DONE && state->options.json) {
+        exit_code = json_print(state, document);
+        document = NULL;
+    } else if (exit_code == PROGRAM_DONE) {
+        print_tables(results);
+    }
+    cJSON_Delete(document);
+    result_destroy(&results);
+    return exit_code;
+}
+
+int command_bench(program *state)
+{
+    int exit_code = check_subject(state);
+    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
+        exit_code = output_check(state, state->options.output_path);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (strcmp(state->options.subject, "rays") == 0 && state->options.scenes == NULL && state->options.depths == NULL) {
+        return bench_rays_alone(state);
+    }
+    exit_code = check_options(state);
+    return exit_code == PROGRAM_DONE ? run_subjects(state) : exit_code;
+}

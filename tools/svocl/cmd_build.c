@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl build: a mesh becomes a tree, a file and a table of what it took. */
+#include "svocl/commands.h"
+#include "support/output.h"
+#include "support/plan_report.h"
+#include "support/build_report.h"
+#include "support/table.h"
+
+static int save(program *state, const svo_tree *tree)
+{
+    if (state->options.output_path == NULL) {
+        return PROGRAM_DONE;
+    }
+    svo_message message = {""};
+    const svo_save_options save_options = {.struct_size = sizeof save_options,
+                                           .compress = (uint32_t)state->options.compress};
+    progress_step(state->progress, "writing the tree");
+    if (svo_tree_save(tree, state->options.output_path, &save_options, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    return PROGRAM_DONE;
+}
+
+/* Prints, or adds to *document, the plan of a source on a device. */
+static int show_plan(program *state, const input *source, svo_device *device, cJSON *document)
+{
+    const bool with_opengl = options_ask_for_gl(&state->options);
+    svo_plan *plan = NULL;
+    const int exit_code = job_plan(state, device, source->mesh, state->options.need, &plan);
+    if (exit_code == PROGRAM_DONE && document != NULL) {
+        cJSON_AddItemToObject(document, "plan", plan_to_json(plan, with_opengl));
+    } else if (exit_code == PROGRAM_DONE) {
+        plan_print(plan, source->name, with_opengl);
+    }
+    svo_plan_destroy(&plan);
+    return exit_code;
+}
+
+/* --plan-only: reads the input and plans. */
+static int plan_alone(program *state)
+{
+    const bool with_opengl = options_ask_for_gl(&state->options);
+    input source = {0};
+    session opened = {0};
+    program_begin_progress(state, 2);
+    int exit_code = input_open(state, &source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, &opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        svo_plan *plan = NULL;
+        progress_step(state->progress, "planning");
+        exit_code = job_plan(state, opened.device, source.mesh, state->options.need, &plan);
+        progress_destroy(&state->progress);
+        if (exit_code == PROGRAM_DONE && state->options.json) {
+            cJSON *document = plan_to_json(plan, with_opengl);
+            json_add_text(document, "input", source.name);
+            exit_code = json_print(state, document);
+        } else if (exit_code == PROGRAM_DONE) {
+            plan_print(plan, source.name, with_opengl);
+        }
+        svo_plan_destroy(&plan);
+    }
+    session_close(&opened);
+    input_close(&source);
+    return exit_code;
+}
+
+static int finish(program *state, const job *done)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    progress_step(state->progress, "hashing");
+    if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, hash) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    const int exit_code = save(state, done->result.tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    progress_destroy(&state->progress);
+    cJSON *document = state->options.json ? report_to_json(state, done, hash) : NULL;
+    if (state->options.plan) {
+        const int planned = show_plan(state, &done->source, done->opened.device, document);
+        if (planned != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return planned;
+        }
+    }
+    if (state->options.json) {
+        return json_print(state, document);
+    }
+    if (state->options.plan) {
+        table_gap();
+    }
+    report_print(state, done, hash);
+    return PROGRAM_DONE;
+}
+
+static int check_options(program *state)
+{
+    const options *given = &state->options;
+    if (given->plan_only && (given->output_path != NULL || given->repeat > 1)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--plan-only builds nothing: %s makes no sense with it",
+                            given->output_path != NULL ? "-o FILE" : "--repeat");
+    }
+    if (given->compress && given->output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
+    }
+    return given->output_path != NULL ? output_check(state, given->output_path) : PROGRAM_DONE;
+}
+
+int command_build(program *state)
+{
+    int exit_code = check_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (state->options.plan_only) {
+        return plan_alone(state);
+    }
+    job done;
+    exit_code = job_run(state, state->options.need, 2, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = finish(state, &done);
+    job_release(&done);
+    return exit_code;
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl hash: the hash of a tree, alone on the last line. */
+#include <stdio.h>
+
+#include "svocl/commands.h"
+#include "support/job.h"
+
+/* done: NULL where a file was hashed and nothing ran. */
+static int print_hash(program *state, const svo_tree *tree, const job *done)
+{
+    char all[SVO_HASH_TEXT_BYTES];
+    char nodes[SVO_HASH_TEXT_BYTES];
+    progress_step(state->progress, "hashing");
+    if (svo_tree_hash(tree, SVO_HASH_ALL, all) != SVO_OK || svo_tree_hash(tree, SVO_HASH_NODES, nodes) != SVO_OK) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the tree has no host arrays to hash", state->options.input);
+    }
+    if (!state->options.json) {
+        progress_hide(state->progress);
+        puts(state->options.nodes ? nodes : all);
+        return PROGRAM_DONE;
+    }
+    cJSON *document = cJSON_CreateObject();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "hash", state->options.nodes ? nodes : all);
+    json_add_text(document, "scope", state->options.nodes ? "nodes" : "all");
+    json_add_text(document, "nodes_hash", nodes);
+    if (done != NULL) {
+        job_add_what_ran(document, done);
+    } else {
+        svo_tree_info info;
+        svo_tree_get_info(tree, &info);
+        json_add_count(document, "depth", info.depth);
+    }
+    return json_print(state, document);
+}
+
+static int hash_tree_file(program *state)
+{
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    svo_tree *tree = NULL;
+    program_begin_progress(state, 2);
+    exit_code = input_load_tree(state, &tree);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = print_hash(state, tree, NULL);
+    }
+    svo_tree_destroy(&tree);
+    return exit_code;
+}
+
+int command_hash(program *state)
+{
+    if (input_is_tree(state->options.input)) {
+        return hash_tree_file(state);
+    }
+    job done;
+    int exit_code = job_run(state, state->options.need, 1, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = print_hash(state, done.result.tree, &done);
+    job_release(&done);
+    return exit_code;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl info: what a .svo file holds. Loading it checks every length, checksum and index. */
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "svocl/commands.h"
+#include "support/input.h"
+#include "support/json.h"
+#include "support/table.h"
+
+typedef struct file_facts {
+    svo_tree_info info;
+    uint64_t file_bytes;
+    char hash[SVO_HASH_TEXT_BYTES];
+    char nodes_hash[SVO_HASH_TEXT_BYTES];
+} file_facts;
+
+static cJSON *to_json(const program *state, const file_facts *facts)
+{
+    const svo_tree_info *info = &facts->info;
+    cJSON *document = cJSON_CreateObject();
+    json_add_text(document, "file", state->options.input);
+    json_add_count(document, "file_bytes", facts->file_bytes);
+    cJSON_AddBoolToObject(document, "checksum_ok", 1);
+    json_add_count(document, "depth", info->depth);
+    json_add_count(document, "snap_bits", info->snap_bits);
+    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
+    json_add_needs(document, "need", info->need);
+    json_add_needs(document, "constant", info->constant);
+    json_add_text(document, "weights", svo_weights_name((svo_weights)info->weights));
+    json_add_vector(document, "origin", info->origin);
+    cJSON_AddNumberToObject(document, "edge", info->edge);
+    cJSON_AddNumberToObject(document, "scale", info->scale);
+    cJSON_AddNumberToObject(document, "snap_error", info->snap_error);
+    json_add_count(document, "triangles", info->triangles);
+    json_add_count(document, "refused_triangles", info->refused_triangles);
+    json_add_count(document, "fragments", info->fragments);
+    json_add_count(document, "nodes", info->node_count);
+    json_add_count(document, "leaves", info->leaf_count);
+    json_add_count(document, "list_entries", info->list_count);
+    cJSON *levels = cJSON_AddArrayToObject(document, "levels");
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        const uint32_t nodes = info->level_begin[level + 1] - info->level_begin[level];
+        cJSON_AddItemToArray(levels, cJSON_CreateNumber((double)nodes));
+    }
+    json_add_text(document, "hash", facts->hash);
+    json_add_text(document, "nodes_hash", facts->nodes_hash);
+    return document;
+}
+
+static void print_header(const program *state, const file_facts *facts)
+{
+    const svo_tree_info *info = &facts->info;
+    table_heading("%s", state->options.input);
+    table *rows = table_create("ll");
+    table_cell(rows, "file");
+    table_cell(rows, "%s, checksums good", figure_bytes(facts->file_bytes).text);
+    table_cell(rows, "grid");
+    table_cell(rows, "depth %u, %lu voxels per axis, %s", info->depth, 1UL << info->depth,
+               svo_coverage_name((svo_coverage)info->coverage));
+    table_cell(rows, "origin");
+    table_cell(rows, "%.9g, %.9g, %.9g", info->origin[0], info->origin[1], info->origin[2]);
+    table_cell(rows, "edge");
+    table_cell(rows, "%.9g, snapped to %u bits, snap error %.3g", info->edge, info->snap_bits, info->snap_error);
+    table_cell(rows, "holds");
+    table_cell(rows, "nodes%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colours" : "",
+               (info->need & SVO_NEED_NORMAL) != 0 ? ", normals" : "",
+               (info->need & SVO_NEED_MATERIAL) != 0 ? ", materials" : "",
+               (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
+               (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    if (info->constant != 0) {
+        table_cell(rows, "stored once");
+        table_cell(rows, "%s: the same in every node", figure_needs(info->constant).text);
+    }
+    if ((info->need & ~(uint32_t)SVO_NEED_RAYS) != 0) {
+        table_cell(rows, "weights");
+        table_cell(rows, "%s", svo_weights_name((svo_weights)info->weights));
+    }
+    table_cell(rows, "triangles");
+    table_cell(rows, "%s, %s refused", figure_count(info->triangles).text, figure_count(info->refused_triangles).text);
+    table_cell(rows, "fragments");
+    table_cell(rows, "%s", figure_count(info->fragments).text);
+    table_cell(rows, "hash");
+    table_cell(rows, "%s", facts->hash);
+    table_print(rows);
+}
+
+static void print_levels(const svo_tree_info *info)
+{
+    table_gap();
+    table_heading("levels");
+    table *rows = table_create("rr");
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        table_cell(rows, "%u", level);
+        table_cell(rows, "%s", figure_count(info->level_begin[level + 1] - info->level_begin[level]).text);
+    }
+    table_cell(rows, "all");
+    table_cell(rows, "%s", figure_count(info->node_count).text);
+    table_print(rows);
+}
+
+int command_info(program *state)
+{
+    svo_tree *tree = NULL;
+    program_begin_progress(state, 1);
+    int exit_code = input_load_tree(state, &tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    file_facts facts = {0};
+    svo_tree_get_info(tree, &facts.info);
+    struct stat status;
+    if (stat(state->options.input, &status) != 0) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%s: %s", state->options.input, strerror(errno));
+    } else if (svo_tree_hash(tree, SVO_HASH_ALL, facts.hash) != SVO_OK ||
+               svo_tree_hash(tree, SVO_HASH_NODES, facts.nodes_hash) != SVO_OK) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%s: the tree cannot be hashed", state->options.input);
+    }
+    svo_tree_destroy(&tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    facts.file_bytes = (uint64_t)status.st_size;
+    progress_destroy(&state->progress);
+    if (state->options.json) {
+        return json_print(state, to_json(state, &facts));
+    }
+    print_header(state, &facts);
+    print_levels(&facts.info);
+    return PROGRAM_DONE;
+}

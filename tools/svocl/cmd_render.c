@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl render: a picture of a tree, from a camera that frames it. */
+#include <stb/stb_image_write.h>
+#include <stdlib.h>
+
+#include "svocl/commands.h"
+#include "support/job.h"
+#include "support/output.h"
+#include "support/table.h"
+
+static void write_bytes(void *user, void *bytes, int byte_count)
+{
+    output_write(user, bytes, (size_t)byte_count);
+}
+
+static int write_picture(program *state, const uint8_t *rgba)
+{
+    output_file file;
+    progress_step(state->progress, "writing the picture");
+    const int exit_code = output_open(state, state->options.output_path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const int width = (int)state->options.width;
+    const int height = (int)state->options.height;
+    if (stbi_write_png_to_func(write_bytes, &file, width, height, 4, rgba, width * 4) == 0) {
+        output_abandon(&file);
+        return program_fail(state, PROGRAM_FAILED, "%s: out of memory for the picture", state->options.output_path);
+    }
+    return output_commit(state, &file);
+}
+
+static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
+{
+    const options *given = &state->options;
+    if (given->json) {
+        cJSON *document = cJSON_CreateObject();
+        json_add_text(document, "input", given->input);
+        json_add_text(document, "file", given->output_path);
+        json_add_count(document, "width", given->width);
+        json_add_count(document, "height", given->height);
+        cJSON_AddNumberToObject(document, "render_ms", render_ms);
+        json_add_text(document, "device", svo_device_name(opened->device));
+        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(camera->eye, 3));
+        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(camera->target, 3));
+        return json_print(state, document);
+    }
+    progress_hide(state->progress);
+    table_line("%s: %ux%u pixels of %s in %s", given->output_path, given->width, given->height, given->input,
+               figure_ms(render_ms).text);
+    return PROGRAM_DONE;
+}
+
+/* tree: on the device, and its arrays on the host. */
+static int render(program *state, const session *opened, const svo_tree *tree)
+{
+    const options *given = &state->options;
+    svo_render_options render_options = {.struct_size = sizeof render_options,
+                                         .width = given->width,
+                                         .height = given->height,
+                                         .view = (svo_render_view)given->view};
+    svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
+    uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
+    if (rgba == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
+    }
+    progress_step(state->progress, "casting rays");
+    const double started_ms = input_now_ms();
+    int exit_code = PROGRAM_DONE;
+    if (svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened->device));
+    }
+    const double render_ms = input_now_ms() - started_ms;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = write_picture(state, rgba);
+    }
+    free(rgba);
+    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
+}
+
+static int make_tree(program *state, job *done)
+{
+    if (input_is_tree(state->options.input)) {
+        return job_load(state, 2, done);
+    }
+    uint32_t need = state->options.need;
+    if (state->options.view == SVO_VIEW_TRIANGLES) {
+        need = need == SVO_NEED_NONE ? SVO_NEED_RAYS : need | SVO_NEED_RAYS;
+    }
+    return job_run(state, need, 2, done);
+}
+
+int command_render(program *state)
+{
+    if (state->options.output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
+    }
+    job done;
+    int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_tree(state, &done);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = render(state, &done.opened, done.result.tree);
+        job_release(&done);
+    }
+    return exit_code;
+}

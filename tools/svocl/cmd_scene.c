@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl scene: writes a procedural scene as a mesh file, or lists the scenes there are. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "svocl/commands.h"
+#include "support/json.h"
+#include "support/output.h"
+#include "scenes/scenes.h"
+#include "support/table.h"
+
+static int list_scenes(program *state)
+{
+    if (state->options.json) {
+        cJSON *document = cJSON_CreateObject();
+        cJSON *array = cJSON_AddArrayToObject(document, "scenes");
+        for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+            cJSON *one = cJSON_CreateObject();
+            json_add_text(one, "name", scene_describe(i)->name);
+            json_add_text(one, "summary", scene_describe(i)->summary);
+            json_add_count(one, "default_triangles", scene_describe(i)->default_triangles);
+            cJSON_AddItemToArray(array, one);
+        }
+        return json_print(state, document);
+    }
+    table_heading("scenes, and their triangles if no other count is asked for");
+    table *rows = table_create("lrl");
+    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+        table_cell(rows, "%s", scene_describe(i)->name);
+        table_cell(rows, "%s", figure_count(scene_describe(i)->default_triangles).text);
+        table_cell(rows, "%s", scene_describe(i)->summary);
+    }
+    table_print(rows);
+    return PROGRAM_DONE;
+}
+
+/* NAME:triangles:seed, with the scene's own count where none was given; an unknown name is left to scene_create. */
+static void write_spec(const options *given, char *spec, size_t spec_bytes)
+{
+    uint64_t triangles = given->triangles;
+    for (size_t i = 0; !given->has_triangles && scene_describe(i) != NULL; ++i) {
+        if (strcmp(scene_describe(i)->name, given->input) == 0) {
+            triangles = scene_describe(i)->default_triangles;
+        }
+    }
+    if (triangles == 0) {
+        snprintf(spec, spec_bytes, "%s", given->input);
+    } else {
+        snprintf(spec, spec_bytes, "%s:%" PRIu64 ":%" PRIu64, given->input, triangles, given->seed);
+    }
+}
+
+static int report_scene(program *state, const svo_mesh *mesh)
+{
+    if (state->options.json) {
+        cJSON *document = cJSON_CreateObject();
+        json_add_text(document, "scene", state->options.input);
+        json_add_count(document, "seed", state->options.seed);
+        json_add_count(document, "triangles", mesh->triangle_count);
+        json_add_count(document, "vertices", mesh->vertex_count);
+        json_add_text(document, "file", state->options.output_path);
+        return json_print(state, document);
+    }
+    progress_hide(state->progress);
+    table_line("%s: %s triangles, %s vertices", state->options.output_path, figure_count(mesh->triangle_count).text,
+               figure_count(mesh->vertex_count).text);
+    return PROGRAM_DONE;
+}
+
+int command_scene(program *state)
+{
+    if (state->options.input == NULL) {
+        return list_scenes(state);
+    }
+    if (state->options.output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
+    }
+    int exit_code = output_check(state, state->options.output_path);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    char spec[256];
+    write_spec(&state->options, spec, sizeof spec);
+    program_begin_progress(state, 2);
+    progress_step(state->progress, "making the scene");
+    scene *made = NULL;
+    svo_message message = {""};
+    svo_status status = scene_create(spec, &made, &message);
+    if (status == SVO_OK) {
+        progress_step(state->progress, "writing the mesh");
+        status = scene_write(scene_mesh(made), state->options.output_path, &message);
+    }
+    exit_code =
+        status == SVO_OK ? report_scene(state, scene_mesh(made)) : program_fail_scene(state, status, message.text);
+    scene_destroy(&made);
+    return exit_code;
+}

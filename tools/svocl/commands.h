@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* The commands, one file each. Each returns the exit code, and has printed one line if it is not 0. */
+#ifndef SVOCL_COMMANDS_H
+#define SVOCL_COMMANDS_H
+
+#include "support/program.h"
+
+int command_devices(program *state);
+int command_scene(program *state);
+int command_build(program *state);
+int command_info(program *state);
+int command_hash(program *state);
+int command_verify(program *state);
+int command_render(program *state);
+int command_trace(program *state);
+int command_stress(program *state);
+int command_bench(program *state);
+int command_report(program *state);
+void command_bench_print_subjects(void);
+
+#endif
