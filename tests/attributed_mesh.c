@@ -68,7 +68,7 @@ static void make_vertex_attributes(uint64_t *state, attributed_mesh *out)
 {
     for (size_t v = 0; v < out->mesh.vertex_count; ++v) {
         const uint32_t sort = random_below(state, 6);
-        const bool as_before = v > 0 && random_below(state, 3) != 0; /* many triangles of one colour, one normal */
+        const bool as_before = v > 0 && random_below(state, 3) != 0; /* many triangles of one color, one normal */
         for (unsigned k = 0; k < 4; ++k) {
             out->colors[v * 4 + k] = as_before ? out->colors[v * 4 + k - 4] : (uint8_t)random_word(state);
         }

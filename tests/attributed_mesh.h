@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Random meshes with every attribute that payload is made of: colours, normals, texture coordinates, materials, textures.
- * Inside a running cmocka test, which fails when memory runs out.
+ * Random meshes with every attribute that payload is made of: colors, normals, texture coordinates, materials,
+ * textures. Inside a running cmocka test, which fails when memory runs out.
  */
-#ifndef SVOCL_ATTRIBUTED_MESH_H
-#define SVOCL_ATTRIBUTED_MESH_H
+#ifndef SVOCL_TESTS_ATTRIBUTED_MESH_H
+#define SVOCL_TESTS_ATTRIBUTED_MESH_H
 
 #include "meshes.h"
 

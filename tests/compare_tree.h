@@ -3,8 +3,8 @@
  * A built tree against the exact references: grid, snapped vertices, nodes and leaf lists, element by element. Inside a
  * running cmocka test; a difference fails it with both values.
  */
-#ifndef SVOCL_COMPARE_TREE_H
-#define SVOCL_COMPARE_TREE_H
+#ifndef SVOCL_TESTS_COMPARE_TREE_H
+#define SVOCL_TESTS_COMPARE_TREE_H
 
 #include "fixture.h"
 #include "oracle.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stands in for the OpenCL calls that svocl_count_calls (CMakeLists.txt) wraps: each calls the real one and takes notes. */
+/* Stands in for the OpenCL calls that svocl_count_calls (CMakeLists.txt) wraps: each calls the real one and takes
+   notes. */
 #include "counting.h"
 
 #include <setjmp.h>

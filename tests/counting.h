@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The linker
- * puts it between a test and the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named there (ld
- * --wrap), in the test and in the libraries linked into it; so svocl must be static. Drivers' own calls are not seen.
+ * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The
+ * linker puts it between a test and the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named
+ * there (ld --wrap), in the test and in the libraries linked into it; so svocl must be static. Drivers' own calls are
+ * not seen.
  *
  *     counting_begin();
  *     ... svo_build(plan, frontend, queue, &tree, NULL) ...
@@ -12,16 +13,16 @@
  *
  * Works inside a running cmocka test, from one thread at a time.
  */
-#ifndef SVOCL_COUNTING_H
-#define SVOCL_COUNTING_H
+#ifndef SVOCL_TESTS_COUNTING_H
+#define SVOCL_TESTS_COUNTING_H
 
 #include <stddef.h>
 #include <stdint.h>
 
 /* Since counting_begin. Of a buffer that was made before, nothing is counted, its release neither. */
 typedef struct counted {
-    /* A buffer lives until clReleaseMemObject was called once more than clRetainMemObject, and as long as a sub-buffer of it
-       does. Sub-buffers have no bytes of their own. */
+    /* A buffer lives until clReleaseMemObject was called once more than clRetainMemObject, and as long as a sub-buffer
+       of it does. Sub-buffers have no bytes of their own. */
     uint64_t live_bytes, peak_bytes;
     uint64_t total_bytes; /* of all buffers that were made */
     uint64_t live_buffers, buffers; /* those that live; calls of clCreateBuffer that succeeded */

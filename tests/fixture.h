@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What tests of whole builds have open: a device with a queue, the front end of OpenCL alone and, where it is asked for, an
- * OpenGL context with its front end; scenes; and the results of a build side by side. The functions belong inside a running
- * cmocka test: what this machine lacks skips it, with the reason printed; what is there and does not work fails it, with
- * the library's message.
+ * What tests of whole builds have open: a device with a queue, the front end of OpenCL alone and, where it is asked
+ * for, an OpenGL context with its front end; scenes; and the results of a build side by side. The functions belong
+ * inside a running cmocka test: what this machine lacks skips it, with the reason printed; what is there and does not
+ * work fails it, with the library's message.
  */
-#ifndef SVOCL_FIXTURE_H
-#define SVOCL_FIXTURE_H
+#ifndef SVOCL_TESTS_FIXTURE_H
+#define SVOCL_TESTS_FIXTURE_H
 
 #include "svocl/gl.h"
 #include "svocl/svocl.h"
@@ -33,7 +33,8 @@ void fixture_open(const fixture_options *options, fixture *out);
 void fixture_open_cl(const fixture_options *options, fixture *out);
 void fixture_close(fixture *opened); /* one that is all zero is allowed */
 
-/* One fixture for all tests of a program: group setup and teardown, and the fixture itself, opened when first asked for. */
+/* One fixture for all tests of a program: group setup and teardown, and the fixture itself, opened when first asked
+   for. */
 int fixture_group_setup(void **state);
 int fixture_group_teardown(void **state);
 fixture *fixture_of_group(void **state);

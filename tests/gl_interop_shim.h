@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A driver that offers cl_khr_gl_sharing, for machines where none does: objects are plain OpenCL buffers, acquiring copies
- * the OpenGL buffer into them and releasing copies them back. It takes the place of the OpenCL calls that one OpenGL
- * context's sharing depends on, fails where it is told to, and counts what callers do against the specification.
+ * A driver that offers cl_khr_gl_sharing, for machines where none does: objects are plain OpenCL buffers, acquiring
+ * copies the OpenGL buffer into them and releasing copies them back. It takes the place of the OpenCL calls that one
+ * OpenGL context's sharing depends on, fails where it is told to, and counts what callers do against the specification.
  *
  * One at a time: drivers have no user pointer either.
  */
-#ifndef SVO_TESTS_GL_SHARING_SHIM_H
-#define SVO_TESTS_GL_SHARING_SHIM_H
+#ifndef SVOCL_TESTS_GL_INTEROP_SHIM_H
+#define SVOCL_TESTS_GL_INTEROP_SHIM_H
 
 #include "context/context.h"
 

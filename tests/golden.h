@@ -5,8 +5,8 @@
  *
  * The coordinates are 0 .. 2^20 - 1. A build with origin 0 and edge 2^20 leaves them as they are.
  */
-#ifndef SVOCL_GOLDEN_H
-#define SVOCL_GOLDEN_H
+#ifndef SVOCL_TESTS_GOLDEN_H
+#define SVOCL_TESTS_GOLDEN_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,8 +37,8 @@ typedef struct golden_table {
     size_t scene_count;
 } golden_table;
 
-/* Reads the table; path is usually GOLDEN_COUNTS_PATH, which the build defines. Returns NULL, with a line on stderr that
-   names the path and the line, if anything in it is not understood. Released by golden_free. */
+/* Reads the table; path is usually GOLDEN_COUNTS_PATH, which the build defines. Returns NULL, with a line on stderr
+   that names the path and the line, if anything in it is not understood. Released by golden_free. */
 golden_table *golden_load(const char *path);
 void golden_free(golden_table *table);
 

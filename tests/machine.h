@@ -5,8 +5,8 @@
  *
  * What is not installed is skipped visibly; what is there and fails is a failure.
  */
-#ifndef SVO_TESTS_MACHINE_H
-#define SVO_TESTS_MACHINE_H
+#ifndef SVOCL_TESTS_MACHINE_H
+#define SVOCL_TESTS_MACHINE_H
 
 #include <stdbool.h>
 #include <stddef.h>

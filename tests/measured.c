@@ -38,7 +38,7 @@ static bool plan_has_program(const svo_plan *plan, const char *options)
         svo_kernels_info kernels;
         char expected[512];
         svo_plan_get_kernels(plan, i, &kernels);
-        snprintf(expected, sizeof expected, "-cl-std=CL1.2%s", kernels.keys);
+        snprintf(expected, sizeof expected, "-cl-std=CL1.2%s", kernels.defines);
         found = found || strcmp(options, expected) == 0;
     }
     return found;
@@ -49,12 +49,12 @@ static void take_programs(const svo_plan *plan)
 {
     const counted compiled = counting_read();
     for (size_t i = 0; i < compiled.builds; ++i) {
-        const size_t keys_used = strlen(current->keys);
+        const size_t defines_used = strlen(current->defines);
         const size_t kernels_used = strlen(current->kernels);
         if (!plan_has_program(plan, counting_options(i))) {
             fail_msg("a program was compiled with %s, which the plan does not list", counting_options(i));
         }
-        snprintf(current->keys + keys_used, sizeof current->keys - keys_used, " %s ", counting_options(i));
+        snprintf(current->defines + defines_used, sizeof current->defines - defines_used, " %s ", counting_options(i));
         snprintf(current->kernels + kernels_used, sizeof current->kernels - kernels_used, ";%s;", counting_kernels(i));
     }
     assert_int_equal(compiled.builds, svo_plan_get_kernels(plan, 0, NULL));
@@ -144,11 +144,11 @@ const char *measured_left_out(const measured *made, const char *what)
     return NULL;
 }
 
-bool measured_has_key(const measured *made, const char *key)
+bool measured_has_define(const measured *made, const char *key)
 {
     char option[64];
     snprintf(option, sizeof option, " -D%s ", key);
-    return strstr(made->keys, option) != NULL;
+    return strstr(made->defines, option) != NULL;
 }
 
 bool measured_has_kernel(const measured *made, const char *name)
@@ -196,8 +196,8 @@ void assert_takes_less(const measured *less, const measured *full, unsigned gain
     assert_figure("tree bytes", less->tree_bytes, full->tree_bytes, tree);
     assert_figure("programs", less->programs, full->programs, (gains & FEWER_PROGRAMS) != 0);
     assert_figure("kernels", less->built_kernels, full->built_kernels, (gains & FEWER_KERNELS) != 0);
-    if ((gains & OTHER_KEYS) != 0) {
-        assert_string_not_equal(less->keys, full->keys);
+    if ((gains & OTHER_DEFINES) != 0) {
+        assert_string_not_equal(less->defines, full->defines);
     }
 }
 

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A build by OpenCL alone with all that it took: memory as planned and as allocated, programs and kernels as compiled, what
- * the plan left out. Every build is checked against its plan: what was allocated is the plan's list of buffers and nothing
- * else, and what was compiled are the plan's kernels. Inside a running cmocka test; linked with svocl_count_calls.
+ * A build by OpenCL alone with all that it took: memory as planned and as allocated, programs and kernels as compiled,
+ * what the plan left out. Every build is checked against its plan: what was allocated is the plan's list of buffers and
+ * nothing else, and what was compiled are the plan's kernels. Inside a running cmocka test; linked with
+ * svocl_count_calls.
  */
-#ifndef SVOCL_MEASURED_H
-#define SVOCL_MEASURED_H
+#ifndef SVOCL_TESTS_MEASURED_H
+#define SVOCL_TESTS_MEASURED_H
 
 #include <stdbool.h>
 
 #include "counting.h"
 #include "fixture.h"
 
-#define MEASURED_KEYS_BYTES    2048
+#define MEASURED_DEFINES_BYTES 2048
 #define MEASURED_KERNELS_BYTES 4096
 #define MEASURED_LEFT_OUT_MAX  32
 
@@ -22,8 +23,8 @@ typedef struct measured {
     uint64_t planned_peak_bytes, planned_tree_bytes; /* before the build */
     uint64_t peak_bytes, tree_bytes; /* that clCreateBuffer was asked for */
     uint64_t programs, built_kernels;
-    char
-        keys[MEASURED_KEYS_BYTES]; /* the options of all programs, one after the other, a space before and after each */
+    char defines
+        [MEASURED_DEFINES_BYTES]; /* the options of all programs, one after the other, a space before and after each */
     char kernels[MEASURED_KERNELS_BYTES]; /* the names of all kernels, a semicolon before and after each */
     struct {
         const char *what; /* static string */
@@ -39,7 +40,7 @@ void measured_destroy(measured *made);
 /* The reason, or NULL where the plan did not leave it out. */
 const char *measured_left_out(const measured *made, const char *what);
 /* Whether any program has this key, "SVO_COLOR" for example. */
-bool measured_has_key(const measured *made, const char *key);
+bool measured_has_define(const measured *made, const char *key);
 /* Whether any program has this kernel. */
 bool measured_has_kernel(const measured *made, const char *name);
 /* The entry in the plan's list after the build, or NULL. */
@@ -53,7 +54,7 @@ typedef enum measured_gain {
     FEWER_TREE_BYTES = 2,
     FEWER_PROGRAMS = 4,
     FEWER_KERNELS = 8,
-    OTHER_KEYS = 16
+    OTHER_DEFINES = 16
 } measured_gain;
 
 /* less is below full in what gains (measured_gain bits) say, and nowhere above; as planned and as allocated. */

@@ -199,7 +199,7 @@ typedef struct record {
     GLboolean polygon_stipple;
 } record;
 
-struct odd_state {
+struct nondefault_state {
     functions gl;
     bool compatibility;
     GLuint program, buffers[BUFFER_COUNT];
@@ -215,7 +215,7 @@ static void load_functions(functions *gl)
 #undef LOAD
 }
 
-static void take_record(const odd_state *odd, record *out)
+static void take_record(const nondefault_state *odd, record *out)
 {
     const functions *gl = &odd->gl;
     memset(out, 0, sizeof *out);
@@ -256,7 +256,7 @@ static GLuint make_program(const functions *gl)
     return program;
 }
 
-static void set_buffers(odd_state *odd)
+static void set_buffers(nondefault_state *odd)
 {
     static const GLenum generic[] = {
         GL_ARRAY_BUFFER,          GL_ELEMENT_ARRAY_BUFFER,  GL_COPY_READ_BUFFER,     GL_COPY_WRITE_BUFFER,
@@ -283,7 +283,7 @@ static void set_buffers(odd_state *odd)
     }
 }
 
-static void set_objects(odd_state *odd)
+static void set_objects(nondefault_state *odd)
 {
     const functions *gl = &odd->gl;
     GLuint vertex_array = 0, framebuffers[2] = {0, 0}, texture = 0, sampler = 0, renderbuffer = 0, pipeline = 0;
@@ -308,7 +308,7 @@ static void set_objects(odd_state *odd)
     gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
 }
 
-static void set_rasterization(const odd_state *odd)
+static void set_rasterization(const nondefault_state *odd)
 {
     const functions *gl = &odd->gl;
     for (GLuint i = 0; i < VIEWPORTS; ++i) {
@@ -329,7 +329,7 @@ static void set_rasterization(const odd_state *odd)
     gl->ClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
 }
 
-static void set_output(const odd_state *odd)
+static void set_output(const nondefault_state *odd)
 {
     const functions *gl = &odd->gl;
     gl->DepthFunc(GL_NEVER);
@@ -352,9 +352,9 @@ static void set_output(const odd_state *odd)
     gl->Disable(GL_DITHER);
 }
 
-odd_state *odd_state_set(bool compatibility)
+nondefault_state *nondefault_state_set(bool compatibility)
 {
-    odd_state *odd = calloc(1, sizeof *odd);
+    nondefault_state *odd = calloc(1, sizeof *odd);
     assert_non_null(odd);
     odd->compatibility = compatibility;
     load_functions(&odd->gl);
@@ -404,7 +404,7 @@ static int count_differences(const record *a, const record *b)
     return count + differs(a->polygon_stipple != b->polygon_stipple, "GL_POLYGON_STIPPLE", 0);
 }
 
-void odd_state_assert(const odd_state *odd, const char *after)
+void nondefault_state_assert(const nondefault_state *odd, const char *after)
 {
     record actual;
     take_record(odd, &actual);
@@ -413,7 +413,7 @@ void odd_state_assert(const odd_state *odd, const char *after)
     }
 }
 
-void odd_state_destroy(odd_state **odd)
+void nondefault_state_destroy(nondefault_state **odd)
 {
     (*odd)->gl.UseProgram(0);
     (*odd)->gl.DeleteProgram((*odd)->program);

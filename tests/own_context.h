@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* An integrator's OpenGL context: made with EGL's own calls, without svocl. */
-#ifndef SVO_TESTS_OWN_CONTEXT_H
-#define SVO_TESTS_OWN_CONTEXT_H
+#ifndef SVOCL_TESTS_OWN_CONTEXT_H
+#define SVOCL_TESTS_OWN_CONTEXT_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What both payload references (payload_reference.c in integers, payload_doubles.c) look up, and neither computes. */
-#ifndef SVOCL_PAYLOAD_PAIR_H
-#define SVOCL_PAYLOAD_PAIR_H
+#ifndef SVOCL_TESTS_PAYLOAD_PAIR_H
+#define SVOCL_TESTS_PAYLOAD_PAIR_H
 
 #include "compare_tree.h"
 
@@ -27,8 +27,8 @@ const svo_texture *payload_texture(const svo_mesh *mesh, uint32_t triangle);
 /* A texel's channel, wherever the texel is: the texture's way to wrap says what is there. */
 int64_t payload_texel(const svo_texture *texture, int64_t x, int64_t y, unsigned channel);
 
-/* payload_doubles.c: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in grid
-   units from the box's corner; the box's middle where there is no area. */
+/* payload_doubles.c: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in
+   grid units from the box's corner; the box's middle where there is no area. */
 double payload_double_part(const payload_pair *pair, double centroid[3]);
 
 /* value modulo period, never negative. */

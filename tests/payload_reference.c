@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "shared/clip.clh"
 #include "payload_pair.h"
+#include "shared/clip.clh"
 
 #define WEIGHT_BITS 16
 #define WEIGHT_ONE  (INT64_C(1) << WEIGHT_BITS)
@@ -57,7 +57,8 @@ typedef struct seen_point {
     unsigned bits;
 } seen_point;
 
-/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the point's own square cancels out. */
+/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the point's own square cancels
+   out. */
 static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsigned axis, seen_point point)
 {
     const __int128 one = (__int128)1 << point.bits;
@@ -70,21 +71,22 @@ static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsig
     return (int64_t)((p_u * q_v - p_v * q_u) / one);
 }
 
-/* The parts of the triangle opposite each corner, seen from the point; none negative, all 0 for a triangle of no area. */
+/* The parts of the triangle opposite each corner, seen from the point; none negative, all 0 for a triangle of no
+   area. */
 static void corner_parts(const payload_pair *pair, unsigned axis, seen_point point, int64_t parts[3])
 {
     parts[0] = area_from(pair, 1, 2, axis, point);
     parts[1] = area_from(pair, 2, 0, axis, point);
     parts[2] = area_from(pair, 0, 1, axis, point);
     const int64_t area = parts[0] + parts[1] + parts[2];
-    const int64_t turn = area < 0 ? -1 : area > 0 ? 1 : 0;
+    const int64_t interleaved_method = area < 0 ? -1 : area > 0 ? 1 : 0;
     for (unsigned k = 0; k < 3; ++k) {
-        parts[k] = parts[k] * turn > 0 ? parts[k] * turn : 0;
+        parts[k] = parts[k] * interleaved_method > 0 ? parts[k] * interleaved_method : 0;
     }
 }
 
-/* Corner weights that add up to WEIGHT_ONE: shares of the 16 leading bits of the whole, cut; the first corner has what is
-   left. */
+/* Corner weights that add up to WEIGHT_ONE: shares of the 16 leading bits of the whole, cut; the first corner has what
+   is left. */
 static void corner_weights(const payload_pair *pair, unsigned axis, seen_point point, int64_t weights[3])
 {
     int64_t parts[3];
@@ -176,7 +178,7 @@ static void share_of(const surface *of, const payload_pair *pair, share *out)
     case SVO_WEIGHTS_AREA:
         share_by_area(of, pair, out);
         break;
-    case SVO_WEIGHTS_CENTRE:
+    case SVO_WEIGHTS_CENTER:
         corner_weights(pair, axis, (seen_point){pair->box.width / 2, pair->box.width / 2, 0}, out->corners);
         break;
     default:
@@ -417,7 +419,7 @@ void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const 
         const char *name;
         const void *actual, *expected;
         size_t node_bytes;
-    } arrays[] = {{"colour", actual->arrays.colors, payload.colors, 4},
+    } arrays[] = {{"color", actual->arrays.colors, payload.colors, 4},
                   {"normal", actual->arrays.normals, payload.normals, 6},
                   {"material", actual->arrays.materials, payload.materials, 2},
                   {"fill", actual->arrays.fills, payload.fills, 2}};

@@ -73,8 +73,8 @@ static bool is_closest(const built *tree, const svo_ray *ray, const svo_hit *hit
     return is_tied(&mesh, ray, (double)hit->t, exact->t);
 }
 
-/* The same triangle as the reference, or another with the same t. In long double a denormal component cannot be told from
-   zero; beside the edge of a triangle the answer of a ray that leans to the same side a little more will do. */
+/* The same triangle as the reference, or another with the same t. In long double a denormal component cannot be told
+   from zero; beside the edge of a triangle the answer of a ray that leans to the same side a little more will do. */
 void assert_is_closest(const char *what, const built *tree, const svo_ray *ray, const svo_hit *hit)
 {
     oracle_ray_hit exact;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What tests of rays share: trees that hold lists, batches that must work, and the reference that tries every triangle.
    Inside a running cmocka test. */
-#ifndef SVOCL_RAY_CHECK_H
-#define SVOCL_RAY_CHECK_H
+#ifndef SVOCL_TESTS_RAY_CHECK_H
+#define SVOCL_TESTS_RAY_CHECK_H
 
 #include "fixture.h"
 #include "oracle_rays.h"

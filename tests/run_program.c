@@ -119,7 +119,7 @@ const cJSON *array_of(const cJSON *document, const char *name)
     return array;
 }
 
-bool way_works(const char *context, const char *kind, const char *name)
+bool method_works(const char *context, const char *kind, const char *name)
 {
     run("$SVOCL devices --json");
     cJSON *document = cJSON_Parse(last.output);
@@ -127,12 +127,12 @@ bool way_works(const char *context, const char *kind, const char *name)
     bool found = false;
     cJSON_ArrayForEach(pair, cJSON_GetObjectItem(document, "pairs"))
     {
-        const cJSON *way = NULL;
-        cJSON_ArrayForEach(way, array_of(pair, kind))
+        const cJSON *method = NULL;
+        cJSON_ArrayForEach(method, array_of(pair, kind))
         {
-            found =
-                found || ((context == NULL || strcmp(text_of(pair, "context"), context) == 0) &&
-                          strcmp(text_of(way, "name"), name) == 0 && cJSON_IsTrue(cJSON_GetObjectItem(way, "works")));
+            found = found ||
+                    ((context == NULL || strcmp(text_of(pair, "context"), context) == 0) &&
+                     strcmp(text_of(method, "name"), name) == 0 && cJSON_IsTrue(cJSON_GetObjectItem(method, "works")));
         }
     }
     cJSON_Delete(document);
@@ -150,9 +150,9 @@ bool cl_works(void)
         const cJSON *device = NULL;
         cJSON_ArrayForEach(device, array_of(platform, "devices"))
         {
-            const cJSON *way = cJSON_GetArrayItem(cJSON_GetObjectItem(device, "frontends"), 0);
-            found =
-                found || (cJSON_IsTrue(cJSON_GetObjectItem(way, "works")) && strcmp(text_of(way, "name"), "cl") == 0);
+            const cJSON *method = cJSON_GetArrayItem(cJSON_GetObjectItem(device, "frontends"), 0);
+            found = found ||
+                    (cJSON_IsTrue(cJSON_GetObjectItem(method, "works")) && strcmp(text_of(method, "name"), "cl") == 0);
         }
     }
     cJSON_Delete(document);
@@ -169,7 +169,7 @@ void need_builds(void)
 
 bool gl_works(void)
 {
-    return way_works(NULL, "frontends", "gl-expand");
+    return method_works(NULL, "frontends", "gl-expand");
 }
 
 int enter_folder(void **state)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What tests of the whole program share: every test runs the built program through the shell in a fresh folder of its own;
- * $SVOCL is its path. What needs a device or a GL context is probed with `svocl devices` and skipped, visibly, where the
- * machine has none. A check that fails ends the test.
+ * What tests of the whole program share: every test runs the built program through the shell in a fresh folder of its
+ * own; $SVOCL is its path. What needs a device or a GL context is probed with `svocl devices` and skipped, visibly,
+ * where the machine has none. A check that fails ends the test.
  */
-#ifndef SVOCL_RUN_PROGRAM_H
-#define SVOCL_RUN_PROGRAM_H
+#ifndef SVOCL_TESTS_RUN_PROGRAM_H
+#define SVOCL_TESTS_RUN_PROGRAM_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +48,7 @@ const char *text_of(const cJSON *document, const char *name);
 const cJSON *array_of(const cJSON *document, const char *name);
 
 /* Whether a way (a front end or a share path) works on the first pair that uses the context; NULL: on any pair. */
-bool way_works(const char *context, const char *kind, const char *name);
+bool method_works(const char *context, const char *kind, const char *name);
 /* Whether there is a device on which OpenCL alone makes trees; whether there is a context for gl-expand. */
 bool cl_works(void);
 bool gl_works(void);

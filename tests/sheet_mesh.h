@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A flat sheet of small squares with every attribute, and beside it one more triangle in the same plane, on voxels that the
- * sheet has anyway: with it a build needs more than without, and the nodes are the same.
+ * A flat sheet of small squares with every attribute, and beside it one more triangle in the same plane, on voxels that
+ * the sheet has anyway: with it a build needs more than without, and the nodes are the same.
  */
-#ifndef SVOCL_SHEET_MESH_H
-#define SVOCL_SHEET_MESH_H
+#ifndef SVOCL_TESTS_SHEET_MESH_H
+#define SVOCL_TESTS_SHEET_MESH_H
 
 #include <stdbool.h>
 
@@ -36,15 +36,16 @@ typedef struct sheet_mesh {
     uint8_t colors[(SHEET_TRIANGLES + 1) * 12];
     uint16_t triangle_materials[SHEET_TRIANGLES + 1];
     svo_material materials[2];
-    svo_texture textures[2]; /* a small one of many colours, and a large one that is white */
+    svo_texture textures[2]; /* a small one of many colors, and a large one that is white */
     uint8_t texels[(SHEET_SMALL_TEXELS + SHEET_LARGE_TEXELS) * 4];
 } sheet_mesh;
 
-/* Attributes that differ from vertex to vertex and, the materials, from triangle to triangle; both materials untextured.
-   The further triangle is white. covered: the part of each square that is covered, around its middle; 1: all of it. */
+/* Attributes that differ from vertex to vertex and, the materials, from triangle to triangle; both materials
+   untextured. The further triangle is white. covered: the part of each square that is covered, around its middle; 1:
+   all of it. */
 void sheet_make(sheet_extra extra, double covered, sheet_mesh *out);
-/* The same colour, normal or material all over the sheet; the further triangle has another (of
-   colours white) where differs says so. */
+/* The same color, normal or material all over the sheet; the further triangle has another (of
+   colors white) where differs says so. */
 void sheet_set_color(sheet_mesh *sheet, const uint8_t rgba[4], bool differs);
 void sheet_set_normal(sheet_mesh *sheet, const float normal[3], bool differs);
 void sheet_set_material(sheet_mesh *sheet, uint16_t material, bool differs);

@@ -16,7 +16,7 @@ for frontend in auto cl; do
     for row in T1 T2 T3 T4 T5 T6 T7 T8 T9 T10 T14 T15 T16; do
         [[ $document == *"\"$row "* ]] || { echo "no row $row"; failed=1; }
     done
-    for way in svocl Schwarz-Seidel box-centred 'pixel centres' '4 samples' expanded; do
+    for way in svocl Schwarz-Seidel box-centered 'pixel centers' '4 samples' expanded; do
         [[ $document == *"\"$way\""* ]] || { echo "no way $way"; failed=1; }
     done
     echo "$document" | grep -E '"(name|reason)"' | grep -B 1 '"reason"' || true

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * OpenGL drivers that lose the context, run out of memory or return nonsense, at every point where svocl could notice: each
- * ends in a status with words, nothing crashes, and the same handles work again when the driver does.
+ * OpenGL drivers that lose the context, run out of memory or return nonsense, at every point where svocl could notice:
+ * each ends in a status with words, nothing crashes, and the same handles work again when the driver does.
  *
  * A context whose table of functions is changed stands for such a driver.
  */
@@ -295,15 +295,15 @@ static svo_status build_in_gl(const bad_setup *setup)
 }
 
 /* A builder, and how it comes by a damaged list. */
-typedef struct way {
+typedef struct method {
     svo_builder builder;
     const char *function;
     svo_status (*build)(const bad_setup *setup);
     void (*spoil_list)(svo_i_gl_functions *functions);
-} way;
+} method;
 
 /* Fragments of no triangle, or outside the grid, alone or among good ones: nothing is read or written by them. */
-static void expect_nonsense_noticed(const way *by)
+static void expect_nonsense_noticed(const method *by)
 {
     static const uint32_t values[] = {0xffffffffu, 0x80000000u, TRIANGLES};
     bad_setup setup;
@@ -336,9 +336,9 @@ static void expect_nonsense_noticed(const way *by)
 static void nonsense_fragments_are_a_status(void **state)
 {
     (void)state;
-    expect_nonsense_noticed(&(way){SVO_BUILDER_CL, "svo_build: ", build, spoil_list_for_cl});
-    expect_nonsense_noticed(&(way){SVO_BUILDER_SORTED, "svo_build: ", build, spoil_list_for_cl});
-    expect_nonsense_noticed(&(way){SVO_BUILDER_CL, "svo_gl_build: ", build_in_gl, spoil_list_in_gl});
+    expect_nonsense_noticed(&(method){SVO_BUILDER_CL, "svo_build: ", build, spoil_list_for_cl});
+    expect_nonsense_noticed(&(method){SVO_BUILDER_SORTED, "svo_build: ", build, spoil_list_for_cl});
+    expect_nonsense_noticed(&(method){SVO_BUILDER_CL, "svo_gl_build: ", build_in_gl, spoil_list_in_gl});
 }
 
 /* Counters no scene could reach: the list cannot be made so large. */

@@ -73,7 +73,8 @@ static void front_ends_are_measured(void **state)
     cJSON_Delete(document);
 }
 
-/* Each subject once on next to nothing: all tables are there, and those that need no other program's library have rows. */
+/* Each subject once on next to nothing: all tables are there, and those that need no other program's library have
+   rows. */
 static void every_subject_adds_its_tables(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Built trees are the exact ones: nodes and leaf lists against the oracle for scenes, random and degenerate meshes, fitted
- * and caller's grids, at every depth; and trees that are known without an oracle.
+ * Built trees are the exact ones: nodes and leaf lists against the oracle for scenes, random and degenerate meshes,
+ * fitted and caller's grids, at every depth; and trees that are known without an oracle.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -154,7 +154,8 @@ static uint64_t *leaf_codes(const built *tree)
     return codes;
 }
 
-/* Whether whole's leaves from *leaf on, those of one octant, are those of part, with the same triangles; goes past them. */
+/* Whether whole's leaves from *leaf on, those of one octant, are those of part, with the same triangles; goes past
+   them. */
 static void assert_octant_is(const built *whole, const uint64_t *whole_codes, unsigned octant, const built *part,
                              size_t *leaf)
 {
@@ -174,8 +175,8 @@ static void assert_octant_is(const built *whole, const uint64_t *whole_codes, un
     free(codes);
 }
 
-/* Eight grids that share faces, put together, are the one grid of twice the edge: nothing doubled, nothing lost. Corners
-   lie on the large grid's units, which are two units of the small ones. */
+/* Eight grids that share faces, put together, are the one grid of twice the edge: nothing doubled, nothing lost.
+   Corners lie on the large grid's units, which are two units of the small ones. */
 static void abutting_grids_partition_the_scene(void **state)
 {
     const fixture *opened = fixture_of_group(state);

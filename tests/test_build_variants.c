@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One tree by every way: share paths, contexts, queues, 64-bit integers in one word or two, chunks of any size, lists that
- * were too small at first, repeated runs, other orders and forms of the same triangles. Hashes are compared, and one of
- * each is compared with the exact references.
+ * One tree by every way: share paths, contexts, queues, 64-bit integers in one word or two, chunks of any size, lists
+ * that were too small at first, repeated runs, other orders and forms of the same triangles. Hashes are compared, and
+ * one of each is compared with the exact references.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -254,8 +254,8 @@ static void huge_triangles_are_cut_in_tiles(void **state)
     built_destroy(&actual);
 }
 
-/* Triangles with several times the fragments that the count law promises: the list grows, chunks split, and the nodes need
-   a second try too. */
+/* Triangles with several times the fragments that the fragment estimate promises: the list grows, chunks split, and the
+   nodes need a second try too. */
 static void lists_that_were_too_small_grow(void **state)
 {
     owned_mesh made;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The part of a triangle inside a voxel (kernels/clip.clh), which area weights are made of: C, OpenCL C and GLSL agree bit
- * for bit; area and centroid are those of the triangle clipped in double precision; and T2: the pieces of a mesh add up to
- * its area inside the grid.
+ * The part of a triangle inside a voxel (kernels/clip.clh), which area weights are made of: C, OpenCL C and GLSL agree
+ * bit for bit; area and centroid are those of the triangle clipped in double precision; and T2: the pieces of a mesh
+ * add up to its area inside the grid.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,8 +27,8 @@ extern const char clip_probe_source_gl[];
 
 enum { RECORDS = 20000 };
 
-/* Voxels of 2^8, 2^11 and 2^19 units with triangles around them: of part of a voxel, of a few, of very many, slivers, in a
-   face, with corners on corners, and reaching as far as triangles may. */
+/* Voxels of 2^8, 2^11 and 2^19 units with triangles around them: of part of a voxel, of a few, of very many, slivers,
+   in a face, with corners on corners, and reaching as far as triangles may. */
 static void make_record(uint64_t *state, clip_probe_input *out)
 {
     static const int32_t voxel_logs[] = {8, 11, 19};
@@ -133,7 +133,8 @@ static void open_record(const clip_probe_input *given, payload_pair *out)
     }
 }
 
-/* A cut corner that is off by e moves the border by e, along no more than the border's length: eight edges of a face. */
+/* A cut corner that is off by e moves the border by e, along no more than the border's length: eight edges of a
+   face. */
 static void area_and_centroid_are_those_of_the_clipped_triangle(void **state)
 {
     (void)state;

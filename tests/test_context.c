@@ -534,7 +534,7 @@ static void share_paths_are_probed_with_reasons(void **state)
     pair_make_any(&on);
     (void)svo_i_device_fail(on.device, SVO_OK, "what was said before");
 
-    svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_SHARING, reason, sizeof reason);
+    svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_INTEROP, reason, sizeof reason);
     print_message("sharing: %s\n", reason);
     assert_non_null(strstr(reason, "cl_khr_gl_sharing"));
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_COPY, reason, sizeof reason);
@@ -681,7 +681,7 @@ static void shared_buffer_above_a_limit_is_refused(void **state)
     assert_int_equal(svo_i_share_limit_bytes(on.device, on.context), 1024);
     assert_int_equal(svo_i_share_buffer_create(on.device, on.context, SVO_GL_SHARE_COPY, 0, &buffer),
                      SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_i_share_buffer_create(on.device, on.context, SVO_GL_SHARE_SHARING, 64, &buffer),
+    assert_int_equal(svo_i_share_buffer_create(on.device, on.context, SVO_GL_SHARE_INTEROP, 64, &buffer),
                      SVO_UNSUPPORTED);
     assert_int_equal(buffer.name, 0);
     pair_release(&on);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5 on little work: svocl's own ways have no errors but those of rounding once, the usual ways have those
- * that are known of them, and every table has its ways. No time is judged.
+ * svocl bench e1 to e5 on little work: svocl's own ways have no errors but those of rounding once, the usual ways have
+ * those that are known of them, and every table has its ways. No time is judged.
  */
 #include <stdio.h>
 #include <string.h>
@@ -42,24 +42,24 @@ static bool begins(const char *text, const char *with)
 }
 
 /* Rows whose way begins so: there are some, and all have that figure between the bounds. Returns the largest. */
-static double expect_within(const cJSON *table, const char *way, const char *name, double low, double high)
+static double expect_within(const cJSON *table, const char *method, const char *name, double low, double high)
 {
     double largest = -1.0;
     size_t count = 0;
     const cJSON *row = NULL;
     cJSON_ArrayForEach(row, array_of(table, "rows"))
     {
-        if (begins(word_of(table, row, "way"), way)) {
+        if (begins(word_of(table, row, "method"), method)) {
             const double figure = cell_of(table, row, name);
             if (!(figure >= low && figure <= high)) {
-                fail_msg("%s: %s of %s is %g", text_of(table, "id"), name, word_of(table, row, "way"), figure);
+                fail_msg("%s: %s of %s is %g", text_of(table, "id"), name, word_of(table, row, "method"), figure);
             }
             largest = figure > largest ? figure : largest;
             ++count;
         }
     }
     if (count == 0) {
-        fail_msg("%s has no row of %s", text_of(table, "id"), way);
+        fail_msg("%s has no row of %s", text_of(table, "id"), method);
     }
     return largest;
 }
@@ -87,12 +87,12 @@ static void voxels_are_exact_in_integers_alone(void **state)
     assert_true(expect_within(table, "plain rasterization", "false negatives", 1.0, 100.0) > 30.0);
     expect_within(table, "4x multisampling", "false negatives", 1.0, 100.0);
     expect_within(table, "expansion alone", "false positives", 0.1, 1000.0);
-    assert_true(expect_within(table, "float32 test, box-centred", "missed", 0.0, 1e9) > 0.0);
+    assert_true(expect_within(table, "float32 test, box-centered", "missed", 0.0, 1e9) > 0.0);
     assert_true(expect_within(table, "float32 test, world coordinates", "error", 0.0, 100.0) > 0.0);
     cJSON_Delete(document);
 }
 
-static void aimed_rays_are_right(void **state)
+static void adversarial_rays_are_right(void **state)
 {
     (void)state;
     need_builds();
@@ -123,7 +123,7 @@ static void means_by_area_are_within_rounding(void **state)
     cJSON_Delete(document);
 }
 
-/* Half a diagonal is as far as a centre can be from a surface that its voxel holds. */
+/* Half a diagonal is as far as a center can be from a surface that its voxel holds. */
 static void levels_of_detail_keep_their_bounds(void **state)
 {
     (void)state;
@@ -133,7 +133,7 @@ static void levels_of_detail_keep_their_bounds(void **state)
     const cJSON *row = NULL;
     cJSON_ArrayForEach(row, array_of(table, "rows"))
     {
-        assert_true(cell_of(table, row, "distance of centres, largest") <= 0.86603);
+        assert_true(cell_of(table, row, "distance of centers, largest") <= 0.86603);
         assert_true(cell_of(table, row, "area by fill, error") < 0.01);
         assert_true(cell_of(table, row, "area by faces, error") > 10.0);
         if (cell_of(table, row, "depth") >= 8.0) {
@@ -144,12 +144,12 @@ static void levels_of_detail_keep_their_bounds(void **state)
     cJSON_Delete(document);
 }
 
-static void stiff_meshes_break_the_others(void **state)
+static void ill_conditioned_meshes_break_the_others(void **state)
 {
     (void)state;
     need_builds();
     const cJSON *table = NULL;
-    cJSON *document = measure("e5", "e5-stiffness", &table);
+    cJSON *document = measure("e5", "e5-conditioning", &table);
     expect_times(table);
     expect_within(table, "exact integers", "error", 0.0, 0.0);
     expect_within(table, "svocl", "error", 0.0, 0.0);
@@ -161,9 +161,9 @@ static void stiff_meshes_break_the_others(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(voxels_are_exact_in_integers_alone), IN_FOLDER(aimed_rays_are_right),
-        IN_FOLDER(means_by_area_are_within_rounding),  IN_FOLDER(levels_of_detail_keep_their_bounds),
-        IN_FOLDER(stiff_meshes_break_the_others),
+        IN_FOLDER(voxels_are_exact_in_integers_alone),      IN_FOLDER(adversarial_rays_are_right),
+        IN_FOLDER(means_by_area_are_within_rounding),       IN_FOLDER(levels_of_detail_keep_their_bounds),
+        IN_FOLDER(ill_conditioned_meshes_break_the_others),
     };
     return cmocka_run_group_tests_name("errors", tests, NULL, NULL);
 }

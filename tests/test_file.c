@@ -24,8 +24,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "io/file.h"
 #include "core/tree.h"
+#include "io/file.h"
 #include "svocl/io.h"
 #include "svocl/plan.h"
 

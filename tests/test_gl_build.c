@@ -65,7 +65,7 @@ static void every_need_and_weight_gives_the_same_payload(void **state)
     attributed_mesh made;
     attributed_mesh_create(5, 400, 0.0, &made);
     assert_same_tree(opened, &made.mesh, 6, &(svo_plan_options){.need = SVO_NEED_ALL}, NULL);
-    assert_same_tree(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTRE},
+    assert_same_tree(opened, &made.mesh, 6, &(svo_plan_options){.need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTER},
                      NULL);
     for (uint32_t need = 1; need <= SVO_NEED_ALL; need *= 2) {
         if (need != SVO_NEED_FILL) {
@@ -105,7 +105,7 @@ static void deep_trees_are_the_same(void **state)
     random_dust(2, 300, corner, 0.002, &dust);
     for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
         const svo_plan_options options = {
-            .need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTRE, .edge = depth > 12 ? 1000.0 : 64.0};
+            .need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTER, .edge = depth > 12 ? 1000.0 : 64.0};
         assert_same_tree(opened, &made.mesh, depth, &options, NULL);
         assert_same_tree(opened, &dust.mesh, depth, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0}, NULL);
     }
@@ -131,7 +131,7 @@ static void cut_lists_give_the_same_tree(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* Triangles that meet many more voxels than the count law promises: list and nodes need a second try. */
+/* Triangles that meet many more voxels than the fragment estimate promises: list and nodes need a second try. */
 static void nodes_that_do_not_fit_are_made_again(void **state)
 {
     owned_mesh made;

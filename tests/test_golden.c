@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T1 golden: the golden counts through every front end: leaves are voxels, fragments are pairs, half-open and closed, at
- * every depth of the table that can be built. The table has no thin counts: there the references have the word, and what
- * they say is a part of the half-open pairs, which the table does count.
+ * T1 golden: the golden counts through every front end: leaves are voxels, fragments are pairs, half-open and closed,
+ * at every depth of the table that can be built. The table has no thin counts: there the references have the word, and
+ * what they say is a part of the half-open pairs, which the table does count.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes come in as their files say: positions bit for bit, node transforms, normals, colours, texture coordinates and
+ * Meshes come in as their files say: positions bit for bit, node transforms, normals, colors, texture coordinates and
  * textures, from OBJ, PLY, STL and glTF files made here. And whatever happens to the reading process ends in one line.
  */
 #define _XOPEN_SOURCE 700
@@ -335,7 +335,7 @@ static void append_base64(char *text, const uint8_t *bytes, size_t byte_count)
     }
 }
 
-/* One triangle with normals, uvs and colours, its picture inside the file, in the nodes that are given as JSON. */
+/* One triangle with normals, uvs and colors, its picture inside the file, in the nodes that are given as JSON. */
 static void write_gltf(const char *name, const char *nodes, const char *texture_extension)
 {
     static const struct {
@@ -485,7 +485,7 @@ static void write_plain(void)
     write_text("child.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
-static void expect_misbehaviour(const char *kind, const svo_import_options *options, const char *text)
+static void expect_misbehavior(const char *kind, const svo_import_options *options, const char *text)
 {
     write_plain();
     assert_int_equal(setenv(MISBEHAVIOUR, kind, 1), 0);
@@ -498,14 +498,14 @@ static void test_children_that_misbehave(void **unused)
     (void)unused;
     const svo_import_options second = {.struct_size = sizeof second, .time_limit_seconds = 1};
     const svo_import_options small = {.struct_size = sizeof small, .memory_limit_bytes = 3 << 20};
-    expect_misbehaviour("crash", NULL, "the reader crashed (signal 11)");
-    expect_misbehaviour("silence", NULL, "the reader ended without an answer, exit code 3");
-    expect_misbehaviour("nonsense", NULL, "the reader's answer is damaged: it is not from an import child");
-    expect_misbehaviour("half", NULL, "the reader's answer is damaged: it ends too early");
-    expect_misbehaviour("flood", &small, "the mesh needs more than 3145728 bytes");
-    expect_misbehaviour("hang", &second, "reading took longer than 1 s");
-    expect_misbehaviour("hang deaf", &second, "reading took longer than 1 s");
-    expect_misbehaviour("again", NULL, "svo_import_child_main must come first");
+    expect_misbehavior("crash", NULL, "the reader crashed (signal 11)");
+    expect_misbehavior("silence", NULL, "the reader ended without an answer, exit code 3");
+    expect_misbehavior("nonsense", NULL, "the reader's answer is damaged: it is not from an import child");
+    expect_misbehavior("half", NULL, "the reader's answer is damaged: it ends too early");
+    expect_misbehavior("flood", &small, "the mesh needs more than 3145728 bytes");
+    expect_misbehavior("hang", &second, "reading took longer than 1 s");
+    expect_misbehavior("hang deaf", &second, "reading took longer than 1 s");
+    expect_misbehavior("again", NULL, "svo_import_child_main must come first");
 }
 
 static void test_a_child_that_cannot_start(void **unused)
@@ -549,7 +549,8 @@ static void test_ignored_child_signals(void **unused)
     (void)signal(SIGCHLD, handler);
 }
 
-/* Any damage to the answer: refused, or a mesh whose arrays are all inside it. Run with a sanitizer, this is the proof. */
+/* Any damage to the answer: refused, or a mesh whose arrays are all inside it. Run with a sanitizer, this is the
+   proof. */
 static void test_damaged_answers(void **unused)
 {
     (void)unused;
@@ -638,9 +639,9 @@ static int misbehave(const char *kind, const char *path)
 
 int main(int argc, char **argv)
 {
-    const char *misbehaviour = getenv(MISBEHAVIOUR);
-    if (misbehaviour != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
-        return misbehave(misbehaviour, argv[2]);
+    const char *misbehavior = getenv(MISBEHAVIOUR);
+    if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
+        return misbehave(misbehavior, argv[2]);
     }
     int exit_code = 0;
     if (svo_import_child_main(argc, argv, &exit_code)) {

@@ -114,16 +114,16 @@ static void check_whole_path(const char *extensions, cl_command_queue_properties
     shared_pair pair;
     open_pair(&(shim_faults){.extensions = extensions}, properties, &pair);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
-    assert_string_equal(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_SHARING), "");
-    assert_int_equal(svo_gl_chosen_share(pair.opened.gl), SVO_GL_SHARE_SHARING);
-    assert_same_hash(&pair, &everything, "sharing");
+    assert_string_equal(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "");
+    assert_int_equal(svo_gl_chosen_share(pair.opened.gl), SVO_GL_SHARE_INTEROP);
+    assert_same_hash(&pair, &everything, "interop");
     svo_plan_options in_chunks = everything;
     in_chunks.chunk_bytes = 65536;
-    assert_same_hash(&pair, &in_chunks, "sharing");
+    assert_same_hash(&pair, &in_chunks, "interop");
     in_chunks.fragment_capacity = 1; /* reruns */
-    assert_same_hash(&pair, &in_chunks, "sharing");
-    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_SHARING), SVO_OK);
-    assert_same_hash(&pair, &everything, "sharing");
+    assert_same_hash(&pair, &in_chunks, "interop");
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_OK);
+    assert_same_hash(&pair, &everything, "interop");
     close_pair(&pair);
 }
 
@@ -175,24 +175,24 @@ static void check_step(const failing_step *step)
     char reason[REASON_BYTES];
     open_pair(&step->faults, 0, &pair);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
-    (void)snprintf(reason, sizeof reason, "%s", svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_SHARING));
+    (void)snprintf(reason, sizeof reason, "%s", svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP));
     print_message("%s\n", reason);
     if (strstr(reason, step->reason) == NULL) {
         fail_msg("'%s' does not say '%s'", reason, step->reason);
     }
     /* Programs that ask the device first, before they start OpenGL, are told the same. */
-    assert_int_equal(svo_i_sharing_is_listed(pair.opened.device, pair.opened.context->opencl),
+    assert_int_equal(svo_i_interop_is_listed(pair.opened.device, pair.opened.context->opencl),
                      strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
     const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
-    assert_int_not_equal(chosen, SVO_GL_SHARE_SHARING);
+    assert_int_not_equal(chosen, SVO_GL_SHARE_INTEROP);
     assert_same_hash(&pair, &everything, svo_gl_share_name(chosen));
     shim_get_counts(&counts);
     assert_true(counts.created <= 2 * step->creations); /* open_pair's and this function's probe */
 
-    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_SHARING), SVO_UNSUPPORTED);
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_UNSUPPORTED);
     assert_null(pair.opened.gl);
     const char *message = svo_device_message(pair.opened.device);
-    assert_non_null(strstr(message, "svo_gl_create: share sharing does not work: "));
+    assert_non_null(strstr(message, "svo_gl_create: share interop does not work: "));
     assert_non_null(strstr(message, step->reason));
     close_pair(&pair);
 }
@@ -219,7 +219,7 @@ static void failure_during_a_build_ends_in_a_status(void **state)
     };
     shared_pair pair;
     open_pair(&(shim_faults){0}, 0, &pair);
-    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_SHARING), SVO_OK);
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_OK);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         svo_plan *plan = NULL;
         svo_tree *tree = NULL;
@@ -230,7 +230,7 @@ static void failure_during_a_build_ends_in_a_status(void **state)
         assert_non_null(strstr(svo_device_message(pair.opened.device), cases[i].call));
         svo_plan_destroy(&plan);
         shim_set_faults(&(shim_faults){0});
-        assert_same_hash(&pair, &everything, "sharing");
+        assert_same_hash(&pair, &everything, "interop");
     }
     close_pair(&pair);
 }
@@ -246,7 +246,7 @@ static void chosen_device_is_joined(void **state)
     assert_int_equal(svo_gl_device_create(pair.opened.context, chosen, NULL, &joined, NULL), SVO_OK);
     assert_ptr_equal(svo_device_cl_device(joined), chosen);
     svo_gl *gl = NULL;
-    const svo_gl_options forced = {.struct_size = sizeof forced, .share = SVO_GL_SHARE_SHARING};
+    const svo_gl_options forced = {.struct_size = sizeof forced, .share = SVO_GL_SHARE_INTEROP};
     assert_int_equal(svo_gl_create(joined, pair.opened.context, &forced, &gl), SVO_OK);
     svo_gl_destroy(&gl);
     svo_device_destroy(&joined);
@@ -266,9 +266,9 @@ static void plain_opencl_context_is_told_apart(void **state)
     svo_device_destroy(&pair.opened.device);
     take_device(&pair.opened, machine_device_or_skip(), 0);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
-    assert_non_null(strstr(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_SHARING), "svo_gl_device_create"));
+    assert_non_null(strstr(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "svo_gl_device_create"));
     assert_same_hash(&pair, &everything, svo_gl_share_name(svo_gl_chosen_share(pair.opened.gl)));
-    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_SHARING), SVO_UNSUPPORTED);
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_UNSUPPORTED);
     close_pair(&pair);
 }
 
@@ -296,8 +296,8 @@ static void integrators_opencl_context_is_shared(void **state)
     assert_int_equal(svo_device_create(own, device, NULL, &handle, NULL), SVO_OK);
     clReleaseContext(own);
     take_device(&pair.opened, handle, 0);
-    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_SHARING), SVO_OK);
-    assert_same_hash(&pair, &everything, "sharing");
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_OK);
+    assert_same_hash(&pair, &everything, "interop");
     close_pair(&pair);
 }
 
@@ -313,7 +313,7 @@ static void osmesa_cannot_be_named_to_opencl(void **state)
     shim_install(context, &(shim_faults){0});
     svo_gl *gl = NULL;
     assert_int_equal(svo_gl_create(device, context, NULL, &gl), SVO_OK);
-    assert_non_null(strstr(svo_gl_share_reason(gl, SVO_GL_SHARE_SHARING), "EGL and GLX"));
+    assert_non_null(strstr(svo_gl_share_reason(gl, SVO_GL_SHARE_INTEROP), "EGL and GLX"));
     svo_gl_destroy(&gl);
     shim_remove(context);
     svo_gl_context_destroy(&context);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h) and from the
- * front end of OpenCL, trees and payload are compared with the references, and nothing may depend on the order of the fragments, on the cut of the list, or on what
- * was in the buffers before (dirty_buffers.c).
+ * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h) and from
+ * the front end of OpenCL, trees and payload are compared with the references, and nothing may depend on the order of
+ * the fragments, on the cut of the list, or on what was in the buffers before (dirty_buffers.c).
  *
  * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
  * through in seconds.
@@ -70,13 +70,13 @@ static void skip_without_device(void **state)
 }
 
 /* How a tree is built; which way must not show. */
-typedef struct way {
+typedef struct method {
     uint64_t seed; /* of the fragments' order */
     svo_builder builder;
     bool cl; /* by the front end of OpenCL, whose order is its own */
     uint64_t chunk_bytes; /* 0: one chunk */
-    uint64_t fragment_capacity; /* 0: by the count law */
-} way;
+    uint64_t fragment_capacity; /* 0: by the fragment estimate */
+} method;
 
 typedef struct request {
     const svo_mesh *mesh;
@@ -86,7 +86,7 @@ typedef struct request {
     svo_weights weights;
 } request;
 
-static svo_plan_options options_of(const request *asked, const way *by)
+static svo_plan_options options_of(const request *asked, const method *by)
 {
     return (svo_plan_options){.struct_size = sizeof(svo_plan_options),
                               .need = asked->need,
@@ -97,7 +97,7 @@ static svo_plan_options options_of(const request *asked, const way *by)
                               .chunk_bytes = by->chunk_bytes};
 }
 
-static void build(const request *asked, const way *by, built *out)
+static void build(const request *asked, const method *by, built *out)
 {
     const svo_plan_options options = options_of(asked, by);
     *out = (built){.report = {.struct_size = sizeof out->report}};
@@ -129,7 +129,7 @@ static void build(const request *asked, const way *by, built *out)
 }
 
 /* Builds, compares nodes, and lists where they are asked for, with the references, and releases the tree. */
-static void check_exact(const request *asked, const way *by, svo_build_report *report)
+static void check_exact(const request *asked, const method *by, svo_build_report *report)
 {
     built actual;
     build(asked, by, &actual);
@@ -170,24 +170,24 @@ static void assert_true_tree(const request *asked, const svo_plan_options *optio
     exact_destroy(&reference);
 }
 
-/* In one chunk, in another order, in many chunks, and drawn again because the list was too small, by the references' walk
-   and by the front end of OpenCL. The reports are those of the walk's many chunks and of its list that grew. */
-static void check_all_ways(const request *asked, svo_build_report *cut, svo_build_report *grown)
+/* In one chunk, in another order, in many chunks, and drawn again because the list was too small, by the references'
+   walk and by the front end of OpenCL. The reports are those of the walk's many chunks and of its list that grew. */
+static void check_all_methods(const request *asked, svo_build_report *cut, svo_build_report *grown)
 {
-    const way plain = {.seed = 1};
+    const method plain = {.seed = 1};
     const svo_plan_options options = options_of(asked, &plain);
     built expected;
     build(asked, &plain, &expected);
     assert_true_tree(asked, &options, &expected);
     assert_in_range(expected.report.list_chunks, 0, 1);
-    const way others[] = {{.seed = 5, .builder = SVO_BUILDER_SORTED, .chunk_bytes = SMALL_CHUNK_BYTES},
-                          {.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
-                          {.seed = 3, .fragment_capacity = expected.info.fragments / 3 + 1},
-                          {.cl = true, .chunk_bytes = SMALL_CHUNK_BYTES},
-                          {.cl = true, .fragment_capacity = expected.info.fragments / 3 + 1},
-                          {.cl = true},
-                          {.seed = 6, .builder = SVO_BUILDER_SORTED},
-                          {.seed = 4}};
+    const method others[] = {{.seed = 5, .builder = SVO_BUILDER_SORTED, .chunk_bytes = SMALL_CHUNK_BYTES},
+                             {.seed = 2, .chunk_bytes = SMALL_CHUNK_BYTES},
+                             {.seed = 3, .fragment_capacity = expected.info.fragments / 3 + 1},
+                             {.cl = true, .chunk_bytes = SMALL_CHUNK_BYTES},
+                             {.cl = true, .fragment_capacity = expected.info.fragments / 3 + 1},
+                             {.cl = true},
+                             {.seed = 6, .builder = SVO_BUILDER_SORTED},
+                             {.seed = 4}};
     svo_build_report reports[8] = {{0}};
     for (size_t i = 0; i < (bench.small ? 5 : 8); ++i) {
         built actual;
@@ -201,7 +201,7 @@ static void check_all_ways(const request *asked, svo_build_report *cut, svo_buil
     svo_tree_destroy(&expected.tree);
 }
 
-/* A mesh with every attribute: colours, normals, some of them not usable, two textures and a material without. */
+/* A mesh with every attribute: colors, normals, some of them not usable, two textures and a material without. */
 typedef struct painted {
     owned_mesh owned;
     svo_mesh mesh;
@@ -294,10 +294,10 @@ static void trees_are_exact(void **state)
         const request nodes_alone = {&made.mesh, depths[i], SVO_NEED_NONE, 1.0, SVO_WEIGHTS_AREA};
         svo_build_report reports[2];
         if (bench.small) {
-            check_exact(&asked, &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, reports);
+            check_exact(&asked, &(method){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, reports);
         } else {
-            check_all_ways(&asked, &reports[0], &reports[1]);
-            check_exact(&nodes_alone, &(way){.seed = i}, reports);
+            check_all_methods(&asked, &reports[0], &reports[1]);
+            check_exact(&nodes_alone, &(method){.seed = i}, reports);
         }
         owned_mesh_free(&made);
     }
@@ -314,10 +314,10 @@ static void random_meshes_are_exact(void **state)
         random_mesh(seed, bench.small ? 30 : 300, seed % 2 == 0 ? 0.0 : 0.5, &made);
         svo_build_report reports[2];
         if (!bench.small) {
-            check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 0.0, SVO_WEIGHTS_AREA}, &reports[0],
-                           &reports[1]);
+            check_all_methods(&(request){&made.mesh, depth, SVO_NEED_RAYS, 0.0, SVO_WEIGHTS_AREA}, &reports[0],
+                              &reports[1]);
         }
-        check_all_ways(&(request){&made.mesh, depth, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &reports[0], &reports[1]);
+        check_all_methods(&(request){&made.mesh, depth, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &reports[0], &reports[1]);
         owned_mesh_free(&made);
     }
 }
@@ -332,11 +332,11 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
     } cases[] = {
         {PAYLOAD, true, true, true, SVO_WEIGHTS_AREA},
         {NEED_ALL, true, true, true, SVO_WEIGHTS_AREA},
-        {SVO_NEED_COLOR, false, false, false, SVO_WEIGHTS_CENTRE},
+        {SVO_NEED_COLOR, false, false, false, SVO_WEIGHTS_CENTER},
         {SVO_NEED_COLOR, true, false, false, SVO_WEIGHTS_UNIFORM},
         {SVO_NEED_COLOR, false, true, true, SVO_WEIGHTS_AREA},
         {SVO_NEED_NORMAL, true, false, false, SVO_WEIGHTS_AREA},
-        {SVO_NEED_NORMAL, false, true, false, SVO_WEIGHTS_CENTRE},
+        {SVO_NEED_NORMAL, false, true, false, SVO_WEIGHTS_CENTER},
         {SVO_NEED_MATERIAL, false, false, false, SVO_WEIGHTS_AREA},
         {SVO_NEED_MATERIAL | SVO_NEED_NORMAL, true, true, false, SVO_WEIGHTS_UNIFORM},
         {SVO_NEED_FILL, true, true, false, SVO_WEIGHTS_AREA},
@@ -355,7 +355,7 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
             made.mesh.texture_count = cases[i].textures ? 2 : 0;
             svo_build_report cut;
             svo_build_report grown;
-            check_all_ways(&(request){&made.mesh, depths[k], cases[i].need, 1.0, cases[i].weights}, &cut, &grown);
+            check_all_methods(&(request){&made.mesh, depths[k], cases[i].need, 1.0, cases[i].weights}, &cut, &grown);
             assert_true(depths[k] < 4 || cut.list_chunks > 1);
             assert_true(depths[k] < 4 || grown.reruns > 0);
             painted_free(&made);
@@ -363,8 +363,8 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
     }
 }
 
-/* What each node of a mesh of one colour and one normal must hold, whatever else is in the voxel. */
-static void a_mesh_of_one_colour_gives_it_to_every_node(void **state)
+/* What each node of a mesh of one color and one normal must hold, whatever else is in the voxel. */
+static void a_mesh_of_one_color_gives_it_to_every_node(void **state)
 {
     static const uint8_t rgba[4] = {1, 254, 128, 77};
     static const float upwards[3] = {0.0f, 0.0f, 7.5f};
@@ -379,7 +379,7 @@ static void a_mesh_of_one_colour_gives_it_to_every_node(void **state)
         memcpy(made.normals + v * 3, upwards, sizeof upwards);
     }
     built actual;
-    build(&(request){&made.mesh, 4, PAYLOAD, 1.0, SVO_WEIGHTS_AREA}, &(way){.seed = 1}, &actual);
+    build(&(request){&made.mesh, 4, PAYLOAD, 1.0, SVO_WEIGHTS_AREA}, &(method){.seed = 1}, &actual);
     assert_in_range(actual.info.node_count, 100, UINT32_MAX);
     for (uint64_t node = 0; node < actual.info.node_count; ++node) {
         assert_memory_equal(actual.arrays.colors + node * 4, rgba, sizeof rgba);
@@ -399,7 +399,7 @@ static void a_mesh_without_triangles_gives_a_root(void **state)
         const svo_mesh mesh = {.struct_size = sizeof mesh};
         const request asked = {&mesh, 1 + (bench.small ? 1 : 5) * (unsigned)i, needs[i], 0.0, SVO_WEIGHTS_AREA};
         built actual;
-        build(&asked, &(way){.seed = 1}, &actual);
+        build(&asked, &(method){.seed = 1}, &actual);
         assert_int_equal(actual.info.node_count, 1);
         assert_int_equal(actual.info.leaf_count, 0);
         assert_int_equal(actual.arrays.child_mask[0], 0);
@@ -422,9 +422,9 @@ static void one_leaf_holds_thousands_of_triangles(void **state)
         svo_build_report grown;
         if (bench.small) {
             check_exact(&(request){&made.mesh, 3, SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA},
-                        &(way){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
+                        &(method){.seed = i, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
         } else {
-            check_all_ways(&(request){&made.mesh, 5, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
+            check_all_methods(&(request){&made.mesh, 5, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
             assert_in_range(cut.list_chunks, (counts[i] + 2047) / 2048, counts[i] / 256 + 1);
         }
         owned_mesh_free(&made);
@@ -449,14 +449,15 @@ static void lists_of_all_lengths_are_sorted(void **state)
     }
     svo_build_report reports[2];
     for (unsigned depth = 2; depth <= (bench.small ? 2 : 6); ++depth) {
-        check_all_ways(&(request){&made.mesh, depth, SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA}, &reports[0], &reports[1]);
+        check_all_methods(&(request){&made.mesh, depth, SVO_NEED_RAYS, 1.0, SVO_WEIGHTS_AREA}, &reports[0],
+                          &reports[1]);
     }
     owned_mesh_free(&made);
 }
 
-/* Triangles around the corners of voxels touch seven voxels each where the count law expects one: nodes and chunks need far
-   more room than planned, and chunks are halved until they fit. */
-static void a_scene_that_defies_the_count_law_is_built_again(void **state)
+/* Triangles around the corners of voxels touch seven voxels each where the fragment estimate expects one: nodes and
+   chunks need far more room than planned, and chunks are halved until they fit. */
+static void a_scene_that_defies_the_estimate_is_built_again(void **state)
 {
     skip_without_device(state);
     owned_mesh made;
@@ -464,10 +465,10 @@ static void a_scene_that_defies_the_count_law_is_built_again(void **state)
     svo_build_report cut;
     if (bench.small) {
         check_exact(&(request){&made.mesh, 4, SVO_NEED_NONE, 1.0, SVO_WEIGHTS_AREA},
-                    &(way){.seed = 1, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
+                    &(method){.seed = 1, .chunk_bytes = SMALL_CHUNK_BYTES}, &cut);
     } else {
         svo_build_report grown;
-        check_all_ways(&(request){&made.mesh, 10, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
+        check_all_methods(&(request){&made.mesh, 10, NEED_ALL, 1.0, SVO_WEIGHTS_AREA}, &cut, &grown);
         assert_in_range(grown.reruns, 2, 32); /* the list, and the nodes */
     }
     assert_in_range(cut.reruns, 1, 32);
@@ -485,11 +486,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(trees_are_exact),
         cmocka_unit_test(random_meshes_are_exact),
         cmocka_unit_test(payload_is_exact_whatever_the_order_and_the_cut),
-        cmocka_unit_test(a_mesh_of_one_colour_gives_it_to_every_node),
+        cmocka_unit_test(a_mesh_of_one_color_gives_it_to_every_node),
         cmocka_unit_test(a_mesh_without_triangles_gives_a_root),
         cmocka_unit_test(one_leaf_holds_thousands_of_triangles),
         cmocka_unit_test(lists_of_all_lengths_are_sorted),
-        cmocka_unit_test(a_scene_that_defies_the_count_law_is_built_again),
+        cmocka_unit_test(a_scene_that_defies_the_estimate_is_built_again),
     };
     return cmocka_run_group_tests(tests, open_bench, close_bench);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The records of svocl/layout.h lie the same in memory for C, OpenCL C and GLSL (std430): a kernel and a shader write
- * back sizes and offsets, which are compared field by field. In C they follow each other without gaps, so that the list of
- * fields that all three go by (agree/layout_fields.h) leaves none out.
+ * back sizes and offsets, which are compared field by field. In C they follow each other without gaps, so that the list
+ * of fields that all three go by (agree/layout_fields.h) leaves none out.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -51,8 +51,8 @@ static const char kernel_head[] = "#define RECORD(record, items, first) found[n+
                                   "        return;\n"
                                   "    }\n";
 
-/* The shader sees the same words as arrays of each record; word i holds FIRST_WORD + i, so that what a field holds tells
-   where it lies. */
+/* The shader sees the same words as arrays of each record; word i holds FIRST_WORD + i, so that what a field holds
+   tells where it lies. */
 #define FIRST_WORD 0x3f800000u /* as a float an ordinary number, which nothing flushes to zero */
 enum { WORDS = 256 };
 
@@ -61,7 +61,7 @@ enum { WORDS = 256 };
 
 static const char shader_head[] = "layout(local_size_x = 64) in;\n" SHADER_BLOCK("draw_item") SHADER_BLOCK("tile_item")
     SHADER_BLOCK("build_state") SHADER_BLOCK("triangle_record") SHADER_BLOCK("voxelize_params") SHADER_BLOCK(
-        "subdivide_params") SHADER_BLOCK("sort_params") SHADER_BLOCK("ascend_params") SHADER_BLOCK("filter_params")
+        "subdivide_params") SHADER_BLOCK("sort_params") SHADER_BLOCK("bottom_up_params") SHADER_BLOCK("filter_params")
         SHADER_BLOCK("material_record") SHADER_BLOCK(
             "cast_params") "layout(std430, binding = 1) writeonly buffer Found { uint found[]; };\n"
                            "uniform uint item_count;\n"

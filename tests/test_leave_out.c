@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a scene or a request does not need is neither allocated nor compiled, the plan says so with a reason, and what was
- * asked for is the same, bit for bit, as with it. Each test makes the same nodes twice, with a thing and without, on a
- * device handle of its own each time.
+ * What a scene or a request does not need is neither allocated nor compiled, the plan says so with a reason, and what
+ * was asked for is the same, bit for bit, as with it. Each test makes the same nodes twice, with a thing and without,
+ * on a device handle of its own each time.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -57,10 +57,10 @@ static void assert_only_full_has_buffer(const measured *less, const measured *fu
     }
 }
 
-static void assert_only_full_has_key(const measured *less, const measured *full, const char *key)
+static void assert_only_full_has_define(const measured *less, const measured *full, const char *key)
 {
-    if (measured_has_key(less, key) || !measured_has_key(full, key)) {
-        fail_msg("key %s: less has%s, full has%s", key, less->keys, full->keys);
+    if (measured_has_define(less, key) || !measured_has_define(full, key)) {
+        fail_msg("key %s: less has%s, full has%s", key, less->defines, full->defines);
     }
 }
 
@@ -112,7 +112,7 @@ static void lists_and_their_packing(void **state)
     build_sheet(&sheet, SVO_NEED_RAYS, &full);
     build_sheet(&sheet, SVO_NEED_NONE, &less);
     assert_same_results(&less, &full);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "leaf lists");
     assert_only_less_leaves_out(&less, &full, "packing");
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
@@ -166,7 +166,7 @@ static void assert_without_payload(const measured *less, const measured *full, c
     assert_same_results(less, full);
     assert_only_less_leaves_out(less, full, which->name);
     assert_only_full_has_buffer(less, full, which->array);
-    assert_only_full_has_key(less, full, which->key);
+    assert_only_full_has_define(less, full, which->key);
 }
 
 /* None at all beside one. What fill takes for itself is less than what the nodes took before. */
@@ -174,7 +174,7 @@ static void compare_with_none(const measured *none, const measured *alone, const
 {
     const unsigned peak = which->bit != SVO_NEED_FILL ? FEWER_PEAK_BYTES : 0;
     assert_without_payload(none, alone, which);
-    assert_takes_less(none, alone, FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS | peak);
+    assert_takes_less(none, alone, FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES | peak);
     assert_only_full_has_kernel(none, alone, which->kernel);
     assert_only_full_has_buffer(none, alone, "records");
     assert_only_less_leaves_out(none, alone, "mesh attributes");
@@ -188,7 +188,7 @@ static void compare_with_all(const measured *alone, const measured *all, const s
             assert_without_payload(alone, all, &payloads[i]);
         }
     }
-    assert_takes_less(alone, all, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS);
+    assert_takes_less(alone, all, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
 }
 
 static void each_payload(void **state)
@@ -260,7 +260,7 @@ static void assert_stored_once(const sheet_mesh *less_sheet, const sheet_mesh *f
     assert_int_equal(full.result.info.constant, 0);
     assert_same_results(&less, &full);
     assert_string_equal(less.result.hash, full.result.hash);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, what);
     assert_int_equal(measured_array_bytes(&less, array), element_bytes);
     assert_int_equal(measured_array_bytes(&full, array), full.result.info.node_count * element_bytes);
@@ -326,7 +326,7 @@ static void payload_of_an_empty_tree_is_stored_once(void **state)
     measured_destroy(&made);
 }
 
-/* Vertex colours that are all equal become part of the materials, which differ, textured or not. */
+/* Vertex colors that are all equal become part of the materials, which differ, textured or not. */
 static void vertex_colors_that_are_all_the_same(void **state)
 {
     (void)state;
@@ -345,10 +345,10 @@ static void vertex_colors_that_are_all_the_same(void **state)
         build_sheet(&full_sheet, SVO_NEED_COLOR, &full);
         assert_same_results(&less, &full);
         assert_int_equal(less.result.info.constant, 0);
-        assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_KEYS);
+        assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
         assert_only_less_leaves_out(&less, &full, "vertex colors");
         assert_only_full_has_buffer(&less, &full, "vertex_colors");
-        assert_only_full_has_key(&less, &full, "SVO_VERTEX_COLOR");
+        assert_only_full_has_define(&less, &full, "SVO_VERTEX_COLOR");
         measured_destroy(&full);
         measured_destroy(&less);
     }
@@ -367,10 +367,10 @@ static void vertex_normals_that_are_not_there(void **state)
     sheet.mesh.normals = NULL;
     build_sheet(&sheet, SVO_NEED_NORMAL, &less);
     assert_string_equal(less.result.nodes_hash, full.result.nodes_hash);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "vertex normals");
     assert_only_full_has_buffer(&less, &full, "vertex_normals");
-    assert_only_full_has_key(&less, &full, "SVO_VERTEX_NORMAL");
+    assert_only_full_has_define(&less, &full, "SVO_VERTEX_NORMAL");
     measured_destroy(&full);
     measured_destroy(&less);
 }
@@ -392,12 +392,12 @@ static void textures_that_no_accepted_triangle_has(void **state)
     build_sheet(&less_sheet, SVO_NEED_COLOR, &less);
     build_sheet(&full_sheet, SVO_NEED_COLOR, &full);
     assert_same_results(&less, &full);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "textures");
     assert_only_less_leaves_out(&less, &full, "texture coordinates");
     assert_only_full_has_buffer(&less, &full, "texels");
     assert_only_full_has_buffer(&less, &full, "uvs");
-    assert_only_full_has_key(&less, &full, "SVO_TEXTURE");
+    assert_only_full_has_define(&less, &full, "SVO_TEXTURE");
     measured_destroy(&full);
     measured_destroy(&less);
 }
@@ -448,10 +448,10 @@ static void clipping_with_uniform_weights(void **state)
     assert_payload_is_exact(&sheet.mesh, &expected, &less.result);
     exact_destroy(&expected);
     assert_string_equal(less.result.nodes_hash, full.result.nodes_hash);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "clipping");
     assert_only_full_has_buffer(&less, &full, "vertices");
-    assert_only_full_has_key(&less, &full, "SVO_WEIGHTS_AREA");
+    assert_only_full_has_define(&less, &full, "SVO_WEIGHTS_AREA");
     measured_destroy(&full);
     measured_destroy(&less);
 }
@@ -469,10 +469,10 @@ static void the_overlap_test_of_dust(void **state)
     sheet_make(SHEET_BRIDGE, 0.5, &sheet);
     measured_build(&sheet.mesh, 7, &options, &full);
     assert_string_equal(less.result.nodes_hash, full.result.nodes_hash);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_KEYS);
-    assert_only_full_has_key(&full, &less, "SVO_NO_TEST");
-    assert_only_full_has_key(&less, &full, "SVO_NARROW");
-    assert_false(measured_has_key(&less, "SVO_WIDE"));
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
+    assert_only_full_has_define(&full, &less, "SVO_NO_TEST");
+    assert_only_full_has_define(&less, &full, "SVO_NARROW");
+    assert_false(measured_has_define(&less, "SVO_WIDE"));
     assert_non_null(measured_left_out(&less, "overlap test"));
     assert_non_null(measured_left_out(&full, "overlap test")); /* of the squares */
     assert_int_equal(less.programs, 2);
@@ -492,7 +492,7 @@ static void the_wider_overlap_tests(void **state)
     measured less;
     sheet_make(SHEET_ALONE, 1.0, &sheet);
     build_sheet(&sheet, SVO_NEED_NONE, &less);
-    assert_true(measured_has_key(&less, "SVO_NARROW"));
+    assert_true(measured_has_define(&less, "SVO_NARROW"));
     assert_null(measured_left_out(&less, "overlap test"));
     assert_int_equal(less.programs, 2);
     for (size_t i = 0; i < 2; ++i) {
@@ -502,15 +502,15 @@ static void the_wider_overlap_tests(void **state)
         assert_string_equal(less.result.nodes_hash, full.result.nodes_hash);
         assert_takes_less(&less, &full, FEWER_PROGRAMS | FEWER_KERNELS | FEWER_PEAK_BYTES);
         assert_only_less_leaves_out(&less, &full, wider[i].what);
-        assert_int_equal(measured_has_key(&full, "SVO_WIDE"), wider[i].extra == SHEET_OUTSIDE);
-        assert_false(measured_has_key(&less, "SVO_WIDE"));
+        assert_int_equal(measured_has_define(&full, "SVO_WIDE"), wider[i].extra == SHEET_OUTSIDE);
+        assert_false(measured_has_define(&less, "SVO_WIDE"));
         measured_destroy(&full);
     }
     measured_destroy(&less);
 }
 
-/* Up to depth 10 a Morton code has 32 bits, and a fragment 8 bytes in place of 12. The nodes of depth 10 are the upper ones
-   of depth 11. */
+/* Up to depth 10 a Morton code has 32 bits, and a fragment 8 bytes in place of 12. The nodes of depth 10 are the upper
+   ones of depth 11. */
 static void long_morton_codes(void **state)
 {
     (void)state;
@@ -526,9 +526,9 @@ static void long_morton_codes(void **state)
     assert_memory_equal(info->level_begin, full.result.info.level_begin, 12 * sizeof(uint32_t));
     assert_memory_equal(less.result.arrays.child_mask, full.result.arrays.child_mask, info->inner_count);
     assert_memory_equal(less.result.arrays.first_child, full.result.arrays.first_child, info->inner_count * 4);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | OTHER_KEYS);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "64-bit Morton codes");
-    assert_only_full_has_key(&less, &full, "SVO_CODE48");
+    assert_only_full_has_define(&less, &full, "SVO_CODE48");
     assert_int_equal(measured_buffer(&less, "fragments")->bytes, 8 * options.fragment_capacity);
     assert_int_equal(measured_buffer(&full, "fragments")->bytes, 12 * options.fragment_capacity);
     measured_destroy(&full);
@@ -554,7 +554,7 @@ static planned plan_sheet(const sheet_mesh *sheet, unsigned depth, uint32_t need
     for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
         svo_kernels_info kernels;
         svo_plan_get_kernels(plan, i, &kernels);
-        seen.is_wide = seen.is_wide || strstr(kernels.keys, "SVO_WIDE") != NULL;
+        seen.is_wide = seen.is_wide || strstr(kernels.defines, "SVO_WIDE") != NULL;
     }
     seen.left_out_count = svo_plan_get_left_out(plan, 0, NULL);
     for (size_t i = 0; i < seen.left_out_count; ++i) {
@@ -628,11 +628,11 @@ static void levels_of_payload_that_nobody_reads(void **state)
     (void)state;
     static const uint32_t levels[] = {1, 4, DEPTH - 1, DEPTH};
     struct scene *made = fixture_scene("knot:3000");
-    for (int way = 0; way < 3; ++way) {
+    for (int method = 0; method < 3; ++method) {
         svo_plan_options options = asking_for(SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS);
         options.edge = 0.0;
-        options.builder = way == 1 ? SVO_BUILDER_SORTED : SVO_BUILDER_CL;
-        options.chunk_bytes = way == 2 ? 65536 : 0;
+        options.builder = method == 1 ? SVO_BUILDER_SORTED : SVO_BUILDER_CL;
+        options.chunk_bytes = method == 2 ? 65536 : 0;
         measured full;
         options.payload_level = 0;
         measured_build(scene_mesh(made), DEPTH, &options, &full);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes in an integrator's buffers, of OpenCL and of OpenGL: packed or interleaved, with either width of indices, written
- * by commands that have not run yet; and the tree's buffers, given back to the integrator.
+ * Meshes in an integrator's buffers, of OpenCL and of OpenGL: packed or interleaved, with either width of indices,
+ * written by commands that have not run yet; and the tree's buffers, given back to the integrator.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -156,11 +156,11 @@ static void interleaved_arrays_are_read_from_opengl(void **state)
     const svo_mesh_view vertices = {.gl_buffer = make_gl_buffer(gl, data.vertices, sizeof data.vertices)};
     const svo_mesh_view narrow = {.gl_buffer = make_gl_buffer(gl, data.indices, sizeof data.indices)};
     const svo_mesh_buffers buffers = interleaved_buffers(&vertices, &narrow);
-    odd_state *odd = odd_state_set(false);
+    nondefault_state *odd = nondefault_state_set(false);
     if (svo_gl_mesh_read(&buffers, context, 0, NULL, &copy, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
-    odd_state_assert(odd, "svo_gl_mesh_read");
+    nondefault_state_assert(odd, "svo_gl_mesh_read");
     check_interleaved_copy(copy);
     svo_mesh_copy_destroy(&copy);
 
@@ -172,8 +172,8 @@ static void interleaved_arrays_are_read_from_opengl(void **state)
     wrong.vertex_count = CUBE_VERTICES + 1;
     assert_int_equal(svo_gl_mesh_read(&wrong, context, 0, NULL, &copy, &message), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(message.text, "svo_gl_mesh_read: positions ends at byte"));
-    odd_state_assert(odd, "reads that fail");
-    odd_state_destroy(&odd);
+    nondefault_state_assert(odd, "reads that fail");
+    nondefault_state_destroy(&odd);
     svo_gl_context_destroy(&context);
     own_context_destroy(&own);
 }

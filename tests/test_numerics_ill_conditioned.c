@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The heavy rows of the catalogue of stiff and extreme cases: a million pairs for each way of compiling the shared test (T4),
- * and a scene of one huge triangle among hundreds of thousands of tiny ones (T7).
+ * The heavy rows of the catalogue of stiff and extreme cases: a million pairs for each way of compiling the shared test
+ * (T4), and a scene of one huge triangle among hundreds of thousands of tiny ones (T7).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -67,18 +67,18 @@ static void t4_a_million_pairs_are_decided_exactly(void **state)
     }
 }
 
-enum { TINY = 100000, STIFF_TRIANGLES = 1 + 2 * TINY };
+enum { TINY = 100000, ILL_CONDITIONED_TRIANGLES = 1 + 2 * TINY };
 
 /* A triangle across the grid, a hundred thousand as large as a voxel, and as many below a hundredth of one. */
-static void make_stiff(uint64_t seed, unsigned depth, owned_mesh *out)
+static void make_ill_conditioned(uint64_t seed, unsigned depth, owned_mesh *out)
 {
     static const double huge[9] = {0.01, 0.02, 0.03, 0.99, 0.05, 0.3, 0.03, 0.98, 0.4};
     uint64_t random = seed;
-    random_dust(seed, STIFF_TRIANGLES, (const double[3]){0, 0, 0}, 1.0, out);
+    random_dust(seed, ILL_CONDITIONED_TRIANGLES, (const double[3]){0, 0, 0}, 1.0, out);
     for (size_t k = 0; k < 9; ++k) {
         out->positions[k] = huge[k];
     }
-    for (size_t t = 1; t < STIFF_TRIANGLES; ++t) {
+    for (size_t t = 1; t < ILL_CONDITIONED_TRIANGLES; ++t) {
         const double extent = ldexp(t <= TINY ? 1.0 : 0.01, -(int)depth);
         double *corners = out->positions + t * 9;
         for (unsigned k = 0; k < 9; ++k) {
@@ -87,7 +87,7 @@ static void make_stiff(uint64_t seed, unsigned depth, owned_mesh *out)
     }
 }
 
-static void check_stiff(const fixture *opened, unsigned depth, uint64_t capacity, uint32_t reruns)
+static void check_ill_conditioned(const fixture *opened, unsigned depth, uint64_t capacity, uint32_t reruns)
 {
     const uint64_t seed = 20240304;
     print_message("seed %llu at depth %u\n", (unsigned long long)seed, depth);
@@ -95,7 +95,7 @@ static void check_stiff(const fixture *opened, unsigned depth, uint64_t capacity
     owned_mesh made;
     exact expected;
     built actual;
-    make_stiff(seed, depth, &made);
+    make_ill_conditioned(seed, depth, &made);
     exact_create(&made.mesh, depth, &options, &expected);
     assert_references_agree(&expected);
     fixture_build(opened, &made.mesh, depth, &options, &actual);
@@ -108,17 +108,17 @@ static void check_stiff(const fixture *opened, unsigned depth, uint64_t capacity
 }
 
 /* Ten million voxels' worth as predicted; and where the list has room for one fragment at first. */
-static void t7_stiff_scene_is_exact(void **state)
+static void t7_ill_conditioned_scene_is_exact(void **state)
 {
-    check_stiff(fixture_of_group(state), 12, 0, 0);
-    check_stiff(fixture_of_group(state), 11, 1, 1);
+    check_ill_conditioned(fixture_of_group(state), 12, 0, 0);
+    check_ill_conditioned(fixture_of_group(state), 11, 1, 1);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t4_a_million_pairs_are_decided_exactly),
-        cmocka_unit_test(t7_stiff_scene_is_exact),
+        cmocka_unit_test(t7_ill_conditioned_scene_is_exact),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -30,12 +30,12 @@ static void *allocate(size_t bytes)
 }
 
 /*
- * T5 count law.
+ * T5 fragment estimate.
  */
 
-/* E[voxels] = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2: the mean over copies of one triangle at random offsets
-   is within four standard errors. */
-static void t5_mean_count_obeys_the_law(void **state)
+/* E[voxels] = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2: the mean over copies of one triangle at random
+   offsets is within four standard errors. */
+static void t5_mean_count_obeys_the_estimate(void **state)
 {
     enum { COPIES = 20000, DEPTH = 8 };
     static const int32_t shape[9] = {100, 9000, 40, 11000, 20, 3000, 4000, 7000, 15000};
@@ -67,9 +67,9 @@ static void t5_mean_count_obeys_the_law(void **state)
         variance += ((double)counts[t] - mean) * ((double)counts[t] - mean) / (COPIES - 1);
     }
     const double error = sqrt(variance / COPIES);
-    const double law = actual.plan.expected_fragments / COPIES;
-    print_message("mean %.4f, law %.4f, standard error %.4f\n", mean, law, error);
-    assert_true(fabs(mean - law) <= 4.0 * error);
+    const double estimate = actual.plan.expected_fragments / COPIES;
+    print_message("mean %.4f, law %.4f, standard error %.4f\n", mean, estimate, error);
+    assert_true(fabs(mean - estimate) <= 4.0 * error);
     /* The plan's law is the one of the text. */
     const double h = EDGE / (1 << DEPTH);
     const double u[3] = {shape[3] - shape[0], shape[4] - shape[1], shape[5] - shape[2]};
@@ -80,7 +80,7 @@ static void t5_mean_count_obeys_the_law(void **state)
         const unsigned q = (k + 2) % 3;
         by_hand += fabs(u[p] * v[q] - u[q] * v[p]) / 2.0 / (h * h);
     }
-    assert_true(fabs(law - by_hand) < 1e-3);
+    assert_true(fabs(estimate - by_hand) < 1e-3);
     free(counts);
     built_destroy(&actual);
     free(positions);
@@ -339,8 +339,8 @@ static size_t cell_of(uint64_t voxel)
     return ((size_t)axis_of(voxel, 2) * FLOOD_WIDTH + axis_of(voxel, 1)) * FLOOD_WIDTH + axis_of(voxel, 0);
 }
 
-/* Marks what of an empty voxel's neighbours the flood has not reached yet; neighbours: 6 or 26. */
-static size_t flood_from(size_t cell, unsigned neighbours, uint8_t *taken, size_t *stack, size_t depth)
+/* Marks what of an empty voxel's neighbors the flood has not reached yet; neighbors: 6 or 26. */
+static size_t flood_from(size_t cell, unsigned neighbors, uint8_t *taken, size_t *stack, size_t depth)
 {
     const int at[3] = {(int)(cell % FLOOD_WIDTH), (int)(cell / FLOOD_WIDTH % FLOOD_WIDTH),
                        (int)(cell / FLOOD_WIDTH / FLOOD_WIDTH)};
@@ -348,7 +348,7 @@ static size_t flood_from(size_t cell, unsigned neighbours, uint8_t *taken, size_
         const int by[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
         const int moved = abs(by[0]) + abs(by[1]) + abs(by[2]);
         const int to[3] = {at[0] + by[0], at[1] + by[1], at[2] + by[2]};
-        bool inside = moved > 0 && (neighbours == 26 || moved == 1);
+        bool inside = moved > 0 && (neighbors == 26 || moved == 1);
         for (unsigned axis = 0; axis < 3; ++axis) {
             inside = inside && to[axis] >= 0 && to[axis] < FLOOD_WIDTH;
         }
@@ -362,7 +362,7 @@ static size_t flood_from(size_t cell, unsigned neighbours, uint8_t *taken, size_
 }
 
 /* Whether water poured into the grid's first voxel reaches the target through empty voxels. */
-static bool flood_reaches(const voxel_set *walls, unsigned neighbours, uint64_t target)
+static bool flood_reaches(const voxel_set *walls, unsigned neighbors, uint64_t target)
 {
     uint8_t *taken = allocate(FLOOD_VOXELS);
     size_t *stack = allocate(FLOOD_VOXELS * sizeof *stack);
@@ -375,7 +375,7 @@ static bool flood_reaches(const voxel_set *walls, unsigned neighbours, uint64_t 
     size_t depth = 1;
     while (depth > 0) {
         const size_t cell = stack[--depth];
-        depth = flood_from(cell, neighbours, taken, stack, depth);
+        depth = flood_from(cell, neighbors, taken, stack, depth);
     }
     const bool reached = taken[cell_of(target)] == 1;
     free(stack);
@@ -393,8 +393,8 @@ static bool is_subset(const voxel_set *part, const voxel_set *whole)
     return true;
 }
 
-/* Thin and half-open walls hold water that flows through faces; closed ones also what flows through corners, where at least
-   some of the others leak. */
+/* Thin and half-open walls hold water that flows through faces; closed ones also what flows through corners, where at
+   least some of the others leak. */
 static void coverages_separate_inside_from_outside(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -472,8 +472,8 @@ static void assert_node_color(const built *actual, size_t node, const pair_sums 
     }
 }
 
-/* Every node of every level is the mean over all pairs of the leaves below it, rounded once; and the leaves below the nodes
-   of a level are all leaves. */
+/* Every node of every level is the mean over all pairs of the leaves below it, rounded once; and the leaves below the
+   nodes of a level are all leaves. */
 static void check_filter(const built *actual, const oracle_pairs *pairs, const uint8_t *colors)
 {
     for (unsigned level = 0; level <= actual->info.depth; ++level) {
@@ -503,7 +503,7 @@ static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
         make_symmetric(seed, FILTER_TRIANGLES, &made);
         uint64_t random = seed;
         static uint8_t colors[FILTER_TRIANGLES * 12];
-        for (size_t i = 0; i < sizeof colors; ++i) { /* one colour a triangle */
+        for (size_t i = 0; i < sizeof colors; ++i) { /* one color a triangle */
             made.indices[i / 4] = (uint32_t)(i / 4);
             colors[i] = i % 12 < 4 ? (uint8_t)random_word(&random) : colors[i - 4];
         }
@@ -527,7 +527,7 @@ static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(t5_mean_count_obeys_the_law),
+        cmocka_unit_test(t5_mean_count_obeys_the_estimate),
         cmocka_unit_test(t6_order_of_the_axes_does_not_matter),
         cmocka_unit_test(t6_closed_voxels_have_mirror_images),
         cmocka_unit_test(t6_order_of_vertices_and_winding_do_not_matter),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue of stiff and extreme cases, at the limits: capacities (T10), repeatability (T15), and the ends of 32 bits:
- * what cannot fit is refused before anything is allocated, with the figures.
+ * The catalogue of stiff and extreme cases, at the limits: capacities (T10), repeatability (T15), and the ends of 32
+ * bits: what cannot fit is refused before anything is allocated, with the figures.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,8 +26,8 @@ enum { COVERAGES = sizeof coverages / sizeof coverages[0] };
  * T10 capacity.
  */
 
-/* Room for none (which means: as predicted), one, one too few, exactly enough, one more: the same tree, by as few runs as
-   it takes. */
+/* Room for none (which means: as predicted), one, one too few, exactly enough, one more: the same tree, by as few runs
+   as it takes. */
 static void check_capacities(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_coverage coverage)
 {
     svo_plan_options options = {.need = NEED_ALL, .coverage = coverage, .edge = 1.0};
@@ -135,7 +135,8 @@ static void assert_same_payload(const built *actual, const built *expected)
                         expected->info.node_count * 3 * sizeof(int16_t));
 }
 
-/* Threads: the program's own test. Share paths, contexts, queues and chunks with half-open voxels: test_build_ways. */
+/* Threads: the program's own test. Share paths, contexts, queues and chunks with half-open voxels:
+   test_build_variants. */
 static void t15_permuted_triangles_and_share_paths_give_the_same(void **state)
 {
     static const svo_gl_share shares[] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_COPY};
@@ -276,8 +277,8 @@ static void capacities_of_2_to_the_31_are_refused_where_they_do_not_fit(void **s
     svo_plan_destroy(&plan);
 }
 
-/* The largest chunk a list may be cut into is what the device can allocate, whatever is asked for; lists that are cut small
-   stand for those that are too large for one. */
+/* The largest chunk a list may be cut into is what the device can allocate, whatever is asked for; lists that are cut
+   small stand for those that are too large for one. */
 static void lists_are_cut_at_the_largest_allocation(void **state)
 {
     const fixture *opened = fixture_of_group(state);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T17 mutation: the tests find mistakes. The shared overlap test with one comparison flipped, one axis left out, or one term
- * dropped fails the golden counts (T1) and the random pairs (T4); rasterization without the expansion's margin fails the
- * golden counts. The text without a mistake passes both the same way. That svocl stress finds mistakes too is shown by the
- * programs of tests/mutants.
+ * T17 mutation: the tests find mistakes. The shared overlap test with one comparison flipped, one axis left out, or one
+ * term dropped fails the golden counts (T1) and the random pairs (T4); rasterization without the expansion's margin
+ * fails the golden counts. The text without a mistake passes both the same way. That svocl stress finds mistakes too is
+ * shown by the programs of tests/mutants.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -142,8 +142,8 @@ static void t17_mutants_of_the_shared_test_are_found(void **state)
 }
 
 /*
- * The expansion's margin. The way of hardware that rasterizes conservatively by itself leaves it out; without such hardware
- * that is the mistake.
+ * The expansion's margin. The way of hardware that rasterizes conservatively by itself leaves it out; without such
+ * hardware that is the mistake.
  */
 
 #define CONSERVATIVE_RASTERIZATION_NV 0x9346
@@ -172,14 +172,14 @@ static void APIENTRY ignore_parameter(GLenum name, GLint value)
 }
 
 /* Fragments that a way of rasterizing makes of a plan; none are kept. */
-static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_conservative way)
+static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_conservative method)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     svo_i_raster *raster = NULL;
     svo_i_layout layout;
     uint32_t needed = 0;
     GLuint buffer = 0;
-    assert_int_equal(svo_i_raster_create(plan->device, context, way, false, &raster), SVO_OK);
+    assert_int_equal(svo_i_raster_create(plan->device, context, method, false, &raster), SVO_OK);
     assert_int_equal(svo_i_layout_create(plan, UINT64_C(1) << 26, &layout), SVO_OK);
     assert_int_equal(layout.chunk_count, 1);
     layout.chunks[0].capacity = 0;
@@ -200,7 +200,7 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
 }
 
 static unsigned wrong_rasters(svo_device *device, svo_gl_context *context, const golden_table *table,
-                              svo_i_conservative way)
+                              svo_i_conservative method)
 {
     unsigned wrong = 0;
     for (size_t s = 0; s < table->scene_count; ++s) {
@@ -227,7 +227,7 @@ static unsigned wrong_rasters(svo_device *device, svo_gl_context *context, const
             }
             svo_plan *plan = NULL;
             assert_int_equal(svo_plan_create(device, &mesh, expected->depth, &options, &plan), SVO_OK);
-            wrong += count_fragments(context, plan, way) != expected->pairs;
+            wrong += count_fragments(context, plan, method) != expected->pairs;
             svo_plan_destroy(&plan);
         }
         free(positions);

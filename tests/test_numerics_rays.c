@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue's rows on rays, beside a reference that tries every triangle in long double: closed surfaces have no gaps
- * (T11), no direction or origin loses a hit (T12), bad rays meet nothing and cost nothing (T13).
+ * The catalogue's rows on rays, beside a reference that tries every triangle in long double: closed surfaces have no
+ * gaps (T11), no direction or origin loses a hit (T12), bad rays meet nothing and cost nothing (T13).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,9 +21,9 @@
 
 enum { RINGS = 48, SIDES = 96, BALL_VERTICES = 2 + (RINGS - 1) * SIDES, BALL_TRIANGLES = 2 * SIDES * (RINGS - 1) };
 
-/* A closed ball whose corners are whole numbers of steps from its centre. */
+/* A closed ball whose corners are whole numbers of steps from its center. */
 typedef struct ball {
-    int32_t corners[BALL_VERTICES][3]; /* in steps, from the centre */
+    int32_t corners[BALL_VERTICES][3]; /* in steps, from the center */
     double positions[BALL_VERTICES][3];
     uint32_t indices[BALL_TRIANGLES][3];
     svo_mesh mesh;
@@ -226,10 +226,10 @@ static void t12_a_long_ray_between_cells_of_16(void **state)
         owned.positions[i] += (random_unit(&random) - 0.5) * 200;
     }
     build_for_rays(opened, &owned.mesh, 7, corner, 2048, &tree); /* 128 cells of 16 */
-    for (int turn = 0; turn < 64; ++turn) {
+    for (int interleaved_method = 0; interleaved_method < 64; ++interleaved_method) {
         svo_ray ray = {{-668, -340, 77}, {404 + 668, -64 + 340, -784 - 77}, 0, 1};
         svo_hit hit;
-        ray.origin[turn % 3] += (float)turn / 8;
+        ray.origin[interleaved_method % 3] += (float)interleaved_method / 8;
         trace_rays(opened, &tree, &ray, 1, SVO_TRACE_CLOSEST, &hit);
         assert_is_closest("cells of 16", &tree, &ray, &hit);
         assert_in_range(hit.count, 1, 3 * 128 + 1);
@@ -264,8 +264,8 @@ static void t12_random_rays(void **state)
     scene_destroy(&made);
 }
 
-/* Aimed at the middles of edges from ten thousand widths of the scene away, where a walk from cell to cell in floats once met
-   what lies behind. */
+/* Aimed at the middles of edges from ten thousand widths of the scene away, where a walk from cell to cell in floats
+   once met what lies behind. */
 static void t12_rays_from_far_away_at_edges(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -279,12 +279,12 @@ static void t12_rays_from_far_away_at_edges(void **state)
     build_for_rays(opened, mesh, 7, NULL, 0, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         const uint32_t *corners = mesh->indices + (size_t)random_below(&random, (uint32_t)mesh->triangle_count) * 3;
-        double way[3];
+        double method[3];
         for (int axis = 0; axis < 3; ++axis) {
             const double a = (double)mesh->positions[(size_t)corners[i % 3] * 3 + (size_t)axis];
             const double b = (double)mesh->positions[(size_t)corners[(i + 1) % 3] * 3 + (size_t)axis];
-            way[axis] = (random_unit(&random) - 0.5) * 2e4 * tree.info.edge;
-            rays[i].origin[axis] = (float)((a + b) / 2 - way[axis]);
+            method[axis] = (random_unit(&random) - 0.5) * 2e4 * tree.info.edge;
+            rays[i].origin[axis] = (float)((a + b) / 2 - method[axis]);
             rays[i].direction[axis] = (float)(((a + b) / 2 - (double)rays[i].origin[axis]) * 8);
         }
         rays[i].t_min = 0;

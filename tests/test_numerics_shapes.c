@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue of stiff and extreme cases, by shape: closed forms (T2), needles (T3), pairs at great offsets (T4), garbage
- * (T8) and depths (T9), through the whole pipeline, in every coverage, against both exact references.
+ * The catalogue of stiff and extreme cases, by shape: closed forms (T2), needles (T3), pairs at great offsets (T4),
+ * garbage (T8) and depths (T9), through the whole pipeline, in every coverage, against both exact references.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -137,8 +137,8 @@ static void t2_points_have_one_voxel_a_level(void **state)
  * T3 needles. Coordinates in voxels of a grid of 64^3.
  */
 
-/* After the conformance shapes of Direct3D's conservative rasterization: needles across pixels, triangles below a pixel in
-   every place of one, edges that pass a corner at a distance of 1/1024 on either side. */
+/* After the conformance shapes of Direct3D's conservative rasterization: needles across pixels, triangles below a pixel
+   in every place of one, edges that pass a corner at a distance of 1/1024 on either side. */
 static void t3_conformance_shapes_are_exact(void **state)
 {
     static const double shapes[][9] = {
@@ -196,7 +196,8 @@ static void t3_slivers_of_any_aspect_are_exact(void **state)
     compare_all_coverages(opened, &mesh, 4, 0.0);
 }
 
-/* A needle through a point of the unit cube, its ends up to reach beyond the cube, the third corner on it or nearly so. */
+/* A needle through a point of the unit cube, its ends up to reach beyond the cube, the third corner on it or nearly
+   so. */
 static void needle_through_cube(uint64_t *random, double reach, double *corners)
 {
     static const double widths[] = {0.0, 1e-7, 1e-5};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves the exact references of tests/oracle: both give the golden counts and the same pairs, both give the counts that
- * are known in closed form, the octree walk finds what asking every voxel finds, and sorting, comparing and the tree that
- * follows from a list do what they say. test_oracle_random.c goes through single pairs.
+ * Proves the exact references of tests/oracle: both give the golden counts and the same pairs, both give the counts
+ * that are known in closed form, the octree walk finds what asking every voxel finds, and sorting, comparing and the
+ * tree that follows from a list do what they say. test_oracle_random.c goes through single pairs.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -196,8 +196,8 @@ static void points_have_their_voxels(void **state)
     }
 }
 
-/* Near faces are the grid's, far faces only when closed; a coordinate of 2^29 is refused. The triangle stands at x = const
-   and covers the grid's cross-section, with a vertex at y = reach. */
+/* Near faces are the grid's, far faces only when closed; a coordinate of 2^29 is refused. The triangle stands at x =
+   const and covers the grid's cross-section, with a vertex at y = reach. */
 static void triangles_outside_touch_nothing(void **state)
 {
     const int32_t end = 1 << SNAP_BITS, limit = 1 << 29;

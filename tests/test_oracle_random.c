@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Proves that the two exact references give the same answer on single (triangle, box) pairs: random ones of every kind
- * that is hard on an overlap test, up to the ends of the coordinate range. Where a generator knows a point that triangle
- * and box share, both must find it; and no answer may depend on vertex order, axis order or (closed) reflection.
+ * that is hard on an overlap test, up to the ends of the coordinate range. Where a generator knows a point that
+ * triangle and box share, both must find it; and no answer may depend on vertex order, axis order or (closed)
+ * reflection.
  *
  * The seed is printed and can be set: SVOCL_TEST_SEED=n test_oracle_random.
  */

@@ -70,7 +70,7 @@ static void snap_equals_the_definition_in_doubles(void **state)
     assert_in_range(refused_count, 1000, 200000);
 }
 
-/* With edge 2^20 the scale is 1: halves go to the even neighbour. */
+/* With edge 2^20 the scale is 1: halves go to the even neighbor. */
 static void ties_go_to_even(void **state)
 {
     const double origin[3] = {0, 0, 0}, values[] = {0.5, 1.5, 2.5, -0.5, -1.5, -2.5, 2.5000000000000004, -0.0, 5e-324};

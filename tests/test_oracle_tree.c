@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves the lists of tests/oracle: Morton codes, the sort, the comparison of two lists, and the canonical tree of a list
- * against one written out by hand, against a walk from its root, and against the trees of other depths.
+ * Proves the lists of tests/oracle: Morton codes, the sort, the comparison of two lists, and the canonical tree of a
+ * list against one written out by hand, against a walk from its root, and against the trees of other depths.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -97,7 +97,8 @@ static void comparison_counts_voxels_and_pairs(void **state)
     assert_int_equal(difference.missed_voxels + difference.surplus_voxels, 0);
 }
 
-/* Depth 2: octant 0 holds leaves 0 and 7, octant 5 holds leaf 3 (of two triangles), octant 6 holds leaves 1, 2 and 4. */
+/* Depth 2: octant 0 holds leaves 0 and 7, octant 5 holds leaf 3 (of two triangles), octant 6 holds leaves 1, 2 and
+   4. */
 static void tree_is_the_one_written_out_by_hand(void **state)
 {
     oracle_pair list[] = {{000, 1}, {007, 0}, {053, 0}, {053, 2}, {061, 0}, {062, 0}, {064, 3}};

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T4 pairs, in the shared text itself: one definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit for bit, and with the exact references.
+ * T4 pairs, in the shared text itself: one definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit
+ * for bit, and with the exact references.
  *
- * kernels/integer.clh and kernels/overlap.clh are asked, in each language, about thousands of random and hard records in
- * each of their three widths, half-open, closed and thin (agree/sample.h makes them, agree/probe.clh asks). GLSL is asked twice: with 64-bit integers
- * of the language, and with those made of two words. Only the spans may differ, which float arithmetic estimates: they
- * must hold every voxel that the integers let pass.
+ * kernels/integer.clh and kernels/overlap.clh are asked, in each language, about thousands of random and hard records
+ * in each of their three widths, half-open, closed and thin (agree/sample.h makes them, agree/probe.clh asks). GLSL is
+ * asked twice: with 64-bit integers of the language, and with those made of two words. Only the spans may differ, which
+ * float arithmetic estimates: they must hold every voxel that the integers let pass.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -289,7 +290,7 @@ static void to_words(uint64_t bits, int32_t *words)
     memcpy(words, halves, sizeof halves);
 }
 
-/* An edge value, the neighbour of a power of two, or a random number of random length. */
+/* An edge value, the neighbor of a power of two, or a random number of random length. */
 static int64_t random_integer(uint64_t *random)
 {
     static const int64_t edges[] = {0, 1, -1, INT64_MAX, INT64_MIN, INT64_MIN + 1};

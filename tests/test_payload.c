@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload: colour, normal, material and fill of every leaf and every inner node equal the reference byte for byte, for every sort of
- * attribute a mesh can have; colours are what doubles say; means over very many triangles are exact; and neither order nor
- * the cut of the list matters.
+ * The payload: color, normal, material and fill of every leaf and every inner node equal the reference byte for byte,
+ * for every sort of attribute a mesh can have; colors are what doubles say; means over very many triangles are exact;
+ * and neither order nor the cut of the list matters.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +45,7 @@ static void payload_of_every_attribute_is_exact(void **state)
         attributed_mesh_create(seed, seed % 4 == 0 ? 3 : 300, 0.0, &made);
         check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD});
         check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = SVO_NEED_ALL, .edge = 1.0});
-        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTER; ++weights) {
             const svo_plan_options options = {.need = NEED_MEANS | SVO_NEED_MATERIAL, .weights = (svo_weights)weights};
             check_payload(opened, &made.mesh, depth, &options);
         }
@@ -116,7 +116,7 @@ static void payload_of_scenes_is_exact(void **state)
 /* Where there is less surface in a voxel, in faces, rounding has a say in which triangle weighs more. */
 #define AREA_THAT_COUNTS 1e-4
 
-/* The distance of built leaf colours from those in doubles. */
+/* The distance of built leaf colors from those in doubles. */
 static double largest_color_error(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_weights weights)
 {
     const svo_plan_options options = {.need = SVO_NEED_COLOR, .weights = weights};
@@ -157,9 +157,9 @@ static void colors_are_what_doubles_say(void **state)
         attributed_mesh made;
         attributed_mesh_create(seed, 300, 0.0, &made);
         made.mesh.texture_count = 0;
-        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTER; ++weights) {
             const double error = largest_color_error(opened, &made.mesh, 6, (svo_weights)weights);
-            print_message("colours and materials, %s, seed %llu: %.3f units\n", svo_weights_name((svo_weights)weights),
+            print_message("colors and materials, %s, seed %llu: %.3f units\n", svo_weights_name((svo_weights)weights),
                           (unsigned long long)seed, error);
             assert_true(error <= 1.5);
         }
@@ -167,8 +167,8 @@ static void colors_are_what_doubles_say(void **state)
     }
 }
 
-/* Half a unit for each of the texel, its 256ths on both axes, the product and the mean, and another half for weights of 16
-   bits where neighbouring texels differ by all they can. */
+/* Half a unit for each of the texel, its 256ths on both axes, the product and the mean, and another half for weights of
+   16 bits where neighboring texels differ by all they can. */
 static void textures_are_what_doubles_say(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -179,14 +179,14 @@ static void textures_are_what_doubles_say(void **state)
         for (size_t i = 0; i < made.mesh.vertex_count * 2; ++i) {
             made.uvs[i] = isfinite(made.uvs[i]) ? fmodf(made.uvs[i], 1.0F) : 0.0F;
         }
-        const double error = largest_color_error(opened, &made.mesh, 6, SVO_WEIGHTS_CENTRE);
+        const double error = largest_color_error(opened, &made.mesh, 6, SVO_WEIGHTS_CENTER);
         print_message("textures, seed %llu: %.3f units\n", (unsigned long long)seed, error);
         assert_true(error <= 3.0);
         attributed_mesh_destroy(&made);
     }
 }
 
-/* Triangles in one voxel, each of one random colour and normal. */
+/* Triangles in one voxel, each of one random color and normal. */
 typedef struct crowd {
     owned_mesh base;
     svo_mesh mesh;
@@ -285,7 +285,7 @@ static void t14_means_over_many_triangles_are_exact(void **state)
     }
 }
 
-/* Sums above 32 bits: ten million triangles, in the colours of two materials. */
+/* Sums above 32 bits: ten million triangles, in the colors of two materials. */
 static void t14_means_over_millions_of_triangles_are_exact(void **state)
 {
     enum { COUNT = 10000000 };
@@ -356,7 +356,7 @@ static void materials_of_crowds_are_exact(void **state)
         made.mesh.triangle_materials = given;
         made.mesh.materials = materials;
         made.mesh.material_count = cases[i].material_count;
-        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTRE; ++weights) {
+        for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTER; ++weights) {
             const svo_plan_options options = {.need = SVO_NEED_MATERIAL | (weights % 2 == 0 ? 0 : SVO_NEED_RAYS),
                                               .weights = (svo_weights)weights,
                                               .edge = 1.0,
@@ -401,7 +401,7 @@ static void fills_are_areas(void **state)
 /* Segments, points and triangles that only touch a voxel weigh alike there, whatever their size. */
 static void what_has_no_area_weighs_alike(void **state)
 {
-    /* A point, a short and a long segment in one voxel of 8; colours of the three. */
+    /* A point, a short and a long segment in one voxel of 8; colors of the three. */
     static const float positions[] = {0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F,
                                       0.31F, 0.3F,  0.3F, 0.32F, 0.3F,  0.3F, 0.33F, 0.3F,  0.3F,
                                       0.3F,  0.27F, 0.3F, 0.3F,  0.29F, 0.3F, 0.3F,  0.36F, 0.3F};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Plans: what they say of a mesh is true, what is not asked for is neither in the plan nor in the tree, and arguments out
- * of range are refused with a message that names function, argument, value and limit.
+ * Plans: what they say of a mesh is true, what is not asked for is neither in the plan nor in the tree, and arguments
+ * out of range are refused with a message that names function, argument, value and limit.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,7 @@ static svo_plan_info plan_info(const fixture *opened, const svo_mesh *mesh, unsi
     return info;
 }
 
-static void the_count_law_predicts_the_fragments(void **state)
+static void the_estimate_predicts_the_fragments(void **state)
 {
     static const char *const specs[] = {"statue:120000", "statue:20000", "terrain:100000", "knot", "needles:5000"};
     const fixture *opened = fixture_of_group(state);
@@ -279,7 +279,7 @@ static void assert_prediction_holds(const built *actual, const svo_buffer_info *
     }
 }
 
-/* Colours that differ from vertex to vertex, by malloc; the scene's own are all white. */
+/* Colors that differ from vertex to vertex, by malloc; the scene's own are all white. */
 static uint8_t *varied_colors(size_t vertex_count)
 {
     uint8_t *colors = malloc(vertex_count * 4);
@@ -398,8 +398,8 @@ static void options_out_of_range_are_refused(void **state)
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.builder 2", "0 .. 1"));
     options = (svo_plan_options){.struct_size = sizeof options, .weights = (svo_weights)3};
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.weights 3", "0 .. 2"));
-    options = (svo_plan_options){.struct_size = sizeof options, .need = SVO_NEED_FILL, .weights = SVO_WEIGHTS_CENTRE};
-    assert_refused(opened, &small_mesh, 5, &options, WORDS("fill", "options.weights is centre"));
+    options = (svo_plan_options){.struct_size = sizeof options, .need = SVO_NEED_FILL, .weights = SVO_WEIGHTS_CENTER};
+    assert_refused(opened, &small_mesh, 5, &options, WORDS("fill", "options.weights is center"));
     static const double bad_edges[] = {-1.0, -0x1p-1074, NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < 5; ++i) {
         options = (svo_plan_options){.struct_size = sizeof options, .edge = bad_edges[i]};
@@ -529,7 +529,7 @@ static void arguments_of_a_build_are_checked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_count_law_predicts_the_fragments),
+        cmocka_unit_test(the_estimate_predicts_the_fragments),
         cmocka_unit_test(plan_numbers_are_true),
         cmocka_unit_test(integer_meshes_snap_without_error),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or absent. */
+/* The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or
+   absent. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -157,11 +158,11 @@ static void a_forced_choice_that_does_not_work_fails(void **state)
     (void)state;
     need_builds();
     const bool gl = gl_works();
-    if (!way_works(NULL, "frontends", "gl-hw")) {
+    if (!method_works(NULL, "frontends", "gl-hw")) {
         run_badly("$SVOCL build scene:cube -d 3 --frontend gl-hw", 1, gl ? "gl-hw" : "OpenGL");
     }
-    if (!way_works(NULL, "shares", "sharing")) {
-        run_badly("$SVOCL build scene:cube -d 3 --share sharing", 1, gl ? "sharing" : "OpenGL");
+    if (!method_works(NULL, "shares", "interop")) {
+        run_badly("$SVOCL build scene:cube -d 3 --share interop", 1, gl ? "interop" : "OpenGL");
     }
 }
 
@@ -271,7 +272,7 @@ static void check_planned_buffers(const cJSON *plan)
         assert_true(known);
         assert_true(strlen(text_of(buffer, "name")) > 0);
         all_bytes += number_of(buffer, "bytes");
-        tree_bytes += cJSON_IsTrue(cJSON_GetObjectItem(buffer, "stays")) ? number_of(buffer, "bytes") : 0.0;
+        tree_bytes += cJSON_IsTrue(cJSON_GetObjectItem(buffer, "persistent")) ? number_of(buffer, "bytes") : 0.0;
     }
     assert_true(number_of(plan, "tree_bytes") == tree_bytes);
     assert_true(number_of(plan, "peak_bytes") >= tree_bytes && number_of(plan, "peak_bytes") <= all_bytes);
@@ -296,7 +297,7 @@ static void plans_have_their_json_names(void **state)
     cJSON_ArrayForEach(kernels, array_of(plan, "kernels"))
     {
         assert_true(strlen(text_of(kernels, "name")) > 0);
-        text_of(kernels, "keys");
+        text_of(kernels, "defines");
     }
     assert_true(cJSON_GetArraySize(array_of(plan, "kernels")) >= 2);
     cJSON_Delete(plan);
@@ -395,11 +396,11 @@ static void devices_has_its_json_names(void **state)
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "frontends")), 2);
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "shares")), 3);
         assert_int_equal(cJSON_GetArraySize(array_of(pair, "builders")), 3);
-        const cJSON *way = NULL;
-        cJSON_ArrayForEach(way, array_of(pair, "shares"))
+        const cJSON *method = NULL;
+        cJSON_ArrayForEach(method, array_of(pair, "shares"))
         {
-            const bool works = cJSON_IsTrue(cJSON_GetObjectItem(way, "works"));
-            assert_true(works == (strlen(text_of(way, "reason")) == 0));
+            const bool works = cJSON_IsTrue(cJSON_GetObjectItem(method, "works"));
+            assert_true(works == (strlen(text_of(method, "reason")) == 0));
         }
     }
     cJSON_Delete(document);
@@ -447,7 +448,7 @@ static void expect_hash(const char *more, const char *hash)
     }
 }
 
-static void the_hash_is_the_same_every_way(void **state)
+static void the_hash_is_the_same_by_every_method(void **state)
 {
     (void)state;
     need_builds();
@@ -467,7 +468,7 @@ static void the_hash_is_the_same_every_way(void **state)
     }
     expect_hash("--builder cl", hash);
     expect_hash("--builder sorted", hash);
-    if (way_works(NULL, "builders", "gl-compute")) {
+    if (method_works(NULL, "builders", "gl-compute")) {
         expect_hash("--builder gl-compute", hash);
     }
     static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
@@ -476,7 +477,7 @@ static void the_hash_is_the_same_every_way(void **state)
         for (size_t s = 0; s < 2; ++s) {
             char more[64];
             snprintf(more, sizeof more, "--context %s --share %s", contexts[c], shares[s]);
-            if (way_works(contexts[c], "shares", shares[s])) {
+            if (method_works(contexts[c], "shares", shares[s])) {
                 expect_hash(more, hash);
             } else {
                 print_message("not run, does not work here: %s\n", more);
@@ -645,7 +646,7 @@ int main(void)
                                        IN_FOLDER(devices_has_its_json_names),
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),
                                        IN_FOLDER(verify_finds_every_scene_exact),
-                                       IN_FOLDER(the_hash_is_the_same_every_way),
+                                       IN_FOLDER(the_hash_is_the_same_by_every_method),
                                        IN_FOLDER(hash_says_what_ran),
                                        IN_FOLDER(a_picture_is_written),
                                        IN_FOLDER(rays_from_a_file_become_hits),

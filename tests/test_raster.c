@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The raster front end's choices: which hardware way a context offers, whether the self-test tells a driver that keeps its
- * word from one that does not, that forced choices are kept or refused with the reason, and that the shaders' kind of
- * integers leaves no trace in the tree.
+ * The raster front end's choices: which hardware way a context offers, whether the self-test tells a driver that keeps
+ * its word from one that does not, that forced choices are kept or refused with the reason, and that the shaders' kind
+ * of integers leaves no trace in the tree.
  *
  * No software rasterizer has the hardware extensions. A context whose table of functions is changed stands for a driver
  * that lists one, accepts all calls that belong to it, and rasterizes as ever.
@@ -36,13 +36,13 @@ static void APIENTRY ignore_parameter(GLenum name, GLint value)
     (void)value;
 }
 
-static void hardware_way_follows_from_extensions(void **state)
+static void hardware_method_follows_from_extensions(void **state)
 {
     (void)state;
     static const struct {
         const char *extensions;
         bool has_function;
-        svo_i_conservative way;
+        svo_i_conservative method;
         const char *reason; /* part of it */
     } cases[] = {
         {"", false, SVO_I_CONSERVATIVE_EXPAND, "neither " NV " nor " INTEL},
@@ -65,21 +65,21 @@ static void hardware_way_follows_from_extensions(void **state)
                                        .ConservativeRasterParameteriNV =
                                            cases[i].has_function ? ignore_parameter : NULL};
         const char *reason = NULL;
-        const svo_i_conservative way = svo_i_raster_hardware(&gl, &reason);
-        if (way != cases[i].way || (cases[i].reason[0] == '\0') != (reason[0] == '\0') ||
+        const svo_i_conservative method = svo_i_raster_hardware(&gl, &reason);
+        if (method != cases[i].method || (cases[i].reason[0] == '\0') != (reason[0] == '\0') ||
             strstr(reason, cases[i].reason) == NULL) {
-            fail_msg("'%s': way %d, reason '%s', not %d, '%s'", extensions, (int)way, reason, (int)cases[i].way,
+            fail_msg("'%s': way %d, reason '%s', not %d, '%s'", extensions, (int)method, reason, (int)cases[i].method,
                      cases[i].reason);
         }
     }
 }
 
 /* What the self-test says about a way of rasterizing. */
-static void selftest_reason(svo_device *device, svo_gl_context *context, svo_i_conservative way, bool no_int64,
+static void selftest_reason(svo_device *device, svo_gl_context *context, svo_i_conservative method, bool no_int64,
                             char reason[REASON_BYTES])
 {
     svo_i_raster *raster = NULL;
-    if (svo_i_raster_create(device, context, way, no_int64, &raster) != SVO_OK) {
+    if (svo_i_raster_create(device, context, method, no_int64, &raster) != SVO_OK) {
         fail_msg("%s", svo_device_message(device));
     }
     svo_i_raster_selftest(device, context, raster, reason, REASON_BYTES);
@@ -156,7 +156,7 @@ static void stop_lying(svo_gl_context *context)
 }
 
 typedef struct lie {
-    svo_i_conservative way;
+    svo_i_conservative method;
     const char *extensions;
 } lie;
 
@@ -172,7 +172,7 @@ static void selftest_finds_what_a_lying_driver_misses(void **state)
         char reason[REASON_BYTES] = "";
         unsigned found = 0;
         unsigned expected = 0;
-        selftest_reason(device, context, told->way, no_int64 != 0, reason);
+        selftest_reason(device, context, told->method, no_int64 != 0, reason);
         if (sscanf(reason, "the self-test found %u fragments, not %u", &found, &expected) != 2 || found >= expected) {
             fail_msg("%s: '%s'", told->extensions, reason);
         }
@@ -264,7 +264,7 @@ static void conservative_state_is_off_and_comes_back(void **state)
     svo_i_gl_state_save(gl, &saved);
     svo_i_gl_state_set_plain(gl);
     assert_int_equal(conservative_on, GL_FALSE);
-    if (told->way == SVO_I_CONSERVATIVE_NV) {
+    if (told->method == SVO_I_CONSERVATIVE_NV) {
         conservative_mode = 0x954f; /* what gl-hw sets */
     }
     svo_i_gl_state_restore(gl, &saved);
@@ -347,16 +347,16 @@ static svo_plan *plan_mixed(svo_device *device, const mixed_mesh *mixed, unsigne
     return plan;
 }
 
-static void check_shaders_compile(svo_gl_context *context, svo_plan *plan, svo_i_conservative way, bool no_int64)
+static void check_shaders_compile(svo_gl_context *context, svo_plan *plan, svo_i_conservative method, bool no_int64)
 {
     svo_i_raster *raster = NULL;
-    assert_int_equal(svo_i_raster_create(plan->device, context, way, no_int64, &raster), SVO_OK);
+    assert_int_equal(svo_i_raster_create(plan->device, context, method, no_int64, &raster), SVO_OK);
     assert_int_equal(svo_i_gl_context_make_current(context, NULL), SVO_OK);
     const svo_status status = svo_i_raster_prepare(raster, plan);
     svo_i_gl_context_release_current(context);
     svo_i_raster_destroy(&raster);
     if (status != SVO_OK) {
-        fail_msg("way %d, no_int64 %d: %s", (int)way, no_int64, svo_device_message(plan->device));
+        fail_msg("way %d, no_int64 %d: %s", (int)method, no_int64, svo_device_message(plan->device));
     }
 }
 
@@ -371,8 +371,8 @@ static void shaders_of_every_way_compile(void **state)
         svo_plan *plan = plan_mixed(device, &mixed, depth);
         for (size_t i = 0; i < sizeof lies / sizeof lies[0]; ++i) {
             start_lying(context, lies[i].extensions);
-            check_shaders_compile(context, plan, lies[i].way, false);
-            check_shaders_compile(context, plan, lies[i].way, true);
+            check_shaders_compile(context, plan, lies[i].method, false);
+            check_shaders_compile(context, plan, lies[i].method, true);
             stop_lying(context);
         }
         svo_plan_destroy(&plan);
@@ -415,7 +415,7 @@ static void forced_choice_is_kept_or_refused(void **state)
         const svo_gl_options forced = {.struct_size = sizeof forced, .raster = raster};
         check_forced(device, context, &forced, svo_gl_raster_reason(any, raster));
     }
-    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
         const svo_gl_options forced = {.struct_size = sizeof forced, .share = share};
         check_forced(device, context, &forced, svo_gl_share_reason(any, share));
     }
@@ -478,7 +478,7 @@ static void kind_of_integers_leaves_no_trace(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hardware_way_follows_from_extensions),
+        cmocka_unit_test(hardware_method_follows_from_extensions),
         cmocka_unit_test(expansion_passes_the_selftest_everywhere),
         cmocka_unit_test_prestate(selftest_finds_what_a_lying_driver_misses, &lies[0]),
         cmocka_unit_test_prestate(selftest_finds_what_a_lying_driver_misses, &lies[1]),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays and points against the triangles of a tree, beside a reference that tries every triangle in long double: hits, any
- * hit, counts, nearest triangles, trees of every depth, kernels of one's own, and the ways to call it.
+ * Rays and points against the triangles of a tree, beside a reference that tries every triangle in long double: hits,
+ * any hit, counts, nearest triangles, trees of every depth, kernels of one's own, and the ways to call it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -132,7 +132,8 @@ static void an_empty_tree_is_never_met(void **state)
 
 /* ---- batches and single rays ---- */
 
-/* A camera's rays go eight on one way, scattered ones on their own, and counting takes each alone: the hits are the same. */
+/* A camera's rays go eight on one way, scattered ones on their own, and counting takes each alone: the hits are the
+   same. */
 static void hits_do_not_depend_on_the_company(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -274,9 +275,9 @@ static void crowds_and_nests_of_triangles_are_found(void **state)
     built_destroy(&tree);
 }
 
-/* ---- when the tree of boxes is made ---- */
+/* ---- when the BVH is made ---- */
 
-static void boxes_are_made_when_they_are_asked_for(void **state)
+static void the_bvh_is_made_when_it_is_asked_for(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const svo_ray ray = {{0.5f, 0.5f, -1}, {0, 0, 1}, 0, INFINITY};
@@ -303,7 +304,7 @@ static void boxes_are_made_when_they_are_asked_for(void **state)
     scene_destroy(&made);
 }
 
-static void boxes_are_refused_for_trees_without_lists(void **state)
+static void the_bvh_is_refused_for_trees_without_lists(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     scene *made = make_scene("cube");
@@ -340,7 +341,7 @@ static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned 
             points[i].position[axis] =
                 (float)(tree.info.origin[axis] + tree.info.edge * (0.5 + spread * (random_unit(&random) - 0.5)));
         }
-        points[i].farthest = i % 5 == 0 ? (float)(tree.info.edge * 0.05) : INFINITY;
+        points[i].max_distance = i % 5 == 0 ? (float)(tree.info.edge * 0.05) : INFINITY;
     }
     assert_int_equal(svo_tree_nearest(tree.tree, points, results, POINTS, opened->queue), SVO_OK);
     for (size_t i = 0; i < POINTS; ++i) {
@@ -350,7 +351,7 @@ static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned 
         const double distance = oracle_nearest(&snapped, at, &triangle);
         const double slack = distance * 0x1p-22 + 1e-3 / snapped.scale;
         if (results[i].triangle == SVO_NO_TRIANGLE) {
-            assert_true(distance >= (double)points[i].farthest - slack);
+            assert_true(distance >= (double)points[i].max_distance - slack);
             continue;
         }
         const uint32_t met = results[i].triangle; /* none refused: ids are positions */
@@ -548,8 +549,8 @@ int main(void)
         cmocka_unit_test(hits_do_not_depend_on_the_batch),
         cmocka_unit_test(rays_through_a_pile_meet_the_next_sheet),
         cmocka_unit_test(crowds_and_nests_of_triangles_are_found),
-        cmocka_unit_test(boxes_are_made_when_they_are_asked_for),
-        cmocka_unit_test(boxes_are_refused_for_trees_without_lists),
+        cmocka_unit_test(the_bvh_is_made_when_it_is_asked_for),
+        cmocka_unit_test(the_bvh_is_refused_for_trees_without_lists),
         cmocka_unit_test(the_nearest_triangle_is_the_nearest),
         cmocka_unit_test(voxels_are_met_just_before_their_triangles),
         cmocka_unit_test(refuses_what_it_cannot_do),

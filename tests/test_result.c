@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of measurements: what is written as JSON reads back the same, and text that is no such thing is refused by name. */
+/* Tables of measurements: what is written as JSON reads back the same, and text that is no such thing is refused by
+   name. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

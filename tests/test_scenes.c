@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The procedural scenes: well-formed meshes of about the asked size, the same bytes on every machine and compiler (pinned
- * hashes), closed where they say so; and files that hold exactly what was written.
+ * The procedural scenes: well-formed meshes of about the asked size, the same bytes on every machine and compiler
+ * (pinned hashes), closed where they say so; and files that hold exactly what was written.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
@@ -238,8 +238,8 @@ static void closed_scenes_face_outwards(void **unused)
     }
 }
 
-/* The side a triangle turns to the viewer is the side its vertices' normals are on; a coarse mesh may bend away from them
-   here and there. */
+/* The side a triangle turns to the viewer is the side its vertices' normals are on; a coarse mesh may bend away from
+   them here and there. */
 static void normals_are_on_the_outer_side(void **unused)
 {
     (void)unused;
@@ -362,7 +362,7 @@ static char *read_file(const char *name)
     return text;
 }
 
-/* The bytes of a colour in 0 .. 1 as any importer rounds it. */
+/* The bytes of a color in 0 .. 1 as any importer rounds it. */
 static int byte_of(double component)
 {
     return (int)floor(component * 255 + 0.5);

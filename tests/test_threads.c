@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Handles that belong to different threads are independent: two threads build at once, on one OpenCL context with a queue
- * each, again and again, every time the tree that one thread alone builds.
+ * Handles that belong to different threads are independent: two threads build at once, on one OpenCL context with a
+ * queue each, again and again, every time the tree that one thread alone builds.
  */
 #include <setjmp.h>
 #include <stdarg.h>

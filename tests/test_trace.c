@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of trees against a reference that tests every voxel's box in double: what is occupied is drawn, what is not is
- * background, from outside and inside, along the axes and across them; and the camera that frames a tree.
+ * Pictures of trees against a reference that tests every voxel's box in double: what is occupied is drawn, what is not
+ * is background, from outside and inside, along the axes and across them; and the camera that frames a tree.
  *
- * Trees are made by hand, all black: a pixel is black where all its rays hit and has the row's background where none does.
+ * Trees are made by hand, all black: a pixel is black where all its rays hit and has the row's background where none
+ * does.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,8 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "svocl/svocl.h"
 #include "core/tree.h"
+#include "svocl/svocl.h"
 
 #define TEST_DEPTH_MAX 5u
 #define TEST_CELLS_MAX (1u << (3 * TEST_DEPTH_MAX))
@@ -475,11 +476,11 @@ static double seen_extent(const svo_camera *camera, double aspect, const double 
 static void the_framing_camera_shows_all_and_fills_the_picture(void **unused)
 {
     (void)unused;
-    static const uint32_t boxes[][6] = {
+    static const uint32_t bvh[][6] = {
         {0, 0, 0, 8, 8, 8}, {3, 2, 5, 4, 3, 6}, {0, 7, 0, 8, 8, 8}, {0, 0, 2, 1, 8, 3}, {6, 0, 0, 7, 1, 8}};
     static const float aspects[] = {0.3f, 1, 16.0f / 9, 4};
-    for (size_t box = 0; box < sizeof boxes / sizeof boxes[0]; ++box) {
-        const uint32_t *b = boxes[box];
+    for (size_t box = 0; box < sizeof bvh / sizeof bvh[0]; ++box) {
+        const uint32_t *b = bvh[box];
         occupancy *voxels = new_occupancy(3);
         for (uint32_t code = 0; code < 512; ++code) {
             const uint32_t x = code % 8;

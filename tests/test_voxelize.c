@@ -77,8 +77,8 @@ static void t9_every_depth_is_exact(void **state)
     }
 }
 
-/* T7: triangles across the whole grid, which are cut into tiles, beside small ones; one chunk, and chunks smaller than the
-   triangles. */
+/* T7: triangles across the whole grid, which are cut into tiles, beside small ones; one chunk, and chunks smaller than
+   the triangles. */
 static void t7_large_triangles_are_cut_into_tiles(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -126,7 +126,8 @@ static void t10_lists_grow_to_the_exact_need(void **state)
     }
 }
 
-/* Segments that run steeply along an axis outside the grid, where their bounds inside it say nothing of their direction. */
+/* Segments that run steeply along an axis outside the grid, where their bounds inside it say nothing of their
+   direction. */
 static void steep_segments_beyond_the_grid_are_exact(void **state)
 {
     static const double ends[][3] = {{8, 8, 400}, {400, 8, 8}, {8, 400, 8}, {-300, 7, -2}, {1.5, 1.5, -511}};
@@ -153,7 +154,8 @@ static uint64_t bytes_of(const built *actual, const char *name)
     return 0;
 }
 
-/* The front end's buffers are in the plan's list, its time is the device's own, and its kernels are compiled beforehand. */
+/* The front end's buffers are in the plan's list, its time is the device's own, and its kernels are compiled
+   beforehand. */
 static void what_it_takes_is_reported(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);

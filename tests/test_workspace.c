@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds that do not wait: the same trees as svo_build's, bit for bit, in memory that was there before; and what happens
- * where there is too little of it.
+ * Builds that do not wait: the same trees as svo_build's, bit for bit, in memory that was there before; and what
+ * happens where there is too little of it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -135,8 +135,8 @@ static void deep_grids_thin_and_closed_coverage_and_all_weights(void **state)
     compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .coverage = SVO_COVERAGE_THIN});
     compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .coverage = SVO_COVERAGE_CLOSED});
     compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .weights = SVO_WEIGHTS_UNIFORM});
-    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .weights = SVO_WEIGHTS_CENTRE});
-    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .certain_nodes = 1});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .weights = SVO_WEIGHTS_CENTER});
+    compare_with_build(&opened, mesh, 7, (svo_plan_options){.need = payload, .worst_case_nodes = 1});
     scene_destroy(&made);
 }
 
@@ -151,7 +151,7 @@ static void opengl_may_make_the_list(void **state)
     svo_tree *tree = make_tree(opened, workspace);
     svo_build_report report = {.struct_size = sizeof report};
     succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
-    assert_int_equal(svo_tree_finish(tree, opened->queue, 1, &report), SVO_NEED_MORE);
+    assert_int_equal(svo_tree_finish(tree, opened->queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 1000, UINT32_MAX);
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
@@ -348,7 +348,7 @@ static void too_little_room_comes_back_with_figures(void **state)
         svo_tree *tree = make_tree(&opened, workspace);
         svo_build_report report = {.struct_size = sizeof report};
         succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
-        assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_NEED_MORE);
+        assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
         assert_int_equal(report.fragments, exact);
         assert_in_range(report.inner_nodes, expected.info.inner_count, UINT32_MAX);
         char figure[32];
@@ -385,12 +385,12 @@ static void nodes_short_of_room_come_back_too(void **state)
     svo_tree *tree = make_tree(&opened, workspace);
     svo_build_report report = {.struct_size = sizeof report};
     succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
-    assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_NEED_MORE);
+    assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was long enough */
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
     svo_plan_destroy(&plan);
-    options.certain_nodes = 1;
+    options.worst_case_nodes = 1;
     compare_with_build(&opened, &mesh, 8, options);
     free(positions);
 }
@@ -411,8 +411,8 @@ static void scratch_may_be_the_callers(void **state)
                                     (size_t)(offset + info.scratch_bytes), NULL, NULL);
     assert_non_null(scratch);
     svo_workspace_options options = {.struct_size = sizeof options, .scratch = scratch};
-    for (int turn = 0; turn < 2; ++turn) {
-        options.offset_bytes = turn == 0 ? 0 : offset;
+    for (int interleaved_method = 0; interleaved_method < 2; ++interleaved_method) {
+        options.offset_bytes = interleaved_method == 0 ? 0 : offset;
         svo_workspace *workspace = NULL;
         succeed(&opened, svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace));
         svo_tree *tree = make_tree(&opened, workspace);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An integrator's own OpenGL context: whatever state it is in, the tree is the same and the state stays; it is used only
- * while it is current; meshes are read out of its buffers.
+ * An integrator's own OpenGL context: whatever state it is in, the tree is the same and the state stays; it is used
+ * only while it is current; meshes are read out of its buffers.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -67,21 +67,21 @@ static void open_wrapped(svo_gl_share share, fixture *out)
     out->frontend = svo_gl_frontend(out->gl);
 }
 
-static void check_build(const fixture *opened, const odd_state *odd, unsigned depth, size_t triangle_count)
+static void check_build(const fixture *opened, const nondefault_state *odd, unsigned depth, size_t triangle_count)
 {
     owned_mesh made;
     char hash[SVO_HASH_TEXT_BYTES];
     built finished;
     random_mesh(3, triangle_count, 0.1, &made);
     expected_hash(&made.mesh, depth, hash);
-    odd_state_assert(odd, "a build in a context of svocl's");
+    nondefault_state_assert(odd, "a build in a context of svocl's");
     fixture_build(opened, &made.mesh, depth, &everything, &finished);
-    odd_state_assert(odd, "svo_build");
+    nondefault_state_assert(odd, "svo_build");
     assert_string_equal(finished.hash, hash);
     built_destroy(&finished);
     if (svo_gl_build_reason(opened->gl, everything.need)[0] == '\0') {
         fixture_build_in_gl(opened, &made.mesh, depth, &everything, &finished);
-        odd_state_assert(odd, "svo_gl_build");
+        nondefault_state_assert(odd, "svo_gl_build");
         assert_string_equal(finished.hash, hash);
         built_destroy(&finished);
     }
@@ -93,18 +93,18 @@ static void check_state_stays(bool compatibility, svo_gl_share share)
     own_context own;
     fixture opened;
     own_context_make_or_skip(compatibility, &own);
-    odd_state *odd = odd_state_set(compatibility);
+    nondefault_state *odd = nondefault_state_set(compatibility);
     open_wrapped(share, &opened);
     if (opened.device->is_cpu) { /* its self-test works in any state, too */
         assert_string_equal(svo_gl_share_reason(opened.gl, SVO_GL_SHARE_HOST), "");
     }
-    odd_state_assert(odd, "svo_gl_create");
+    nondefault_state_assert(odd, "svo_gl_create");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         check_build(&opened, odd, cases[i].depth, cases[i].triangles);
     }
     fixture_close(&opened);
-    odd_state_assert(odd, "the destruction of all handles");
-    odd_state_destroy(&odd);
+    nondefault_state_assert(odd, "the destruction of all handles");
+    nondefault_state_destroy(&odd);
     own_context_destroy(&own);
 }
 
@@ -222,25 +222,25 @@ static void wrapped_context_shares_with_opencl(void **state)
     random_mesh(5, TRIANGLES, 0.0, &made);
     expected_hash(&made.mesh, 7, hash);
     own_context_make_or_skip(false, &own);
-    odd_state *odd = odd_state_set(false);
+    nondefault_state *odd = nondefault_state_set(false);
     opened.context = wrap();
     shim_install(opened.context, &(shim_faults){0});
     assert_int_equal(svo_gl_device_create(opened.context, NULL, NULL, &opened.device, NULL), SVO_OK);
     opened.queue =
         clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
-    const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_SHARING};
+    const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_INTEROP};
     if (svo_gl_create(opened.device, opened.context, &options, &opened.gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
     opened.frontend = svo_gl_frontend(opened.gl);
     fixture_build(&opened, &made.mesh, 7, &everything, &finished);
     assert_string_equal(finished.hash, hash);
-    assert_string_equal(finished.report.share, "sharing");
+    assert_string_equal(finished.report.share, "interop");
     built_destroy(&finished);
     shim_remove(opened.context);
     fixture_close(&opened);
-    odd_state_assert(odd, "a build that shares");
-    odd_state_destroy(&odd);
+    nondefault_state_assert(odd, "a build that shares");
+    nondefault_state_destroy(&odd);
     own_context_destroy(&own);
     owned_mesh_free(&made);
 }

@@ -47,7 +47,8 @@ static bool walk_make(const svo_plan *plan, walk *w)
     if (w->by_triangle == NULL) {
         return false;
     }
-    /* A counting sort. Counts stand two places on, begins one, so that placing the pairs leaves each begin in its place. */
+    /* A counting sort. Counts stand two places on, begins one, so that placing the pairs leaves each begin in its
+       place. */
     for (size_t i = 0; i < w->pairs.count; ++i) {
         ++w->triangle_begin[w->pairs.pairs[i].triangle + 2];
     }

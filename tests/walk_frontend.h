@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A front end for tests, in place of a rasterizer: the exact references walk the plan's snapped mesh on the host, and the
- * fragments go to OpenCL in an order as odd as a GPU's. It obeys the plan's layout as a real front end does (draws, tiles,
- * capacities, counting on when a chunk is full), so that the builder and its kernels can be tested without OpenGL.
+ * A front end for tests, in place of a rasterizer: the exact references walk the plan's snapped mesh on the host, and
+ * the fragments go to OpenCL in an order as odd as a GPU's. It obeys the plan's layout as a real front end does (draws,
+ * tiles, capacities, counting on when a chunk is full), so that the builder and its kernels can be tested without
+ * OpenGL.
  */
-#ifndef SVOCL_WALK_FRONTEND_H
-#define SVOCL_WALK_FRONTEND_H
+#ifndef SVOCL_TESTS_WALK_FRONTEND_H
+#define SVOCL_TESTS_WALK_FRONTEND_H
 
 #include "build/frontend.h"
 

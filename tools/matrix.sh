@@ -28,12 +28,12 @@ readonly matrix_small_cases=(
 readonly matrix_cases=(
     "scene:atrium -d 8 --need $matrix_all"
     "scene:statue:20000 -d 9 --need rays"
-    "scene:terrain:20000 -d 8 --need color,normal --weights centre"
+    "scene:terrain:20000 -d 8 --need color,normal --weights center"
     "scene:needles -d 8 --need none --coverage closed"
     "scene:dust -d 6 --need rays,normal --weights uniform"
     "scene:knot:5000 -d 11 --need none --coverage thin"
 )
-readonly matrix_ways=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
+readonly matrix_methods=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
 # Arguments of `svocl trace`; matrix_rays is on its standard input.
 readonly matrix_small_traces=("scene:cornell:60 -d 4 --camera auto --size 24x16")
 readonly matrix_traces=(
@@ -100,7 +100,7 @@ matrix_runner()
     local column=$1 folder=$2 vendors=/etc/OpenCL/vendors
     case $column in
     "PoCL 3.1") printf '%s\n' env OCL_ICD_VENDORS=$vendors/pocl.icd "$program" ;;
-    # Functions as they are written: oclgrind 21.10 does not know all that the optimiser makes of them.
+    # Functions as they are written: oclgrind 21.10 does not know all that the optimizer makes of them.
     oclgrind) printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program" ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
@@ -224,10 +224,10 @@ matrix()
     printf ' %9s' "${matrix_columns[@]}"
     printf '\n'
     for case in "${matrix_small_cases[@]}"; do
-        matrix_case "$folder" yes "$case" "${matrix_ways[@]}"
+        matrix_case "$folder" yes "$case" "${matrix_methods[@]}"
     done
     for case in "${matrix_cases[@]}"; do
-        matrix_case "$folder" no "$case" "${matrix_ways[@]}"
+        matrix_case "$folder" no "$case" "${matrix_methods[@]}"
     done
     for case in "${matrix_small_traces[@]}"; do
         matrix_case "$folder" yes "$case" "cl hits"

@@ -3,8 +3,8 @@
  * Compute shaders of one context: programs compiled on first use, buffers, launches, and the time they take. What the
  * GL compute builder (gl_build.h) stands on, as the OpenCL stages stand on lib/build.h.
  */
-#ifndef SVO_GLINTEROP_COMPUTE_H
-#define SVO_GLINTEROP_COMPUTE_H
+#ifndef SVO_GLINTEROP_COMPUTE_COMPUTE_H
+#define SVO_GLINTEROP_COMPUTE_COMPUTE_H
 
 #include "build/build.h"
 #include "context/context.h"
@@ -50,7 +50,7 @@ typedef struct svo_i_compute_program svo_i_compute_program;
 struct svo_i_compute_program {
     svo_i_compute_program *next;
     svo_i_entry entry;
-    char keys[SVO_I_KEYS_BYTES];
+    char defines[SVO_I_DEFINES_BYTES];
     GLuint name;
     GLint fields[SVO_I_COMPUTE_FIELDS]; /* uniform locations; -1: not read */
     GLint vertex_count;
@@ -63,7 +63,7 @@ typedef struct svo_i_compute {
     bool int64; /* the shaders have 64-bit integers */
     bool has_timer; /* the context's timer queries can be believed */
     svo_i_compute_program *programs;
-    char keys[SVO_I_KEYS_BYTES]; /* of the plan being built */
+    char defines[SVO_I_DEFINES_BYTES]; /* of the plan being built */
     GLuint queries[2]; /* begin and end of a stage */
     double stage_start_ms;
     GLuint exhausted; /* one word */

@@ -103,30 +103,30 @@ static size_t fields_of(svo_i_entry entry, const field **out)
 }
 
 /* " -DSVO_A -DSVO_B" as lines of "#define SVO_A". */
-static void keys_to_lines(const char *keys, char *lines, size_t lines_bytes)
+static void defines_to_lines(const char *defines, char *lines, size_t lines_bytes)
 {
     size_t used = 0;
     lines[0] = '\0';
-    for (const char *at = strstr(keys, " -D"); at != NULL && used < lines_bytes; at = strstr(at + 3, " -D")) {
+    for (const char *at = strstr(defines, " -D"); at != NULL && used < lines_bytes; at = strstr(at + 3, " -D")) {
         used += (size_t)snprintf(lines + used, lines_bytes - used, "#define %.*s\n", (int)strcspn(at + 3, " "), at + 3);
     }
 }
 
 /* Those of the plan's keys that the entry point has. */
-static const char *keys_of(const svo_i_compute *compute, svo_i_entry entry)
+static const char *defines_of(const svo_i_compute *compute, svo_i_entry entry)
 {
     static const char code48[] = " -DSVO_CODE48";
     if (shapes[entry].has_64_bits) {
-        return compute->keys;
+        return compute->defines;
     }
-    return shapes[entry].base != BASE_COMMON && strstr(compute->keys, code48) != NULL ? code48 : "";
+    return shapes[entry].base != BASE_COMMON && strstr(compute->defines, code48) != NULL ? code48 : "";
 }
 
-static svo_status compile_shader(const svo_i_shader_maker *maker, const entry_shape *shape, const char *keys,
+static svo_status compile_shader(const svo_i_shader_maker *maker, const entry_shape *shape, const char *defines,
                                  GLuint *out)
 {
-    char lines[2 * SVO_I_KEYS_BYTES];
-    keys_to_lines(keys, lines, sizeof lines);
+    char lines[2 * SVO_I_DEFINES_BYTES];
+    defines_to_lines(defines, lines, sizeof lines);
     const char *sources[] = {
         "#version 430 core\n",
         shape->has_64_bits ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
@@ -190,7 +190,7 @@ static svo_status make_program(svo_i_compute *compute, svo_i_compute_program *pr
     const entry_shape *shape = &shapes[program->entry];
     const svo_i_shader_maker maker = {compute->device, compute->gl, SVO_I_GL_BUILD, shape->key};
     GLuint shader = 0;
-    svo_status status = compile_shader(&maker, shape, program->keys, &shader);
+    svo_status status = compile_shader(&maker, shape, program->defines, &shader);
     if (status == SVO_OK) {
         status = svo_i_shader_link(&maker, &shader, 1, &program->name);
         compute->gl->DeleteShader(shader);
@@ -204,9 +204,9 @@ static svo_status make_program(svo_i_compute *compute, svo_i_compute_program *pr
 
 svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, svo_i_compute_program **out)
 {
-    const char *keys = keys_of(compute, entry);
+    const char *defines = defines_of(compute, entry);
     for (svo_i_compute_program *known = compute->programs; known != NULL; known = known->next) {
-        if (known->entry == entry && strcmp(known->keys, keys) == 0) {
+        if (known->entry == entry && strcmp(known->defines, defines) == 0) {
             *out = known;
             return SVO_OK;
         }
@@ -217,7 +217,7 @@ svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, 
     }
     const double start_ms = svo_i_now_ms();
     program->entry = entry;
-    memcpy(program->keys, keys, strlen(keys) + 1);
+    memcpy(program->defines, defines, strlen(defines) + 1);
     const svo_status status = make_program(compute, program);
     compute->device->compile_ms += svo_i_now_ms() - start_ms;
     if (status != SVO_OK) {
@@ -245,7 +245,7 @@ svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
     const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_plan_keys(plan, compute->keys, sizeof compute->keys);
+    svo_i_plan_defines(plan, compute->defines, sizeof compute->defines);
     svo_status status = SVO_OK;
     for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES && status == SVO_OK; ++entry) {
         svo_i_compute_program *program = NULL;

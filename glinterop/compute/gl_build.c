@@ -84,7 +84,7 @@ static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, b
     return status == SVO_OK ? svo_i_gl_subdivide(gl_build, fits) : status;
 }
 
-/* Masks and first children, rerun once with room for certain when the count law misjudged the scene. */
+/* Masks and first children, rerun once with room for certain when the fragment estimate misjudged the scene. */
 static svo_status make_nodes(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;

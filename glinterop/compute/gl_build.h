@@ -3,8 +3,8 @@
  * One build by compute shaders: what its stages (gl_subdivide.c, gl_pack.c, gl_material.c, gl_filter.c) share.
  * gl_build.c runs them in order. Each stage is the twin of the OpenCL one of the same name in lib/, shader by shader.
  */
-#ifndef SVO_GLINTEROP_GL_BUILD_H
-#define SVO_GLINTEROP_GL_BUILD_H
+#ifndef SVO_GLINTEROP_COMPUTE_GL_BUILD_H
+#define SVO_GLINTEROP_COMPUTE_GL_BUILD_H
 
 #include "compute/compute.h"
 
@@ -43,7 +43,7 @@ svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *o
 void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface);
 /* gl_material.c: the nodes' materials. Needs list_begin, and materials that vary. */
 svo_status svo_i_gl_material(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface);
-/* gl_filter.c: links the leaves, and makes colours, normals and fills. */
+/* gl_filter.c: links the leaves, and makes colors, normals and fills. */
 svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface);
 
 #endif

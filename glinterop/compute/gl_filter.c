@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Runs shaders/link.comp and shaders/filter.comp: the leaves' fragments are linked and their contributions summed up,
- * then sums travel up level by level and every node's colour, normal and fill are written.
+ * then sums travel up level by level and every node's color, normal and fill are written.
  *
  * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level.
  * Several chunks, and voxels of more triangles than an invocation may turn loops for (shaders/compute.glsl), are added

@@ -22,7 +22,7 @@ static void put_attribute(svo_i_gl_build *gl_build, const void *data, uint64_t b
     }
 }
 
-/* Colours, then normals, then texture coordinates. */
+/* Colors, then normals, then texture coordinates. */
 static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
 {
     const svo_plan *plan = gl_build->build->plan;

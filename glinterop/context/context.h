@@ -5,13 +5,13 @@
  * context.c holds what all kinds have in common; what differs between EGL, OSMesa and the caller's own is behind
  * context_platform.h.
  */
-#ifndef SVO_GLINTEROP_CONTEXT_H
-#define SVO_GLINTEROP_CONTEXT_H
+#ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
+#define SVO_GLINTEROP_CONTEXT_CONTEXT_H
 
 #include "context/context_platform.h"
 #include "context/functions.h"
-#include "share/interop.h"
 #include "context/state.h"
+#include "share/interop.h"
 #include "svocl/gl.h"
 
 /* How deep make_current may nest on one context. */
@@ -38,8 +38,8 @@ struct svo_gl_context {
 
 /*
  * Makes the context current on this thread and remembers what was current before; cheap when it already is. Each
- * successful call is undone by one svo_i_gl_context_release_current on the same thread, in the opposite order. A caller's
- * own context must be current already; its state is saved, and restored by the outermost release.
+ * successful call is undone by one svo_i_gl_context_release_current on the same thread, in the opposite order. A
+ * caller's own context must be current already; its state is saved, and restored by the outermost release.
  *
  * Returns SVO_NO_GL with the step that failed (the context is current on another thread, for example); what was current
  * before then still is.

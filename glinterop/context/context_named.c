@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Choosing an EGL device by words. EGL itself names devices by what driver and version there is, if at all; what renders is
- * known when a context is there, so contexts are made and looked at.
+ * Choosing an EGL device by words. EGL itself names devices by what driver and version there is, if at all; what
+ * renders is known when a context is there, so contexts are made and looked at.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

@@ -5,8 +5,8 @@
  * A thread has one current context, but EGL and OSMesa know nothing of each other: binding one leaves the other
  * believing that its context is still current. So a binding has both sides, and context.c takes and restores both.
  */
-#ifndef SVO_GLINTEROP_CONTEXT_PLATFORM_H
-#define SVO_GLINTEROP_CONTEXT_PLATFORM_H
+#ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_PLATFORM_H
+#define SVO_GLINTEROP_CONTEXT_CONTEXT_PLATFORM_H
 
 #include <stdbool.h>
 #include <stdint.h>

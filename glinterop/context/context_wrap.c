@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contexts of the caller's. svocl neither makes them current nor destroys them: it looks which one is current when it is
- * handed over, so that it can tell later whether it still is, and can name it to OpenCL.
+ * Contexts of the caller's. svocl neither makes them current nor destroys them: it looks which one is current when it
+ * is handed over, so that it can tell later whether it still is, and can name it to OpenCL.
  */
 #include <stdlib.h>
 

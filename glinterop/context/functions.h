@@ -9,8 +9,8 @@
  * A loader may hand out a pointer for any name, also for functions that the driver does not have. Optional functions
  * are therefore asked for only when the context's version or extensions promise them, and are NULL otherwise.
  */
-#ifndef SVO_GLINTEROP_FUNCTIONS_H
-#define SVO_GLINTEROP_FUNCTIONS_H
+#ifndef SVO_GLINTEROP_CONTEXT_FUNCTIONS_H
+#define SVO_GLINTEROP_CONTEXT_FUNCTIONS_H
 
 #include <GL/glcorearb.h>
 #include <stdbool.h>
@@ -23,8 +23,9 @@
 #define SVO_I_GL_NEVER_CORE      1000
 
 /*
- * X(member, type, core version, extension): the one list of entry points, looked up as "gl" + member. Required where the
- * core version is at most SVO_I_GL_MINIMUM_VERSION; otherwise NULL unless the context has that version or extension.
+ * X(member, type, core version, extension): the one list of entry points, looked up as "gl" + member. Required where
+ * the core version is at most SVO_I_GL_MINIMUM_VERSION; otherwise NULL unless the context has that version or
+ * extension.
  */
 #define SVO_I_GL_FUNCTION_LIST(X)                                                                                  \
     X(GetError, PFNGLGETERRORPROC, 43, "")                                                                         \
@@ -126,8 +127,8 @@
     X(ConservativeRasterParameteriNV, PFNGLCONSERVATIVERASTERPARAMETERINVPROC, SVO_I_GL_NEVER_CORE,                \
       "GL_NV_conservative_raster_pre_snap_triangles")
 
-/* What the context can do, as far as anything in glinterop/ asks. Counts may be 0: some drivers give the vertex stage no
-   storage blocks. */
+/* What the context can do, as far as anything in glinterop/ asks. Counts may be 0: some drivers give the vertex stage
+   no storage blocks. */
 typedef struct svo_i_gl_limits {
     GLint64 storage_block_bytes; /* GL_MAX_SHADER_STORAGE_BLOCK_SIZE */
     GLint storage_offset_alignment_bytes;
@@ -159,8 +160,8 @@ typedef struct svo_i_gl_functions {
 /*
  * Fills the table; the context must be current on this thread.
  *
- * Returns SVO_NO_GL naming the function or the version that is missing, or SVO_OUT_OF_HOST_MEMORY; *gl is then all zero.
- * On success svo_i_gl_unload releases what the table owns; it may be called on a zeroed or unloaded table.
+ * Returns SVO_NO_GL naming the function or the version that is missing, or SVO_OUT_OF_HOST_MEMORY; *gl is then all
+ * zero. On success svo_i_gl_unload releases what the table owns; it may be called on a zeroed or unloaded table.
  */
 svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
                          svo_message *message);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Libraries loaded at run time, their entry points, and extension names in lists: what the contexts need before there is
- * any OpenGL. Includes no OpenGL header, since <GL/osmesa.h> and <GL/glcorearb.h> exclude each other.
+ * Libraries loaded at run time, their entry points, and extension names in lists: what the contexts need before there
+ * is any OpenGL. Includes no OpenGL header, since <GL/osmesa.h> and <GL/glcorearb.h> exclude each other.
  */
-#ifndef SVO_GLINTEROP_LIBRARY_H
-#define SVO_GLINTEROP_LIBRARY_H
+#ifndef SVO_GLINTEROP_CONTEXT_LIBRARY_H
+#define SVO_GLINTEROP_CONTEXT_LIBRARY_H
 
 #include <stdbool.h>
 

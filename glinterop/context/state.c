@@ -13,8 +13,8 @@
 /* When a context knows a capability. */
 typedef enum known { ALWAYS = 0, COMPATIBILITY, NV, INTEL } known;
 
-/* Everything that would drop, move or add fragments, or write elsewhere. Off while svocl draws; the last two go on and off
-   in raster.c. Blending and logic operations are left alone: there is nothing to blend with. */
+/* Everything that would drop, move or add fragments, or write elsewhere. Off while svocl draws; the last two go on and
+   off in raster.c. Blending and logic operations are left alone: there is nothing to blend with. */
 static const struct {
     GLenum name;
     known known;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The OpenGL state that svocl's calls change: saved when a caller's own context is taken over and put back when it is given
- * up (context.c), and set to what drawing expects (raster.c). One list of each thing, so that nothing is changed which is
- * not restored.
+ * The OpenGL state that svocl's calls change: saved when a caller's own context is taken over and put back when it is
+ * given up (context.c), and set to what drawing expects (raster.c). One list of each thing, so that nothing is changed
+ * which is not restored.
  */
-#ifndef SVO_GLINTEROP_STATE_H
-#define SVO_GLINTEROP_STATE_H
+#ifndef SVO_GLINTEROP_CONTEXT_STATE_H
+#define SVO_GLINTEROP_CONTEXT_STATE_H
 
 #include "context/functions.h"
 
-/* Storage blocks at bindings 0 .. 15 are svocl's to use, as far as the context has so many: the shaders that rasterize keep
-   to 0 .. 7, the fewest that OpenGL 4.3 has. */
+/* Storage blocks at bindings 0 .. 15 are svocl's to use, as far as the context has so many: the shaders that rasterize
+   keep to 0 .. 7, the fewest that OpenGL 4.3 has. */
 #define SVO_I_GL_STATE_STORAGE_BINDINGS 16
 #define SVO_I_GL_STATE_CAPABILITIES_MAX 24
 #define SVO_I_GL_STATE_BUFFERS          4

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svo_gl: one OpenCL device and one OpenGL context as a front end. Decides which way of rasterizing and which share path
- * are used, and hands the fragment list over.
+ * svo_gl: one OpenCL device and one OpenGL context as a front end. Decides which way of rasterizing and which share
+ * path are used, and hands the fragment list over.
  */
 #include <stdlib.h>
 #include <string.h>
 
-#include "build/frontend_choice.h"
 #include "build/frontend.h"
+#include "build/frontend_choice.h"
 #include "compute/gl_build.h"
 #include "raster/gl_list.h"
 #include "raster/raster.h"
@@ -41,7 +41,7 @@ const char *svo_gl_raster_name(svo_gl_raster raster)
 
 const char *svo_gl_share_name(svo_gl_share share)
 {
-    static const char *const names[SHARES] = {"auto", "sharing", "host", "copy"};
+    static const char *const names[SHARES] = {"auto", "interop", "host", "copy"};
     return share < SHARES ? names[share] : "unknown";
 }
 
@@ -87,21 +87,22 @@ svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *reason)
     const char *name = svo_i_gl_context_functions(gl->context)->renderer;
     const svo_i_renderer renderer = {
         .name = name, .is_software = is_software(name), .in_place = gl->share_choice != SVO_GL_SHARE_COPY};
-    return svo_i_choose_cl(gl->device, &renderer, reason) ? cl : &gl->frontend;
+    return svo_i_frontend_prefers_cl(gl->device, &renderer, reason) ? cl : &gl->frontend;
 }
 
-/* Hardware-conservative rasterization, where the extension exists and the self-test passes; NULL and a reason if not. */
+/* Hardware-conservative rasterization, where the extension exists and the self-test passes; NULL and a reason if
+   not. */
 static svo_i_raster *try_hardware(svo_gl *gl, bool no_int64)
 {
     char *reason = gl->raster_reasons[SVO_GL_RASTER_HW];
     const char *missing = "";
-    const svo_i_conservative way = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
-    if (way == SVO_I_CONSERVATIVE_EXPAND) {
+    const svo_i_conservative method = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
+    if (method == SVO_I_CONSERVATIVE_EXPAND) {
         memcpy(reason, missing, strlen(missing) + 1);
         return NULL;
     }
     svo_i_raster *raster = NULL;
-    if (svo_i_raster_create(gl->device, gl->context, way, no_int64, &raster) != SVO_OK) {
+    if (svo_i_raster_create(gl->device, gl->context, method, no_int64, &raster) != SVO_OK) {
         memcpy(reason, gl->device->message.text, REASON_BYTES - 1);
         return NULL;
     }
@@ -132,10 +133,10 @@ static svo_status choose_raster(svo_gl *gl, const svo_gl_options *options)
 
 static svo_status choose_share(svo_gl *gl, svo_gl_share asked)
 {
-    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
         svo_i_share_probe(gl->device, gl->context, share, gl->share_reasons[share], REASON_BYTES);
     }
-    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
         const bool works = gl->share_reasons[share][0] == '\0';
         if (asked == share && !works) {
             return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: share %s does not work: %s",

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_gl as the GL compute builder sees it: a front end whose list stays in OpenGL and whose trees are made there. */
-#ifndef SVO_GLINTEROP_GL_LIST_H
-#define SVO_GLINTEROP_GL_LIST_H
+#ifndef SVO_GLINTEROP_RASTER_GL_LIST_H
+#define SVO_GLINTEROP_RASTER_GL_LIST_H
 
-#include "context/context.h"
 #include "build/frontend.h"
+#include "context/context.h"
 
 svo_gl_context *svo_i_gl_context_of(svo_gl *gl);
 /* Made on first use, owned by gl. The owner of a chunk of its list is an svo_i_share_buffer without memory of OpenCL.

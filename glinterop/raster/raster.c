@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Drawing: one program per class of triangles, one draw call per class and chunk. The framebuffer has no attachments; all
- * output goes to storage blocks.
+ * Drawing: one program per class of triangles, one draw call per class and chunk. The framebuffer has no attachments;
+ * all output goes to storage blocks.
  */
 #include "raster/raster.h"
 
 #include <stdlib.h>
 
-#include "raster/shader.h"
 #include "context/state.h"
+#include "raster/shader.h"
 
 #define FUNCTION         "svo_build"
 #define BINDING_VERTICES 0
@@ -163,15 +163,15 @@ static const char *reach_of(svo_i_conservative conservative)
 
 static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class class_id, variant v, GLuint *out)
 {
-    static const char *const class_keys[SVO_I_CLASS_COUNT] = {"#define SVO_POINT\n", "#define SVO_NARROW\n", "",
-                                                              "#define SVO_WIDE\n"};
+    static const char *const class_defines[SVO_I_CLASS_COUNT] = {"#define SVO_POINT\n", "#define SVO_NARROW\n", "",
+                                                                 "#define SVO_WIDE\n"};
     const bool is_vertex = stage == GL_VERTEX_SHADER;
     const svo_i_shader_maker maker = {raster->device, raster->gl, FUNCTION,
                                       is_vertex ? "the vertex shader" : "the fragment shader"};
     const char *sources[] = {
         "#version 430 core\n",
         raster->int64 ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
-        class_keys[class_id],
+        class_defines[class_id],
         v.code48 ? "#define SVO_CODE48\n" : "",
         v.thin ? "#define SVO_THIN\n" : "",
         reach_of(raster->conservative),
@@ -247,7 +247,8 @@ static GLuint view_log2_of(const svo_plan *plan)
     return plan->info.depth < SVO_I_VIEW_LOG2 ? plan->info.depth : SVO_I_VIEW_LOG2;
 }
 
-/* Everything that is not storage blocks: one viewport over the grid or a part of it, nothing written to a framebuffer. */
+/* Everything that is not storage blocks: one viewport over the grid or a part of it, nothing written to a
+   framebuffer. */
 static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
 {
     const svo_i_gl_functions *gl = raster->gl;

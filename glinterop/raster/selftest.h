@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether a way of rasterizing misses voxels: needles, slivers and sub-pixel triangles against a walk over all voxels. */
-#ifndef SVO_GLINTEROP_SELFTEST_H
-#define SVO_GLINTEROP_SELFTEST_H
+/* Whether a way of rasterizing misses voxels: needles, slivers and sub-pixel triangles against a walk over all
+   voxels. */
+#ifndef SVO_GLINTEROP_RASTER_SELFTEST_H
+#define SVO_GLINTEROP_RASTER_SELFTEST_H
 
 #include "raster/raster.h"
 
-/* "" in reason if every fragment of the test mesh came out, else what went wrong. Makes the context current by itself. */
+/* "" in reason if every fragment of the test mesh came out, else what went wrong. Makes the context current by
+   itself. */
 void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_raster *raster, char *reason,
                            size_t reason_bytes);
 

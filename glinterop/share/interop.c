@@ -9,7 +9,8 @@
 #include "core/device.h"
 #include "core/message.h"
 
-/* Devices that one OpenGL context may have, and properties that one OpenCL context may have: far above what there is. */
+/* Devices that one OpenGL context may have, and properties that one OpenCL context may have: far above what there
+   is. */
 enum { DEVICES_MAX = 64, PROPERTIES_MAX = 64 };
 
 const svo_i_opencl svo_i_opencl_installed = {
@@ -42,20 +43,20 @@ static bool lists_extension(const svo_device *device, const svo_i_opencl *opencl
     return listed;
 }
 
-bool svo_i_sharing_is_listed(const svo_device *device, const svo_i_opencl *opencl)
+bool svo_i_interop_is_listed(const svo_device *device, const svo_i_opencl *opencl)
 {
     return lists_extension(device, opencl, "cl_khr_gl_sharing");
 }
 
 int svo_gl_device_may_share(const svo_device *device)
 {
-    return device != NULL && svo_i_sharing_is_listed(device, &svo_i_opencl_installed);
+    return device != NULL && svo_i_interop_is_listed(device, &svo_i_opencl_installed);
 }
 
-static svo_status find_extension(const svo_device *device, const svo_i_opencl *opencl, svo_i_sharing *out,
+static svo_status find_extension(const svo_device *device, const svo_i_opencl *opencl, svo_i_interop *out,
                                  svo_message *message)
 {
-    if (!svo_i_sharing_is_listed(device, opencl)) {
+    if (!svo_i_interop_is_listed(device, opencl)) {
         return svo_i_fail(message, SVO_UNSUPPORTED, "%s does not list cl_khr_gl_sharing", device->name);
     }
     out->has_gl_event = lists_extension(device, opencl, "cl_khr_gl_event");
@@ -72,7 +73,7 @@ static svo_status find_platform(const svo_device *device, cl_platform_id *out, s
     return SVO_OK;
 }
 
-static svo_status load_functions(const svo_device *device, const svo_i_opencl *opencl, svo_i_sharing *out,
+static svo_status load_functions(const svo_device *device, const svo_i_opencl *opencl, svo_i_interop *out,
                                  svo_message *message)
 {
     cl_platform_id platform = NULL;
@@ -122,7 +123,7 @@ static svo_status name_context(const svo_device *device, const svo_gl_context *c
 }
 
 /* Whether the devices that can share with the context include the device. */
-static svo_status find_in_context(const svo_device *device, const svo_gl_context *context, const svo_i_sharing *sharing,
+static svo_status find_in_context(const svo_device *device, const svo_gl_context *context, const svo_i_interop *sharing,
                                   svo_message *message)
 {
     context_properties properties;
@@ -147,10 +148,10 @@ static svo_status find_in_context(const svo_device *device, const svo_gl_context
                       device->name, context->functions.renderer);
 }
 
-svo_status svo_i_sharing_find(const svo_device *device, const svo_gl_context *context, svo_i_sharing *out,
+svo_status svo_i_interop_find(const svo_device *device, const svo_gl_context *context, svo_i_interop *out,
                               svo_message *message)
 {
-    svo_i_sharing sharing = {0};
+    svo_i_interop sharing = {0};
     svo_status status = find_extension(device, context->opencl, &sharing, message);
     if (status == SVO_OK) {
         status = load_functions(device, context->opencl, &sharing, message);
@@ -164,7 +165,7 @@ svo_status svo_i_sharing_find(const svo_device *device, const svo_gl_context *co
     return status;
 }
 
-svo_status svo_i_sharing_create_context(const svo_device *device, const svo_gl_context *context, cl_context *out,
+svo_status svo_i_interop_create_context(const svo_device *device, const svo_gl_context *context, cl_context *out,
                                         svo_message *message)
 {
     context_properties properties;
@@ -183,7 +184,7 @@ svo_status svo_i_sharing_create_context(const svo_device *device, const svo_gl_c
     return SVO_OK;
 }
 
-bool svo_i_sharing_is_joined(const svo_device *device, const svo_gl_context *context)
+bool svo_i_interop_is_joined(const svo_device *device, const svo_gl_context *context)
 {
     const svo_i_gl_handles handles = context->platform->handles(context->native);
     cl_context_properties properties[PROPERTIES_MAX] = {0};
@@ -201,17 +202,18 @@ bool svo_i_sharing_is_joined(const svo_device *device, const svo_gl_context *con
     return false;
 }
 
-/* A second handle of the same device, on an OpenCL context made against the OpenGL one; NULL where they cannot share. */
+/* A second handle of the same device, on an OpenCL context made against the OpenGL one; NULL where they cannot
+   share. */
 static svo_device *create_joined(const svo_device *plain, svo_gl_context *context, const svo_device_options *options)
 {
-    svo_i_sharing sharing;
+    svo_i_interop sharing;
     cl_context joined = NULL;
     svo_device *device = NULL;
     if (svo_i_gl_context_make_current(context, NULL) != SVO_OK) {
         return NULL;
     }
-    if (svo_i_sharing_find(plain, context, &sharing, NULL) == SVO_OK &&
-        svo_i_sharing_create_context(plain, context, &joined, NULL) == SVO_OK) {
+    if (svo_i_interop_find(plain, context, &sharing, NULL) == SVO_OK &&
+        svo_i_interop_create_context(plain, context, &joined, NULL) == SVO_OK) {
         (void)svo_device_create(joined, plain->device, options, &device, NULL);
         clReleaseContext(joined);
     }

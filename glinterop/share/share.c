@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. share_probe.c says which path works. */
+/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. share_probe.c says which path
+   works. */
 #include "share/share.h"
 
 #include "core/message.h"
@@ -125,8 +126,8 @@ static svo_status create_allocated(svo_i_share_buffer *buffer)
     if (status != SVO_OK || buffer->share == SVO_GL_SHARE_AUTO) {
         return status;
     }
-    if (buffer->share == SVO_GL_SHARE_SHARING) {
-        return svo_i_share_sharing_create(buffer);
+    if (buffer->share == SVO_GL_SHARE_INTEROP) {
+        return svo_i_share_interop_create(buffer);
     }
     return svo_i_device_buffer(buffer->device, "svo_i_share_buffer_create", "shared copy", CL_MEM_READ_WRITE,
                                buffer->bytes, &buffer->memory);
@@ -192,7 +193,7 @@ void svo_i_share_buffer_destroy(svo_i_share_buffer *buffer)
         (void)unmap_and_wait(buffer);
     }
     const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current(buffer->context, NULL) == SVO_OK;
-    (void)svo_i_share_sharing_release(buffer);
+    (void)svo_i_share_interop_release(buffer);
     if (buffer->memory != NULL) {
         clReleaseMemObject(buffer->memory);
     }
@@ -237,7 +238,7 @@ static svo_status release_to_gl(svo_i_share_buffer *buffer)
 {
     svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
     if (status == SVO_OK) {
-        status = svo_i_share_sharing_release(buffer);
+        status = svo_i_share_interop_release(buffer);
         svo_i_gl_context_release_current(buffer->context);
     }
     return status;
@@ -245,7 +246,7 @@ static svo_status release_to_gl(svo_i_share_buffer *buffer)
 
 svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
 {
-    if (buffer->share == SVO_GL_SHARE_SHARING) {
+    if (buffer->share == SVO_GL_SHARE_INTEROP) {
         return release_to_gl(buffer);
     }
     if (buffer->share != SVO_GL_SHARE_HOST || buffer->mapping_queue != NULL) {
@@ -287,9 +288,9 @@ static svo_status to_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, c
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     bool is_host = buffer->share == SVO_GL_SHARE_HOST;
-    if (buffer->share == SVO_GL_SHARE_SHARING) {
+    if (buffer->share == SVO_GL_SHARE_INTEROP) {
         gl->MemoryBarrier(GL_ALL_BARRIER_BITS);
-        svo_status status = svo_i_share_sharing_acquire(buffer, queue);
+        svo_status status = svo_i_share_interop_acquire(buffer, queue);
         svo_status written = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
         return written != SVO_OK ? written : status;
     }

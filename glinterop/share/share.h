@@ -2,14 +2,15 @@
 /*
  * Sharing the fragment list between OpenGL, which writes it, and OpenCL, which builds the tree of it.
  *
- * A shared buffer goes back and forth: svo_i_share_buffer_to_gl gives it to OpenGL, the front end binds and fills it, and
- * svo_i_share_buffer_to_cl gives its first bytes to OpenCL. What lies between differs per share path, the bytes never do.
+ * A shared buffer goes back and forth: svo_i_share_buffer_to_gl gives it to OpenGL, the front end binds and fills it,
+ * and svo_i_share_buffer_to_cl gives its first bytes to OpenCL. What lies between differs per share path, the bytes
+ * never do.
  *
- * The paths: `host` lets OpenCL use the memory of a persistently mapped OpenGL buffer in place; `copy` keeps a buffer on
- * either side; `sharing` is one buffer of both by cl_khr_gl_sharing, where the probe has proven it (sharing.h).
+ * The paths: `host` lets OpenCL use the memory of a persistently mapped OpenGL buffer in place; `copy` keeps a buffer
+ * on either side; `sharing` is one buffer of both by cl_khr_gl_sharing, where the probe has proven it (sharing.h).
  */
-#ifndef SVO_GLINTEROP_SHARE_H
-#define SVO_GLINTEROP_SHARE_H
+#ifndef SVO_GLINTEROP_SHARE_SHARE_H
+#define SVO_GLINTEROP_SHARE_SHARE_H
 
 #include <stddef.h>
 
@@ -38,7 +39,7 @@ typedef struct svo_i_share_buffer {
     cl_mem memory; /* the OpenCL buffer; its byte 0 is the OpenGL buffer's byte offset_bytes */
     unsigned char *pointer; /* host: where OpenGL's mapping holds the shared bytes; NULL otherwise */
     cl_command_queue mapping_queue; /* host: set while OpenCL has memory mapped, that is while OpenGL may write */
-    svo_i_sharing sharing; /* sharing: the extension's functions */
+    svo_i_interop sharing; /* sharing: the extension's functions */
     cl_command_queue
         acquiring_queue; /* sharing: set while OpenCL has acquired memory, that is while OpenGL may not write */
 } svo_i_share_buffer;
@@ -46,10 +47,10 @@ typedef struct svo_i_share_buffer {
 /*
  * Makes a buffer of bytes (not 0) that both sides can use; it belongs to OpenCL at first and its content is undefined.
  *
- * share: SHARING, HOST or COPY, as chosen by svo_i_share_probe; AUTO: a buffer of OpenGL alone, which never goes to OpenCL and has
- * no memory there. *out is written on success only.
- * Returns SVO_OUT_OF_DEVICE_MEMORY naming bytes and limit, SVO_UNSUPPORTED, SVO_CL_ERROR or SVO_GL_ERROR, with the words
- * in the device's message. This and the functions below make the context current by themselves.
+ * share: SHARING, HOST or COPY, as chosen by svo_i_share_probe; AUTO: a buffer of OpenGL alone, which never goes to
+ * OpenCL and has no memory there. *out is written on success only.
+ * Returns SVO_OUT_OF_DEVICE_MEMORY naming bytes and limit, SVO_UNSUPPORTED, SVO_CL_ERROR or SVO_GL_ERROR, with the
+ * words in the device's message. This and the functions below make the context current by themselves.
  */
 svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context, svo_gl_share share, size_t bytes,
                                      svo_i_share_buffer *out);

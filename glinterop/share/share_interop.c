@@ -3,21 +3,22 @@
  * The share path `sharing`: an OpenGL buffer that is an OpenCL buffer too, and passes between the two by acquire and
  * release. One of the paths behind share.c.
  *
- * OpenCL may touch the buffer only while it is acquired, OpenGL only while it is not (The OpenCL Extension Specification,
- * version 1.2, section 9.7.6). Both calls are waited for by their events, so the caller's queue may be out-of-order.
+ * OpenCL may touch the buffer only while it is acquired, OpenGL only while it is not (The OpenCL Extension
+ * Specification, version 1.2, section 9.7.6). Both calls are waited for by their events, so the caller's queue may be
+ * out-of-order.
  */
 #include "share/share_interop.h"
 
 #include "core/message.h"
 
-svo_status svo_i_share_sharing_create(svo_i_share_buffer *buffer)
+svo_status svo_i_share_interop_create(svo_i_share_buffer *buffer)
 {
     svo_device *device = buffer->device;
     svo_message reason = {""};
-    if (svo_i_sharing_find(device, buffer->context, &buffer->sharing, &reason) != SVO_OK) {
+    if (svo_i_interop_find(device, buffer->context, &buffer->sharing, &reason) != SVO_OK) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: %.512s", reason.text);
     }
-    if (!svo_i_sharing_is_joined(device, buffer->context)) {
+    if (!svo_i_interop_is_joined(device, buffer->context)) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "svo_i_share_buffer_create: the OpenCL context was not made against the OpenGL one");
     }
@@ -41,7 +42,7 @@ static cl_int wait_and_release(cl_int error, cl_event event)
     return error;
 }
 
-svo_status svo_i_share_sharing_acquire(svo_i_share_buffer *buffer, cl_command_queue queue)
+svo_status svo_i_share_interop_acquire(svo_i_share_buffer *buffer, cl_command_queue queue)
 {
     if (!buffer->sharing.has_gl_event) {
         svo_i_gl_context_functions(buffer->context)->Finish();
@@ -59,7 +60,7 @@ svo_status svo_i_share_sharing_acquire(svo_i_share_buffer *buffer, cl_command_qu
     return SVO_OK;
 }
 
-svo_status svo_i_share_sharing_release(svo_i_share_buffer *buffer)
+svo_status svo_i_share_interop_release(svo_i_share_buffer *buffer)
 {
     if (buffer->acquiring_queue == NULL) {
         return SVO_OK;

@@ -2,8 +2,8 @@
 /*
  * Which share path works on a pair of device and context, and why the others do not. Called once per svo_gl.
  *
- * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the one
- * before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
+ * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the
+ * one before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -116,15 +116,15 @@ static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl
 }
 
 /* Whether the pair can share, and its OpenCL context was made for it. */
-static svo_status check_sharing(svo_device *device, svo_gl_context *context)
+static svo_status check_interop(svo_device *device, svo_gl_context *context)
 {
-    svo_i_sharing sharing;
+    svo_i_interop sharing;
     cl_context joined = NULL;
-    svo_status status = svo_i_sharing_find(device, context, &sharing, &device->message);
-    if (status != SVO_OK || svo_i_sharing_is_joined(device, context)) {
+    svo_status status = svo_i_interop_find(device, context, &sharing, &device->message);
+    if (status != SVO_OK || svo_i_interop_is_joined(device, context)) {
         return status;
     }
-    status = svo_i_sharing_create_context(device, context, &joined, &device->message);
+    status = svo_i_interop_create_context(device, context, &joined, &device->message);
     if (status != SVO_OK) {
         return status;
     }
@@ -151,7 +151,7 @@ static void probe_current(svo_device *device, svo_gl_context *context, svo_gl_sh
                           size_t reason_bytes)
 {
     const svo_status possible =
-        share == SVO_GL_SHARE_HOST ? check_host(device, context) : check_sharing(device, context);
+        share == SVO_GL_SHARE_HOST ? check_host(device, context) : check_interop(device, context);
     if (possible != SVO_OK) {
         (void)snprintf(reason, reason_bytes, "%s", device->message.text);
     } else if (round_trip(device, context, share) != SVO_OK) {
@@ -177,7 +177,7 @@ void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share
 {
     reason[0] = '\0';
     switch (share) {
-    case SVO_GL_SHARE_SHARING:
+    case SVO_GL_SHARE_INTEROP:
     case SVO_GL_SHARE_HOST:
         probe(device, context, share, reason, reason_bytes);
         break;

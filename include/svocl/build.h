@@ -22,19 +22,19 @@ extern "C" {
 typedef struct svo_frontend svo_frontend;
 
 /*
- * The front end of OpenCL alone, "cl": a kernel walks every triangle's voxels. Needs no OpenGL. Its share is "none": the
- * list is made where it is used.
+ * The front end of OpenCL alone, "cl": a kernel walks every triangle's voxels. Needs no OpenGL. Its share is "none":
+ * the list is made where it is used.
  *
  * device: must outlive it; nothing is compiled yet. Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, or
  * SVO_UNSUPPORTED where the device has less than 17 KiB of local memory.
  */
 SVO_API svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out);
-/* Releases a front end that svo_frontend_create_cl made and sets *frontend to NULL; NULL and a pointer to NULL are allowed.
-   One that another handle owns (svo_gl_frontend) is left alone. */
+/* Releases a front end that svo_frontend_create_cl made and sets *frontend to NULL; NULL and a pointer to NULL are
+   allowed. One that another handle owns (svo_gl_frontend) is left alone. */
 SVO_API void svo_frontend_destroy(svo_frontend **frontend);
 /*
- * Whether OpenCL alone is the faster way for a plan because it is done before OpenGL would have started: not 0 if so. For
- * larger plans svo_gl_prefer (gl.h) compares the two. A rule of thumb: nothing is run.
+ * Whether OpenCL alone is the faster way for a plan because it is done before OpenGL would have started: not 0 if so.
+ * For larger plans svo_gl_prefer (gl.h) compares the two. A rule of thumb: nothing is run.
  *
  * reason: receives one line that says why; NULL allowed.
  */
@@ -92,8 +92,8 @@ SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_
                              svo_build_report *report);
 
 /*
- * Builds that do not wait. A workspace is all the memory that builds of one plan need, made once: svo_build_enqueue then
- * allocates nothing on the device, waits for nothing, and leaves the counting to the device.
+ * Builds that do not wait. A workspace is all the memory that builds of one plan need, made once: svo_build_enqueue
+ * then allocates nothing on the device, waits for nothing, and leaves the counting to the device.
  *
  *   svo_workspace_create     plan + front end -> scratch, in one piece, the caller's or its own
  *   svo_workspace_make_tree  a tree with room for the plan's capacities
@@ -107,8 +107,8 @@ typedef struct svo_workspace svo_workspace;
 typedef struct svo_workspace_options {
     size_t struct_size; /* sizeof(svo_workspace_options) */
     /* The caller's scratch: offset_bytes .. offset_bytes + svo_workspace_info.scratch_bytes of a buffer of the device's
-       context, which is retained. offset_bytes is a multiple of scratch_alignment. It may be used for other things, also
-       for other workspaces, whenever no build is in flight. NULL: the workspace makes a buffer. */
+       context, which is retained. offset_bytes is a multiple of scratch_alignment. It may be used for other things,
+       also for other workspaces, whenever no build is in flight. NULL: the workspace makes a buffer. */
     cl_mem scratch;
     uint64_t offset_bytes;
 } svo_workspace_options;
@@ -126,10 +126,11 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
 /*
  * Makes a workspace, and compiles what the builds need.
  *
- * plan, frontend: must outlive it. The plan's capacities are its fragment_capacity, or what the count law expects with an
- *        eighth to spare, or after svo_plan_count the real number; and nodes by the law, or by certain_nodes.
- *        The builder is SVO_BUILDER_CL. With a front end of OpenGL, svo_build_enqueue waits on the host for the wait list
- *        and for OpenGL, whose list is in memory of its own.
+ * plan, frontend: must outlive it. The plan's capacities are its fragment_capacity, or what the fragment estimate
+ * expects with an
+ *        eighth to spare, or after svo_plan_count the real number; and nodes by the law, or by worst_case_nodes.
+ *        The builder is SVO_BUILDER_CL. With a front end of OpenGL, svo_build_enqueue waits on the host for the wait
+ *        list and for OpenGL, whose list is in memory of its own.
  * queue: for what the compiler needs to be launched; nothing stays in it.
  * options: NULL means all defaults.
  * Returns SVO_UNSUPPORTED for other builders, and for a list above the device's largest allocation;
@@ -153,8 +154,8 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  * tree: of this workspace, and not trimmed. Until svo_tree_finish its info and arrays are undefined; its buffers may be
  *        given to kernels that wait for *event.
  * queue: in-order or out-of-order. num_wait, wait, event: as with OpenCL's own commands; event may be NULL.
- * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY, at once as well: what was
- * enqueued until then runs to its end, and the next build waits for that. That a capacity was too small shows in
+ * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY, at once as well: what
+ * was enqueued until then runs to its end, and the next build waits for that. That a capacity was too small shows in
  * svo_tree_finish.
  */
 SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
@@ -166,15 +167,15 @@ SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, c
  * trim: not 0: buffers are replaced by copies as large as the tree, and no further build goes into it.
  * queue: on the device's context; for the copies.
  * report: NULL allowed. Stage times are those of events, where svo_build_enqueue's queue has CL_QUEUE_PROFILING_ENABLE.
- * Returns SVO_NEED_MORE when a capacity was too small: the tree stays undefined, report->fragments is the exact number of
- * fragments, report->inner_nodes the room for inner nodes that is enough for certain, and the message has both. A plan with
- * that fragment_capacity, and certain_nodes where nodes were short, fits. Otherwise as svo_build.
+ * Returns SVO_CAPACITY_EXCEEDED when a capacity was too small: the tree stays undefined, report->fragments is the exact
+ * number of fragments, report->inner_nodes the room for inner nodes that is enough for certain, and the message has
+ * both. A plan with that fragment_capacity, and worst_case_nodes where nodes were short, fits. Otherwise as svo_build.
  */
 SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report);
 
 /*
- * Counts the fragments of a plan without keeping them: the plan's capacity becomes their number, and its list of buffers
- * exact where it follows from that. Costs about a voxelization.
+ * Counts the fragments of a plan without keeping them: the plan's capacity becomes their number, and its list of
+ * buffers exact where it follows from that. Costs about a voxelization.
  *
  * frontend, queue: as for svo_build.
  */

@@ -33,9 +33,9 @@ typedef struct svo_device_options {
 } svo_device_options;
 
 /*
- * Wraps the caller's context and one of its devices; both are retained until svo_device_destroy. Compiles nothing. Several
- * handles may share a context, one per thread for example. A context that was made against an OpenGL context (with
- * CL_GL_CONTEXT_KHR) is shared with it by svocl::gl where that works.
+ * Wraps the caller's context and one of its devices; both are retained until svo_device_destroy. Compiles nothing.
+ * Several handles may share a context, one per thread for example. A context that was made against an OpenGL context
+ * (with CL_GL_CONTEXT_KHR) is shared with it by svocl::gl where that works.
  *
  * context, device: not NULL; device must belong to context, support OpenCL 1.2 and be little-endian.
  * options: NULL means all defaults. message: receives the reason on failure; NULL allowed.
@@ -50,8 +50,8 @@ SVO_API svo_status svo_device_create(cl_context context, cl_device_id device, co
  */
 SVO_API svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message);
 
-/* Releases the handle and sets *device to NULL; NULL and a pointer to NULL are allowed. Plans, trees and front ends made
-   from it must have been destroyed before. */
+/* Releases the handle and sets *device to NULL; NULL and a pointer to NULL are allowed. Plans, trees and front ends
+   made from it must have been destroyed before. */
 SVO_API void svo_device_destroy(svo_device **device);
 
 SVO_API cl_context svo_device_cl_context(const svo_device *device); /* not retained for the caller */

@@ -14,9 +14,9 @@
  *   36     4     u32 depth
  *   40     4     u32 snap_bits
  *   44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
- *   48     2     u16 need: bit 0 colour, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
- *   50     2     u16 constant: of those bits, colour, normal and material that are the same in all nodes: one element
- *   52     2     u16 weights: 0 area, 1 uniform, 2 centre
+ *   48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
+ *   50     2     u16 constant: of those bits, color, normal and material that are the same in all nodes: one element
+ *   52     2     u16 weights: 0 area, 1 uniform, 2 center
  *   54     2     u16 payload_level: 0 .. depth
  *   56     24    f64 origin[3]
  *   80     8     f64 edge
@@ -61,8 +61,9 @@ typedef struct svo_save_options {
 } svo_save_options;
 
 /*
- * Writes a .svo file: to a temporary name beside path, flushed, then renamed; on failure nothing is left and an old file
- * stays as it was. The tree needs its host arrays (svo_tree_download). options: NULL means stored. message: NULL allowed.
+ * Writes a .svo file: to a temporary name beside path, flushed, then renamed; on failure nothing is left and an old
+ * file stays as it was. The tree needs its host arrays (svo_tree_download). options: NULL means stored. message: NULL
+ * allowed.
  * Returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY.
  */
 SVO_API svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options,
@@ -90,10 +91,10 @@ typedef struct svo_import_options {
 typedef struct svo_import svo_import;
 
 /*
- * Reads a mesh file (OBJ+MTL, PLY, STL, glTF and what else assimp knows) in a child process with memory and time limits:
- * a reader that crashes or hangs ends in an error here. Node transforms are applied, polygons triangulated; points and
- * lines become degenerate triangles only if the file says they are faces. Textures that cannot be read are reported to
- * log and replaced by white.
+ * Reads a mesh file (OBJ+MTL, PLY, STL, glTF and what else assimp knows) in a child process with memory and time
+ * limits: a reader that crashes or hangs ends in an error here. Node transforms are applied, polygons triangulated;
+ * points and lines become degenerate triangles only if the file says they are faces. Textures that cannot be read are
+ * reported to log and replaced by white.
  * Returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, crashed, out of memory
  * or time) with one line in message.
  */

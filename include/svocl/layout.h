@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants and the records that travel in buffers
- * and kernel arguments. One text for C, C++, OpenCL C and GLSL; only 32-bit integers and floats, every field at a
- * multiple of four bytes, no padding. Offsets are given in bytes.
+ * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants and the records that travel in
+ * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL; only 32-bit integers and floats, every field at
+ * a multiple of four bytes, no padding. Offsets are given in bytes.
  */
 #ifndef SVOCL_LAYOUT_H
 #define SVOCL_LAYOUT_H
@@ -60,8 +60,8 @@ SVO_RECORD(svo_draw_item)
     SVO_U32 flags; /* 4: SVO_DRAW_* */
 };
 
-/* A part of a large triangle: columns of voxels from a corner on, SVO_TILE_EDGE both ways, as far as the triangle's bounds
-   and the draw go. 8 bytes. */
+/* A part of a large triangle: columns of voxels from a corner on, SVO_TILE_EDGE both ways, as far as the triangle's
+   bounds and the draw go. 8 bytes. */
 SVO_RECORD(svo_tile_item)
 {
     SVO_U32 item; /* 0: into the items */
@@ -104,7 +104,7 @@ SVO_RECORD(svo_voxelize_params)
 {
     SVO_U32 depth; /* 0 */
     SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
-    SVO_U32 open; /* 8: 1 where a voxel's far faces belong to its neighbours, 0 where coverage is closed */
+    SVO_U32 open; /* 8: 1 where a voxel's far faces belong to its neighbors, 0 where coverage is closed */
     SVO_U32 one_voxel; /* 12: not 0: every triangle lies inside one voxel */
     SVO_U32 first_item; /* 16 */
     SVO_U32 item_count; /* 20: one work-item each */
@@ -146,7 +146,7 @@ SVO_RECORD(svo_sort_params)
 };
 
 /* Arguments of the kernels that make nodes of sorted codes. 32 bytes. */
-SVO_RECORD(svo_ascend_params)
+SVO_RECORD(svo_bottom_up_params)
 {
     SVO_U32 depth; /* 0 */
     SVO_U32 count; /* 4: codes to look at */
@@ -182,7 +182,7 @@ SVO_RECORD(svo_filter_params)
 /* One material. 32 bytes. */
 SVO_RECORD(svo_material_record)
 {
-    SVO_U32 rgba; /* 0: base colour, red in the low byte */
+    SVO_U32 rgba; /* 0: base color, red in the low byte */
     SVO_U32 texel_offset; /* 4: of its texture in the texel buffer, in texels */
     SVO_U32 width; /* 8: texels; 0: no texture */
     SVO_U32 height; /* 12: texels */
@@ -191,22 +191,22 @@ SVO_RECORD(svo_material_record)
     SVO_U32 reserved[2]; /* 24 */
 };
 
-/* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the grid's
-   axes. 96 bytes. */
+/* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the
+   grid's axes. 96 bytes. */
 SVO_RECORD(svo_cast_params)
 {
     SVO_F32 eye[3]; /* 0 */
     SVO_F32 footprint; /* 12: width of a pixel at distance 1 */
     SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
     SVO_U32 width; /* 28: pixels */
-    SVO_F32 across[3]; /* 32: from a pixel to its right neighbour, at that distance */
+    SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
     SVO_U32 height; /* 44: pixels */
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_U32 depth; /* 60 */
     SVO_F32 sun[3]; /* 64: unit, towards the light */
     SVO_U32 samples; /* 76: rays per pixel along each of its sides */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
-    SVO_F32 occlusion_range; /* 92: how far neighbours darken each other */
+    SVO_F32 occlusion_range; /* 92: how far neighbors darken each other */
 };
 
 /* What kernels/view.cl shows: svo_render_view of trace.h. */
@@ -241,7 +241,7 @@ SVO_RECORD(svo_hit)
 SVO_RECORD(svo_query_point)
 {
     SVO_F32 position[3]; /* 0: world */
-    SVO_F32 farthest; /* 12: world: triangles farther away do not count; infinity allowed */
+    SVO_F32 max_distance; /* 12: world: triangles farther away do not count; infinity allowed */
 };
 
 /* The triangle nearest to a point. 32 bytes. */
@@ -279,15 +279,15 @@ SVO_RECORD(svo_ray_params)
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
 };
 
-/* The tree of boxes that rays walk through. */
+/* The BVH that rays walk through. */
 #define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the rest is where it begins, in 16 bytes */
 #define SVO_RAY_LEAF_TRIANGLES 8
 #define SVO_RAY_BOX_BITS       16 /* a box's bounds count in 2^-16 of the grid's width */
-#define SVO_RAY_HALVINGS_MAX   40 /* nodes on the way to a leaf at most */
+#define SVO_BVH_DEPTH_MAX      40 /* nodes on the way to a leaf at most */
 
-/* A node: eight boxes, the axes one after the other, two bounds to a word, that of the even child in the low half. The low
-   bound is rounded down, and the high one is the last step that the box reaches into. Without a child: the low bound above
-   the high one, and the empty leaf, which is the first. 128 bytes. */
+/* A node: eight boxes, the axes one after the other, two bounds to a word, that of the even child in the low half. The
+   low bound is rounded down, and the high one is the last step that the box reaches into. Without a child: the low
+   bound above the high one, and the empty leaf, which is the first. 128 bytes. */
 SVO_RECORD(svo_ray_node)
 {
     SVO_U32 low[12]; /* 0 */
@@ -295,10 +295,10 @@ SVO_RECORD(svo_ray_node)
     SVO_U32 child[8]; /* 96: a node, or SVO_RAY_LEAF and a leaf */
 };
 
-/* A leaf: a head, the corners, the triangles' input ids. The head is the least coordinates, which those of the corners are
-   relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows with an
-   entry per triangle, x of the first corner, x of the second, x of the third, y of the first and so on: 16 bits each, or a
-   word each in a wide leaf. The ids begin at the next whole word, and the next leaf at the next 16 bytes. */
+/* A leaf: a head, the corners, the triangles' input ids. The head is the least coordinates, which those of the corners
+   are relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows
+   with an entry per triangle, x of the first corner, x of the second, x of the third, y of the first and so on: 16 bits
+   each, or a word each in a wide leaf. The ids begin at the next whole word, and the next leaf at the next 16 bytes. */
 #define SVO_RAY_LEAF_HEAD_WORDS 8
 #define SVO_RAY_LEAF_WIDE       0x80000000u
 
@@ -318,7 +318,7 @@ SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
-SVO_ASSERT_BYTES(svo_ascend_params, 32);
+SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 64);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A triangle mesh as the caller hands it over: borrowed arrays, read during svo_plan_create and not touched later. Arrays
- * that lie in a device's buffers are read back first, since vertices are snapped on the host.
+ * A triangle mesh as the caller hands it over: borrowed arrays, read during svo_plan_create and not touched later.
+ * Arrays that lie in a device's buffers are read back first, since vertices are snapped on the host.
  *
  * Any values are allowed in the arrays: triangles with an index out of range or a vertex that is not finite are refused
  * and counted, never undefined. Degenerate triangles (segments, points) are geometry and touch what they touch.
@@ -31,9 +31,9 @@ typedef struct svo_texture {
 
 #define SVO_NO_TEXTURE UINT32_MAX
 
-/* A triangle's colour is vertex colour * base colour * texel, each in [0, 255] / 255, rounded half up. */
+/* A triangle's color is vertex color * base color * texel, each in [0, 255] / 255, rounded half up. */
 typedef struct svo_material {
-    uint8_t rgba[4]; /* base colour */
+    uint8_t rgba[4]; /* base color */
     uint32_t texture_index; /* into svo_mesh.textures; SVO_NO_TEXTURE, or any other value out of range: none */
 } svo_material;
 
@@ -93,7 +93,8 @@ typedef struct svo_mesh_copy svo_mesh_copy;
  */
 SVO_API svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
                                  const cl_event *wait, svo_mesh_copy **out, svo_message *message);
-/* The mesh, for svo_plan_create; it lives as long as the copy. Materials and textures are added to a copy of the struct. */
+/* The mesh, for svo_plan_create; it lives as long as the copy. Materials and textures are added to a copy of the
+   struct. */
 SVO_API const svo_mesh *svo_mesh_copy_get(const svo_mesh_copy *copy);
 SVO_API void
 svo_mesh_copy_destroy(svo_mesh_copy **copy); /* sets *copy to NULL; NULL and a pointer to NULL are allowed */

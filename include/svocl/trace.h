@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays through a tree on the device: pictures of its voxels, batches of rays against its triangles, the nearest triangle
- * to points, and the same in a kernel of one's own.
+ * Rays through a tree on the device: pictures of its voxels, batches of rays against its triangles, the nearest
+ * triangle to points, and the same in a kernel of one's own.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -29,12 +29,12 @@ SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *ca
 
 /* What a picture shows. */
 typedef enum svo_render_view {
-    SVO_VIEW_SHADED = 0, /* light, shadows, colours */
+    SVO_VIEW_SHADED = 0, /* light, shadows, colors */
     SVO_VIEW_NORMAL = SVO_VIEW_KIND_NORMAL, /* x, y, z as red, green, blue: the voxel's own, else its face's */
     SVO_VIEW_DEPTH = SVO_VIEW_KIND_DEPTH, /* near ones bright */
     SVO_VIEW_STEPS = SVO_VIEW_KIND_STEPS, /* cells the ray looked into, from blue to red at 64 */
-    SVO_VIEW_LEVEL = SVO_VIEW_KIND_LEVEL, /* a colour for the level of the node it stopped at */
-    SVO_VIEW_TRIANGLES = SVO_VIEW_KIND_TRIANGLES /* a colour for each triangle; needs SVO_NEED_RAYS */
+    SVO_VIEW_LEVEL = SVO_VIEW_KIND_LEVEL, /* a color for the level of the node it stopped at */
+    SVO_VIEW_TRIANGLES = SVO_VIEW_KIND_TRIANGLES /* a color for each triangle; needs SVO_NEED_RAYS */
 } svo_render_view;
 
 typedef struct svo_render_options {
@@ -45,8 +45,8 @@ typedef struct svo_render_options {
 } svo_render_options;
 
 /*
- * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the ray entered by) and colour
- * (their own, else light grey), with soft shadowing from a second ray towards the light.
+ * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the
+ * ray entered by) and color (their own, else light gray), with soft shadowing from a second ray towards the light.
  *
  * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
  * Returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY.
@@ -55,14 +55,14 @@ SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, con
                                    cl_command_queue queue, uint8_t *rgba);
 
 /*
- * Triangles are found through a tree of boxes beside the octree, with each triangle of its lists once. It is made when
- * triangles are first asked for: by one of the functions below, by svo_tree_set_args, or by a picture of triangles. That call
- * makes it on the host, from vertices and indices that it reads back unless they are there, through a queue of its own,
- * and waits for that; what the caller's queue holds is not waited for. This function makes it at a time and on a queue of
- * one's choosing; later calls do nothing.
+ * Triangles are found through a BVH beside the octree, with each triangle of its lists once. It is made when
+ * triangles are first asked for: by one of the functions below, by svo_tree_set_args, or by a picture of triangles.
+ * That call makes it on the host, from vertices and indices that it reads back unless they are there, through a queue
+ * of its own, and waits for that; what the caller's queue holds is not waited for. This function makes it at a time and
+ * on a queue of one's choosing; later calls do nothing.
  *
- * It is no part of a build and of the plan's buffers: two buffers, ray_nodes and ray_leaves, of about 35 bytes a triangle
- * in all (measured: 34 to 53), and never above 208 bytes a triangle and 192.
+ * It is no part of a build and of the plan's buffers: two buffers, ray_nodes and ray_leaves, of about 35 bytes a
+ * triangle in all (measured: 34 to 53), and never above 208 bytes a triangle and 192.
  *
  * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. queue: on the context of the
  * tree's device.
@@ -84,18 +84,20 @@ typedef enum svo_trace_flags {
 /*
  * Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
  *
- * Which triangle is hit, its t, u and v are decided in double and are the same on every device with cl_khr_fp64, whatever
- * the tree's depth. Closed surfaces have no gaps: a ray through an edge or a corner meets one of the triangles that share
- * it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number that is not
- * finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
+ * Which triangle is hit, its t, u and v are decided in double and are the same on every device with cl_khr_fp64,
+ * whatever the tree's depth. Closed surfaces have no gaps: a ray through an edge or a corner meets one of the triangles
+ * that share it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number
+ * that is not finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
  *
- * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray (layout.h). hits: ray_count
- * records svo_hit, written whole, in the order of the rays. ray_count: at most SVO_TRACE_RAYS_MAX. flags: one of
- * svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event: as in clEnqueueNDRangeKernel.
+ * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray
+ * (layout.h). hits: ray_count records svo_hit, written whole, in the order of the rays. ray_count: at most
+ * SVO_TRACE_RAYS_MAX. flags: one of svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event:
+ * as in clEnqueueNDRangeKernel.
  *
  * The first call of a device handle compiles the kernel, and the first one of a tree makes its boxes
  * (svo_tree_prepare_rays); later ones allocate nothing on the device. Also returns what these two do.
- * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED, SVO_CL_ERROR.
+ * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
+ * SVO_CL_ERROR.
  */
 SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
                                           uint32_t flags, cl_command_queue queue, cl_uint num_wait,
@@ -106,12 +108,13 @@ SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo
                                   uint32_t flags, cl_command_queue queue);
 
 /*
- * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the mesh.
- * Distances are measured in double and rounded to float, on devices with cl_khr_fp64. For triangles that lie inside the
- * grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has none.
+ * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the
+ * mesh. Distances are measured in double and rounded to float, on devices with cl_khr_fp64. For triangles that lie
+ * inside the grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has
+ * none.
  *
- * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All else as
- * for svo_tree_trace_enqueue.
+ * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All
+ * else as for svo_tree_trace_enqueue.
  */
 SVO_API svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
                                             cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
@@ -144,8 +147,8 @@ SVO_API const char *svo_tree_kernel_source(void);
 SVO_API const char *svo_tree_kernel_options(void);
 
 /* Sets the kernel's arguments first_index .. first_index + SVO_TREE_ARGUMENTS - 1, where SVO_TREE_PARAMETERS stand. The
-   tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS, coverage half-open
-   or closed, whose boxes this call makes unless they are there (svo_tree_prepare_rays).
+   tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS, coverage
+   half-open or closed, whose boxes this call makes unless they are there (svo_tree_prepare_rays).
    Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR. */
 SVO_API svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 

@@ -6,10 +6,11 @@
  * bytes. Level 0 is the root, level depth holds the leaves. Node i of an inner level has child_mask[i] (bit o: octant
  * o = x | y << 1 | z << 2 is occupied) and first_child[i], an index into the whole tree; the child in octant o is
  * first_child[i] + popcount(child_mask[i] & ((1 << o) - 1)). Leaves have neither. Payload arrays run parallel to the
- * nodes, leaves included; on the device, payload that is the same in every node is stored once (svo_tree_info.constant).
+ * nodes, leaves included; on the device, payload that is the same in every node is stored once
+ * (svo_tree_info.constant).
  *
- * Thread-safety: reading is safe from several threads; upload, download, destroy and what trace.h makes when it is first asked
- * for need exclusive use.
+ * Thread-safety: reading is safe from several threads; upload, download, destroy and what trace.h makes when it is
+ * first asked for need exclusive use.
  */
 #ifndef SVOCL_TREE_H
 #define SVOCL_TREE_H
@@ -50,7 +51,8 @@ typedef struct svo_tree_info {
 typedef struct svo_tree_arrays {
     const uint8_t *child_mask; /* inner_count */
     const uint32_t *first_child; /* inner_count */
-    /* Of payload_count = node_count - level_begin[payload_level] nodes, all of them unless that was asked for otherwise: */
+    /* Of payload_count = node_count - level_begin[payload_level] nodes, all of them unless that was asked for
+       otherwise: */
     const uint8_t *colors; /* payload_count * 4: RGBA8 */
     const int16_t *normals; /* payload_count * 3: mean normal, 32767 = 1; its length is at most 1 */
     const uint32_t *list_begin; /* leaf_count + 1: leaf k's triangles are list[list_begin[k] .. list_begin[k + 1]) */
@@ -82,9 +84,9 @@ SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer); /* "child_mask
 SVO_API void svo_tree_destroy(svo_tree **tree);
 SVO_API void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
-/* The device buffer, laid out as the host array of the same name, but with one element where the payload is constant; NULL
-   where the tree does not hold it or was not uploaded. Nothing writes to it any more. It is the tree's; clRetainMemObject makes it yours too, and it then outlives
-   tree and device handle until you release it. */
+/* The device buffer, laid out as the host array of the same name, but with one element where the payload is constant;
+   NULL where the tree does not hold it or was not uploaded. Nothing writes to it any more. It is the tree's;
+   clRetainMemObject makes it yours too, and it then outlives tree and device handle until you release it. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
 
 /* Copies the arrays to the host, once; later calls do nothing. queue: on the context of the tree's device.
@@ -103,8 +105,8 @@ typedef enum svo_hash_scope { SVO_HASH_ALL = 0, SVO_HASH_NODES = 1 } svo_hash_sc
 
 /*
  * XXH3-128 over depth, coverage, snap_bits, origin, edge, level_begin, child masks and first children, then, for
- * SVO_HASH_ALL, over list_begin, list, colours, normals, materials and fills as far as the tree holds them: little-endian, no device, front
- * end or time. Written as 32 lowercase hexadecimal digits, high half first.
+ * SVO_HASH_ALL, over list_begin, list, colors, normals, materials and fills as far as the tree holds them:
+ * little-endian, no device, front end or time. Written as 32 lowercase hexadecimal digits, high half first.
  * Returns SVO_INVALID_ARGUMENT before svo_tree_download.
  */
 SVO_API svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES]);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Version numbers of svocl. Before 1.0 the API and the ABI may change with each minor version; the CHANGELOG says how. */
+/* Version numbers of svocl. Before 1.0 the API and the ABI may change with each minor version; the CHANGELOG says
+   how. */
 #ifndef SVOCL_VERSION_H
 #define SVOCL_VERSION_H
 

@@ -2,13 +2,13 @@
 /*
  * The nearest triangle to each point of a buffer.
  *
- * Depth first through the tree of boxes (lib/boxes.c), each time into the nearest box that is left and can still hold
+ * Depth first through the BVH (lib/boxes.c), each time into the nearest box that is left and can still hold
  * something nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor
  * Queries", 1995). Boxes are measured in float and taken a margin nearer than they are, triangles in double where the
  * device has it.
  *
- * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree, writes one record per point.
- * No atomics, no local memory.
+ * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree, writes one record per
+ * point. No atomics, no local memory.
  */
 #include "svocl/layout.h"
 
@@ -87,8 +87,8 @@ static void svo_nearest_try(const svo_tree *tree, __global const int4 *leaf, int
 }
 
 /* Of all children of a node: the distance from the point to the box, less the margin. */
-static float8 svo_nearest_boxes(const svo_tree *tree, const svo_nearest_search *search,
-                                __global const svo_ray_node *node)
+static float8 svo_nearest_distances(const svo_tree *tree, const svo_nearest_search *search,
+                                    __global const svo_ray_node *node)
 {
     __global const ushort8 *rows = (__global const ushort8 *)node;
     const float step = (float)(1u << (tree->params.snap_bits - SVO_RAY_BOX_BITS));
@@ -115,22 +115,22 @@ static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_searc
 
 static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
 {
-    svo_ray_way way;
-    svo_ray_begin(&way);
-    while (way.height > 0u) {
-        const svo_ray_waiting next = way.waiting[--way.height];
+    svo_ray_stack stack;
+    svo_ray_begin(&stack);
+    while (stack.height > 0u) {
+        const svo_ray_waiting next = stack.waiting[--stack.height];
         if (svo_waiting_s(next) > search->limit) {
             continue;
         }
         uint at = svo_waiting_child(next);
         while ((at & SVO_RAY_LEAF) == 0u) {
             __global const svo_ray_node *node = tree->nodes + at;
-            const float8 distances = svo_nearest_boxes(tree, search, node);
+            const float8 distances = svo_nearest_distances(tree, search, node);
             const uint near = svo_lanes(distances <= search->limit);
             if (near == 0u) {
                 break;
             }
-            at = svo_ray_pick(node, near, distances, &way);
+            at = svo_ray_pick(node, near, distances, &stack);
         }
         if ((at & SVO_RAY_LEAF) != 0u) {
             svo_nearest_leaf(tree, at & ~SVO_RAY_LEAF, search);
@@ -146,15 +146,15 @@ static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, s
     out->position[0] = out->position[1] = out->position[2] = 0.0f;
     out->leaves = 0u;
     out->reserved[0] = out->reserved[1] = 0u;
-    if (!(sum == 0.0f) || !(point->farthest >= 0.0f)) {
+    if (!(sum == 0.0f) || !(point->max_distance >= 0.0f)) {
         return;
     }
     svo_nearest_search search;
     search.point = svo_position_to_grid(&tree->params, point->position[0], point->position[1], point->position[2]);
     search.point_f = convert_float4(search.point);
     search.margin = max(tree->params.reach, svo_largest(fabs(search.point_f))) * 0x1p-20f * SVO_RAY_BOX_MARGIN;
-    search.limit = point->farthest * tree->params.scale[0] * (1.0f + 0x1p-20f) + search.margin;
-    search.distance = point->farthest;
+    search.limit = point->max_distance * tree->params.scale[0] * (1.0f + 0x1p-20f) + search.margin;
+    search.distance = point->max_distance;
     search.id = SVO_NO_TRIANGLE;
     search.nearest = (svo_real4)(0);
     search.leaves = 0u;

@@ -43,9 +43,9 @@ static float3 svo_params_vector(__constant const float *values)
     return (float3)(values[0], values[1], values[2]);
 }
 
-/* The node's own normal where it has a clear one, else that of the face; never away from the eye. Sheets have two sides:
-   a normal that looks well away is turned around. One that only leans away belongs to a silhouette and is laid across
-   the ray, so that what it carries stays outside the surface. */
+/* The node's own normal where it has a clear one, else that of the face; never away from the eye. Sheets have two
+   sides: a normal that looks well away is turned around. One that only leans away belongs to a silhouette and is laid
+   across the ray, so that what it carries stays outside the surface. */
 static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __global const short *normals)
 {
     const float towards = hit->axis == 0 ? direction.x : hit->axis == 1 ? direction.y : direction.z;
@@ -67,7 +67,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
     return away > 0.0f ? normalize(normal - away * direction) : normal;
 }
 
-/* Stored colours are taken as squares of light: close to sRGB and cheap. */
+/* Stored colors are taken as squares of light: close to sRGB and cheap. */
 static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *colors)
 {
 #ifdef SVO_COLOR

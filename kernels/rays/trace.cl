@@ -3,8 +3,9 @@
  * Rays from a buffer, hits into a buffer: the batch side of rays.clh. Reads the tree, writes one record per ray;
  * -DSVO_COUNT_HITS counts all hits. No atomics, no local memory.
  *
- * On GPUs a work-item takes one ray; while it waits, other work-items have their turn. On CPUs, with -DSVO_RAY_STREAMS, a
- * work-item takes all rays of its group, as packets (ray_packet.clh) and in streams (ray_stream.clh). The hits are the same.
+ * On GPUs a work-item takes one ray; while it waits, other work-items have their turn. On CPUs, with -DSVO_RAY_STREAMS,
+ * a work-item takes all rays of its group, as packets (ray_packet.clh) and in streams (ray_stream.clh). The hits are
+ * the same.
  *
  * Launch: one group per SVO_GROUP_ITEMS rays, one dimension, of SVO_GROUP_ITEMS / SVO_RAYS_PER_ITEM work-items.
  */

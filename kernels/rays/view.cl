@@ -9,7 +9,7 @@
 
 #include "rays/rays.clh"
 
-/* Where a step count is as hot as colours get. */
+/* Where a step count is as hot as colors get. */
 #define SVO_STEPS_HOT 64.0f
 
 static uint svo_view_pack(float3 color)
@@ -27,7 +27,8 @@ static float3 svo_view_heat(float value)
     return max((float3)(1.0f) - away * away, (float3)(0.05f, 0.03f, 0.20f));
 }
 
-/* A colour of its own for every number: the bits well mixed (a multiplicative hash after Knuth, "Sorting and Searching"). */
+/* A color of its own for every number: the bits well mixed (a multiplicative hash after Knuth, "Sorting and
+   Searching"). */
 static float3 svo_view_mixed(uint number)
 {
     uint mixed = (number + 1u) * 2654435769u;

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Nodes from sorted fragments, from the leaves up: the other way to build what subdivide.cl builds from the root down
- * (as in Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012, but level by level).
+ * (as in Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012, but level by
+ * level).
  *
- *   svo_k_ascend_count   per fragment: on which levels it is the first of its node. Once; from its sums follow all levels'
+ *   svo_k_bottom_up_count   per fragment: on which levels it is the first of its node. Once; from its sums follow all
+ *   levels'
  *                        sizes, and with them every node's place, before the first node is made
- *   svo_k_ascend_flags   per entry of a level's codes: 1 where another node of the level above begins
+ *   svo_k_bottom_up_flags   per entry of a level's codes: 1 where another node of the level above begins
  *   scan.cl              exclusive sums of the flags: the nodes' indices (svo_k_scan_lists_*)
- *   svo_k_ascend_leaves  per fragment: its leaf, and the leaves' codes
- *   svo_k_ascend_nodes   per child: its parent's code, mask and first child
- *   svo_k_ascend_lists   per fragment: leaf lists, packed as they come
+ *   svo_k_bottom_up_leaves  per fragment: its leaf, and the leaves' codes
+ *   svo_k_bottom_up_nodes   per child: its parent's code, mask and first child
+ *   svo_k_bottom_up_lists   per fragment: leaf lists, packed as they come
  *
  * Codes of a level are sorted, so nodes come out in Morton order, and children of one parent lie side by side.
  * Launch: one work-item per fragment or child. Atomics: counters of a level's nodes, sums only.
@@ -17,7 +19,7 @@
 #include "shared/fragment.clh"
 
 /* Codes of the nodes of a level lie in words of their own; those of the fragments have the triangle beside them. */
-static svo_code svo_ascend_code(__global const uint *codes, size_t index, svo_ascend_params params)
+static svo_code svo_bottom_up_code(__global const uint *codes, size_t index, svo_bottom_up_params params)
 {
     if (params.of_fragments != 0u) {
         return svo_fragment_code(codes, index);
@@ -29,7 +31,7 @@ static svo_code svo_ascend_code(__global const uint *codes, size_t index, svo_as
 #endif
 }
 
-static void svo_ascend_store(__global uint *codes, size_t index, svo_code code)
+static void svo_bottom_up_store(__global uint *codes, size_t index, svo_code code)
 {
 #ifdef SVO_CODE48
     codes[2 * index] = (uint)code;
@@ -43,8 +45,8 @@ static void svo_ascend_store(__global uint *codes, size_t index, svo_code code)
    counts: one per level, 0 at first, and behind them the number of fragments that none can be, which a driver made of
    nothing; scratch: as much, for the group's own sums. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_ascend_count(__global const uint *fragments, volatile __global uint *counts, svo_ascend_params params,
-                   volatile __local uint *scratch)
+svo_k_bottom_up_count(__global const uint *fragments, volatile __global uint *counts, svo_bottom_up_params params,
+                      volatile __local uint *scratch)
 {
     const uint index = (uint)get_global_id(0);
     const uint item = (uint)get_local_id(0);
@@ -74,42 +76,42 @@ svo_k_ascend_count(__global const uint *fragments, volatile __global uint *count
 }
 
 /* shift: how far up the next level is: 0 from fragments to leaves, 3 from a level to the one above. */
-static bool svo_ascend_begins(__global const uint *codes, uint index, svo_ascend_params params)
+static bool svo_bottom_up_begins(__global const uint *codes, uint index, svo_bottom_up_params params)
 {
-    return index == 0u || svo_ascend_code(codes, index, params) >> params.shift !=
-                              svo_ascend_code(codes, index - 1u, params) >> params.shift;
+    return index == 0u || svo_bottom_up_code(codes, index, params) >> params.shift !=
+                              svo_bottom_up_code(codes, index - 1u, params) >> params.shift;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_ascend_flags(__global const uint *codes, __global uint *flags, svo_ascend_params params)
+svo_k_bottom_up_flags(__global const uint *codes, __global uint *flags, svo_bottom_up_params params)
 {
     const uint index = (uint)get_global_id(0);
     if (index < params.count) {
-        flags[index] = svo_ascend_begins(codes, index, params) ? 1u : 0u;
+        flags[index] = svo_bottom_up_begins(codes, index, params) ? 1u : 0u;
     }
 }
 
 /* before: flags before each fragment. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_ascend_leaves(__global const uint *fragments, __global const uint *before, __global uint *cursors,
-                    __global uint *codes, svo_ascend_params params)
+svo_k_bottom_up_leaves(__global const uint *fragments, __global const uint *before, __global uint *cursors,
+                       __global uint *codes, svo_bottom_up_params params)
 {
     const uint index = (uint)get_global_id(0);
     if (index < params.count) {
-        const bool begins = svo_ascend_begins(fragments, index, params);
+        const bool begins = svo_bottom_up_begins(fragments, index, params);
         const uint leaf = before[index] - (begins ? 0u : 1u);
         cursors[index] = params.node_begin + leaf;
         if (begins) {
-            svo_ascend_store(codes, leaf, svo_fragment_code(fragments, index));
+            svo_bottom_up_store(codes, leaf, svo_fragment_code(fragments, index));
         }
     }
 }
 
-/* Leaf lists are the triangles as they come; list may be NULL where only their ranges are wanted. params.node_begin: the
-   first leaf, params.child_begin: how many there are. */
+/* Leaf lists are the triangles as they come; list may be NULL where only their ranges are wanted. params.node_begin:
+   the first leaf, params.child_begin: how many there are. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_ascend_lists(__global const uint *fragments, __global const uint *cursors, __global uint *list_begin,
-                   __global uint *list, svo_ascend_params params)
+svo_k_bottom_up_lists(__global const uint *fragments, __global const uint *cursors, __global uint *list_begin,
+                      __global uint *list, svo_bottom_up_params params)
 {
     const uint index = (uint)get_global_id(0);
     if (index >= params.count) {
@@ -127,24 +129,24 @@ svo_k_ascend_lists(__global const uint *fragments, __global const uint *cursors,
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_ascend_nodes(__global const uint *children, __global const uint *before, __global uint *codes,
-                   __global uchar *masks, __global uint *first_child, svo_ascend_params params)
+svo_k_bottom_up_nodes(__global const uint *children, __global const uint *before, __global uint *codes,
+                      __global uchar *masks, __global uint *first_child, svo_bottom_up_params params)
 {
     const uint index = (uint)get_global_id(0);
-    if (index >= params.count || !svo_ascend_begins(children, index, params)) {
+    if (index >= params.count || !svo_bottom_up_begins(children, index, params)) {
         return;
     }
-    const svo_code code = svo_ascend_code(children, index, params) >> 3;
+    const svo_code code = svo_bottom_up_code(children, index, params) >> 3;
     uint mask = 0;
     for (uint child = index; child < params.count; ++child) {
-        const svo_code of_child = svo_ascend_code(children, child, params);
+        const svo_code of_child = svo_bottom_up_code(children, child, params);
         if (of_child >> 3 != code) {
             break;
         }
         mask |= 1u << ((uint)of_child & 7u);
     }
     const uint node = before[index];
-    svo_ascend_store(codes, node, code);
+    svo_bottom_up_store(codes, node, code);
     masks[params.node_begin + node] = (uchar)mask;
     first_child[params.node_begin + node] = params.child_begin + index;
 }

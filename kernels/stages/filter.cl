@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload, bottom up: mean colour, mean normal and fill of every node, in integers.
+ * The payload, bottom up: mean color, mean normal and fill of every node, in integers.
  *
  *   svo_k_gather_level  per node of the deepest inner level: walks its leaves' linked lists, sums up what each triangle
- *                       contributes to the voxel, writes the leaves' payload and the node's sums. For lists of one chunk
+ *                       contributes to the voxel, writes the leaves' payload and the node's sums. For lists of one
+ *                       chunk
  *   svo_k_gather        per leaf of a chunk: the same, but into sums of the leaf, on top of those of earlier chunks
- *   svo_k_filter        per node of a level, from the deepest one not done yet up: writes its children's payload and its
+ *   svo_k_filter        per node of a level, from the deepest one not done yet up: writes its children's payload and
+ *   its
  *                       own sums
  *
- * Sums are 64-bit, travel up unrounded, and each node rounds once, half up; so the result depends neither on the order of
- * the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a tree's weights add
- * up to less than 2^46, which leaves room for the sums.
+ * Sums are 64-bit, travel up unrounded, and each node rounds once, half up; so the result depends neither on the order
+ * of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a tree's
+ * weights add up to less than 2^46, which leaves room for the sums.
  *
  * Launch: one work-item per node or leaf. No atomics: a node's sums are written by one work-item.
- * Buffers: sums of one level each, weights (ulong), colour (4 ulong a node), normal (3 long a node).
+ * Buffers: sums of one level each, weights (ulong), color (4 ulong a node), normal (3 long a node).
  */
-#include "stages/attribute.clh"
 #include "shared/fragment.clh"
 #include "shared/state.clh"
+#include "stages/attribute.clh"
 
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 

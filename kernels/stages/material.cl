@@ -4,7 +4,8 @@
  *
  *   svo_k_material_scatter  per fragment: (material, weight) into its leaf's range of entries, in any order
  *   svo_k_material_leaves   per leaf: sorts its entries by material and adds up those of one material
- *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight sorted runs that lie one after
+ *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight sorted runs that lie one
+ *   after
  *                           the other, to the place of the first
  *
  * An entry is a material and a sum of weights in one word, so that words sort by material:
@@ -12,14 +13,14 @@
  *   63        48 47                     0
  *   [ material ][ weight, below 2^47     ]
  *
- * Entries of a node are its materials, each once and ascending, however many triangles there are: levels never grow, and
- * no result depends on the order of the fragments. Sorting is near-linear: a run of sums is no longer than there are
- * materials.
+ * Entries of a node are its materials, each once and ascending, however many triangles there are: levels never grow,
+ * and no result depends on the order of the fragments. Sorting is near-linear: a run of sums is no longer than there
+ * are materials.
  *
  * Launch: one work-item per fragment, leaf or node. Atomics: a counter per leaf hands out each slot once.
  */
-#include "stages/attribute.clh"
 #include "shared/state.clh"
+#include "stages/attribute.clh"
 
 #ifdef SVO_MATERIAL
 
@@ -73,7 +74,7 @@ svo_k_material_scatter(__global const uint *fragments, __global const uint *curs
     }
 }
 
-/* Merges two neighbouring runs of up to width slots each, of which unused ones hold SVO_NO_ENTRY, into one. */
+/* Merges two neighboring runs of up to width slots each, of which unused ones hold SVO_NO_ENTRY, into one. */
 static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint begin, uint middle, uint end)
 {
     uint a = begin;

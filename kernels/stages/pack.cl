@@ -5,12 +5,13 @@
  *   svo_k_count       per fragment: lengths
  *   scan.cl           per leaf: where its range begins
  *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0)
- *   svo_k_sort_short  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries (with the gaps of Ciura, "Best Increments for the
+ *   svo_k_sort_short  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries (with the gaps of Ciura, "Best Increments
+ *   for the
  *                     Average Case of Shellsort", 2001); longer ones are put on a list
  *   svo_k_sort_long   per long leaf, one work-group: stable radix sort by four bits a pass, between list and spare
  *
- * All is linear in the fragments, whatever the distribution: a leaf may hold a million triangles. Triangles are distinct
- * inside a leaf, so the result does not depend on the order of the fragments.
+ * All is linear in the fragments, whatever the distribution: a leaf may hold a million triangles. Triangles are
+ * distinct inside a leaf, so the result does not depend on the order of the fragments.
  * Atomics: counters only; a slot of a range is handed out once.
  */
 #include "shared/fragment.clh"

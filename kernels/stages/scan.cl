@@ -7,8 +7,9 @@
  *   partials one group: exclusive sum of the partials, and what follows from the total
  *   add      the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
- * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a level's
- * child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words, comes as an
+ * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a
+ * level's child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words,
+ * comes as an
  * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
  */
 #include "shared/group.clh"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sorts the fragment list for the builder that works from the leaves up: a stable radix sort by digits of SVO_SORT_BITS bits,
- * the least significant first (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish, Harris
- * and Garland, "Designing Efficient Sorting Algorithms for Manycore GPUs", 2009.
+ * Sorts the fragment list for the builder that works from the leaves up: a stable radix sort by digits of SVO_SORT_BITS
+ * bits, the least significant first (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish,
+ * Harris and Garland, "Designing Efficient Sorting Algorithms for Manycore GPUs", 2009.
  *
  *   svo_k_sort_count    per block of the list: how often each digit occurs; digit by digit, so that the sums before an
  *                       entry are what comes before that digit of that block

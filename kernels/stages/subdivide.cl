@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Subdivision, top down, level by level (after Crassin and Green, "Octree-Based Sparse Voxelization Using the GPU Hardware
- * Rasterizer", 2012, but with a scan for an allocator, which makes the order of the nodes canonical).
+ * Subdivision, top down, level by level (after Crassin and Green, "Octree-Based Sparse Voxelization Using the GPU
+ * Hardware Rasterizer", 2012, but with a scan for an allocator, which makes the order of the nodes canonical).
  *
  *   svo_k_take_count  once: how many fragments there are, where the host does not know
  *   svo_k_mark     once: every fragment marks its octant in the root
@@ -9,17 +9,18 @@
  *   svo_k_descend  per level: every fragment moves its cursor to the child and marks its octant there
  *
  * Launch: one work-item per fragment of a chunk, rounded up to whole groups.
- * Atomics: a mask only gains bits, so a bit that is seen set is set, and atomic_or for a missing one is enough. A mask is
- * complete, and may be read for good, once the launch that marks its level has ended. Four masks share a 32-bit word, byte
- * k of the word is the mask of node 4 w + k:
+ * Atomics: a mask only gains bits, so a bit that is seen set is set, and atomic_or for a missing one is enough. A mask
+ * is complete, and may be read for good, once the launch that marks its level has ended. Four masks share a 32-bit
+ * word, byte k of the word is the mask of node 4 w + k:
  *
  *   31      24 23      16 15       8 7        0
  *   [ node 3 ] [ node 2 ] [ node 1 ] [ node 0 ]
  *
  * Invariant: after descending from a level, each cursor is the index, in the whole tree, of the fragment's node on the
- * level below. When a level's nodes did not fit, state->overflow is set and nothing more is written. The list comes from
- * drivers: a fragment that none can be is noticed in the first pass and sets it too, and nothing is done by it. (All who
- * set it write the same word.)
+ * level below. When a level's nodes did not fit, state->overflow is set and nothing more is written. The list comes
+ * from
+ * drivers: a fragment that none can be is noticed in the first pass and sets it too, and nothing is done by it. (All
+ * who set it write the same word.)
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"

@@ -2,16 +2,18 @@
 /*
  * Voxelization: triangles become fragments. Each triangle is projected along the axis of its normal's largest component
  * and its columns of voxels are walked; in a column the plane gives the few voxels to look at, and the exact test of
- * overlap.clh decides. What the raster front end does with a rasterizer (glinterop/shaders), here in one pass of OpenCL.
+ * overlap.clh decides. What the raster front end does with a rasterizer (glinterop/shaders), here in one pass of
+ * OpenCL.
  *
- *   svo_k_voxelize  one draw of the layout: each work-item finds its fragments and notes them by columns in local memory,
+ *   svo_k_voxelize  one draw of the layout: each work-item finds its fragments and notes them by columns in local
+ *   memory,
  *                   the group reserves room for all of them at once, each work-item writes its own
  *
- * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles that have more than
- * SVO_TILE_COLUMNS columns; the first kind passes over those, so that no work-item has more work than one tile.
+ * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles that have more
+ * than SVO_TILE_COLUMNS columns; the first kind passes over those, so that no work-item has more work than one tile.
  * Reads vertices, indices, items, tiles; writes the chunk's fragments from the start, and its counter.
- * Atomics: one atomic_add per group on the counter, a second one where its low word wraps, so that fragments are counted
- * to the end, in 64 bits, however few of them fit. Nothing is written past the capacity.
+ * Atomics: one atomic_add per group on the counter, a second one where its low word wraps, so that fragments are
+ * counted to the end, in 64 bits, however few of them fit. Nothing is written past the capacity.
  * Invariant: which fragments come out does not depend on the launch; their order does.
  *
  * Keys: SVO_NARROW, SVO_WIDE, neither: the class of the triangles (overlap.clh); SVO_THIN; SVO_CODE48.
@@ -28,7 +30,7 @@
 #include "shared/group.clh"
 #include "shared/overlap.clh"
 
-/* Notes of neighbouring work-items lie in different banks. */
+/* Notes of neighboring work-items lie in different banks. */
 #define SVO_NOTES_STRIDE (SVO_TILE_COLUMNS + 1)
 
 /* A triangle, turned so that t is its axis of projection (overlap.clh). */
@@ -116,8 +118,8 @@ SVO_FUNCTION svo_source svo_source_of(svo_placed placed, svo_window window)
 
 #ifndef SVO_NO_TEST
 
-/* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it is
-   convex. x: the first of them, y: how many. */
+/* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it
+   is convex. x: the first of them, y: how many. */
 SVO_FUNCTION int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
 {
     int2 run = (int2)(0, 0);

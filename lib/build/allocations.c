@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Places scratch buffers with known lifetimes in one piece of memory: each, in order, at the lowest offset at which no other
- * one lies that is needed at the same time (first fit: Knuth, "The Art of Computer Programming", volume 1, 2.5).
+ * Places scratch buffers with known lifetimes in one piece of memory: each, in order, at the lowest offset at which no
+ * other one lies that is needed at the same time (first fit: Knuth, "The Art of Computer Programming", volume 1, 2.5).
  */
 #include "build/allocations.h"
 
@@ -45,7 +45,7 @@ static uint64_t blocked_until(const svo_i_allocations *list, size_t index, uint6
     const svo_i_allocation *entry = &list->entries[index];
     for (size_t i = 0; i < index; ++i) {
         const svo_i_allocation *other = &list->entries[i];
-        if (!other->stays && overlap_in_time(entry, other) && offset < other->offset_bytes + other->bytes &&
+        if (!other->persistent && overlap_in_time(entry, other) && offset < other->offset_bytes + other->bytes &&
             other->offset_bytes < offset + entry->bytes) {
             return other->offset_bytes + other->bytes;
         }
@@ -58,7 +58,7 @@ void svo_i_allocations_place(svo_i_allocations *list, uint64_t alignment)
     list->scratch_bytes = 0;
     for (size_t i = 0; i < list->count; ++i) {
         svo_i_allocation *entry = &list->entries[i];
-        if (entry->stays) {
+        if (entry->persistent) {
             continue;
         }
         uint64_t offset = 0;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a build allocates, in order, and when it lets go of it: written down by a build that only measures, and given out
- * again, one after the other, to builds that are enqueued. Buffers that are not needed at the same time share memory.
+ * What a build allocates, in order, and when it lets go of it: written down by a build that only measures, and given
+ * out again, one after the other, to builds that are enqueued. Buffers that are not needed at the same time share
+ * memory.
  */
-#ifndef SVO_LIB_ALLOCATIONS_H
-#define SVO_LIB_ALLOCATIONS_H
+#ifndef SVO_LIB_BUILD_ALLOCATIONS_H
+#define SVO_LIB_BUILD_ALLOCATIONS_H
 
 #include "core/device.h"
 
@@ -13,7 +14,7 @@ typedef struct svo_i_allocation {
     uint64_t bytes;
     uint64_t born, died; /* positions in the sequence of allocations and releases; died UINT64_MAX: never */
     uint64_t offset_bytes; /* in the scratch memory */
-    bool stays; /* the tree's: no scratch */
+    bool persistent; /* the tree's: no scratch */
     cl_mem memory; /* owned; of scratch, once there is memory */
 } svo_i_allocation;
 

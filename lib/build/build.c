@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder: has the fragment list made (list.c), runs the OpenCL stages, hands out the tree. Makes the nodes again when
- * there was too little room for them.
+ * The builder: has the fragment list made (list.c), runs the OpenCL stages, hands out the tree. Makes the nodes again
+ * when there was too little room for them.
  */
 #include "build/build.h"
 
@@ -48,16 +48,16 @@ static svo_status make_nodes_in_place(svo_i_build *build)
     return status == SVO_OK ? svo_i_subdivide(build, &fits) : status;
 }
 
-/* Masks and first children, rerun once with room for certain when the count law misjudged the scene. */
+/* Masks and first children, rerun once with room for certain when the fragment estimate misjudged the scene. */
 static svo_status make_nodes(svo_i_build *build)
 {
     bool fits = false;
-    if (build->stays_in_place) {
+    if (build->in_place) {
         return make_nodes_in_place(build);
     }
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
         build->inner_capacity = svo_i_plan_inner_nodes(build->plan, build->fragment_count,
-                                                       attempt > 0 || build->plan->options.certain_nodes != 0);
+                                                       attempt > 0 || build->plan->options.worst_case_nodes != 0);
         svo_i_build_free(build, &build->tree->buffers[SVO_TREE_CHILD_MASK]);
         svo_i_build_free(build, &build->tree->buffers[SVO_TREE_FIRST_CHILD]);
         const uint64_t mask_bytes = (build->inner_capacity + 3) / 4 * 4;
@@ -138,7 +138,7 @@ void svo_i_build_assume_counts(svo_i_build *build)
     uint64_t nodes = 0;
     for (uint32_t level = 0; level < info->depth; ++level) {
         info->level_begin[level] = limited(nodes);
-        nodes += svo_i_plan_level_nodes(plan, level, build->fragment_count, plan->options.certain_nodes != 0);
+        nodes += svo_i_plan_level_nodes(plan, level, build->fragment_count, plan->options.worst_case_nodes != 0);
     }
     info->level_begin[info->depth] = limited(nodes);
     info->inner_count = nodes;
@@ -148,7 +148,7 @@ void svo_i_build_assume_counts(svo_i_build *build)
     info->fragments = build->fragment_count;
 }
 
-/* Refuses what the count law says cannot fit, before anything is allocated. */
+/* Refuses what the fragment estimate says cannot fit, before anything is allocated. */
 static svo_status check_size(svo_i_build *build)
 {
     const svo_plan *plan = build->plan;
@@ -308,7 +308,7 @@ static svo_status measure_stages(svo_i_build *build, const svo_frontend *fronten
     if (frontend == NULL || frontend->enqueue != NULL) { /* others have their lists in memory of their own */
         status = svo_i_voxelize_enqueue(build, layout);
     }
-    if (!build->stays_in_place) { /* a build that waits has read them by now */
+    if (!build->in_place) { /* a build that waits has read them by now */
         svo_i_build_free(build, &build->counters);
     }
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
@@ -325,7 +325,7 @@ static void mark_staying(svo_i_build *build)
 {
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (build->tree->buffers[i] != NULL) {
-            build->allocations->entries[(size_t)(uintptr_t)build->tree->buffers[i] - 1].stays = true;
+            build->allocations->entries[(size_t)(uintptr_t)build->tree->buffers[i] - 1].persistent = true;
             build->tree->buffers[i] = NULL;
         }
     }
@@ -340,7 +340,7 @@ svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, con
                          .device = plan->device,
                          .plan = plan,
                          .report = &report,
-                         .stays_in_place = allocations != NULL,
+                         .in_place = allocations != NULL,
                          .allocations = allocations != NULL ? allocations : &unread,
                          .kept = kept,
                          .tree = svo_i_tree_new()};
@@ -391,12 +391,12 @@ bool svo_i_queue_profiles(cl_command_queue queue)
 static svo_status compile_kernels(svo_i_build *build)
 {
     const svo_i_work *work = &build->plan->work;
-    char keys[SVO_I_KEYS_BYTES];
+    char defines[SVO_I_DEFINES_BYTES];
     bool fresh = false;
-    svo_i_plan_keys(build->plan, keys, sizeof keys);
+    svo_i_plan_defines(build->plan, defines, sizeof defines);
     svo_status status = SVO_OK;
     if (work->builder_kernels) {
-        status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, keys, &build->program, &fresh);
+        status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_BUILD, defines, &build->program, &fresh);
     }
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_BUILD);

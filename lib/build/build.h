@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build in progress: what the OpenCL stages (subdivide.c, sorted.c, pack.c, material.c, filter.c) share. build.c runs
- * them in order; commands.c has what they ask of OpenCL, list.c makes the list they start from.
+ * One build in progress: what the OpenCL stages (subdivide.c, sorted.c, pack.c, material.c, filter.c) share. build.c
+ * runs them in order; commands.c has what they ask of OpenCL, list.c makes the list they start from.
  *
  * Every launch waits for the one before it by an event, so the caller's queue may be out-of-order.
  */
-#ifndef SVO_LIB_BUILD_H
-#define SVO_LIB_BUILD_H
+#ifndef SVO_LIB_BUILD_BUILD_H
+#define SVO_LIB_BUILD_BUILD_H
 
 #include "build/allocations.h"
 #include "build/frontend.h"
 #include "core/program.h"
-#include "plan/tiles.h"
 #include "core/tree.h"
+#include "plan/tiles.h"
 
 /* How far a build goes. The stages are the same; commands.c makes the difference. */
 typedef enum svo_i_build_mode {
@@ -52,7 +52,7 @@ typedef struct svo_i_build {
     double stage_start_ms; /* wall clock when it was opened */
 
     /* Measuring and enqueuing. */
-    bool stays_in_place; /* nodes stay where they were made, in arrays as large as the capacities */
+    bool in_place; /* nodes stay where they were made, in arrays as large as the capacities */
     svo_i_allocations *allocations;
     size_t next_allocation;
     svo_i_kept_tiles *kept; /* NULL: the number of tiles is estimated */
@@ -118,8 +118,8 @@ bool svo_i_queue_profiles(cl_command_queue queue);
 /* What rays need of the mesh, into the tree. */
 svo_status svo_i_keep_geometry(svo_i_build *build);
 
-/* build.c: what a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be NULL, what
-   one that is enqueued does. frontend: NULL for that of OpenCL alone. kept: NULL allowed. */
+/* build.c: what a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be
+   NULL, what one that is enqueued does. frontend: NULL for that of OpenCL alone. kept: NULL allowed. */
 svo_status svo_i_build_measure(svo_plan *plan, const svo_frontend *frontend, const svo_i_layout *layout,
                                svo_i_allocations *allocations, svo_i_kept_tiles *kept);
 /* build.c: kernels and shaders, as far as this device and context have not compiled them before. */
@@ -136,14 +136,15 @@ void svo_i_build_take_spans(svo_i_build *build);
 void svo_i_build_stage_begin(svo_i_build *build);
 svo_status svo_i_build_stage_end(svo_i_build *build, svo_stage stage);
 
-/* warm.c: launches every kernel of build->program that the plan needs once on nothing, so that the driver compiles it now.
+/* warm.c: launches every kernel of build->program that the plan needs once on nothing, so that the driver compiles it
+   now.
    kind: of the program. */
 svo_status svo_i_build_warm(svo_i_build *build, svo_i_program_kind kind);
-/* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner nodes
-   did not fit. Fills tree->info.level_begin and the counts. */
+/* subdivide.c: masks, first children and level counts; cursors end up at the leaves. *fits is false when the inner
+   nodes did not fit. Fills tree->info.level_begin and the counts. */
 svo_status svo_i_subdivide(svo_i_build *build, bool *fits);
-/* sorted.c: compiles what the builder "sorted" needs; takes the list over from the front end and makes the nodes of it, the
-   tree->info and the cursors; list_begin, and list if asked for, of the sorted list. */
+/* sorted.c: compiles what the builder "sorted" needs; takes the list over from the front end and makes the nodes of it,
+   the tree->info and the cursors; list_begin, and list if asked for, of the sorted list. */
 svo_status svo_i_sorted_prepare(svo_i_build *build);
 svo_status svo_i_sorted(svo_i_build *build, svo_frontend *frontend);
 svo_status svo_i_sorted_lists(svo_i_build *build, bool with_lists);
@@ -172,7 +173,7 @@ svo_status svo_i_voxelize_enqueue(svo_i_build *build, const svo_i_layout *layout
 
 /* material.c: the nodes' materials. Needs list_begin. */
 svo_status svo_i_material(svo_i_build *build, const svo_i_surface *surface);
-/* filter.c: links the leaves, which uses up the cursors, and makes colours, normals and fills. */
+/* filter.c: links the leaves, which uses up the cursors, and makes colors, normals and fills. */
 svo_status svo_i_filter(svo_i_build *build, const svo_i_surface *surface);
 
 SVO_I_SHARED_END

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the stages of a build ask of OpenCL: buffers, copies and launches, one waiting for the other, and the time that a
- * stage's launches take.
+ * What the stages of a build ask of OpenCL: buffers, copies and launches, one waiting for the other, and the time that
+ * a stage's launches take.
  */
 #include "build/build.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds that do not wait: the stages of build.c in a workspace's memory, with the plan's capacities in place of counts. What
- * the device counts is read when the tree is finished.
+ * Builds that do not wait: the stages of build.c in a workspace's memory, with the plan's capacities in place of
+ * counts. What the device counts is read when the tree is finished.
  */
 #include "build/workspace.h"
 
@@ -24,7 +24,7 @@ static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
 {
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         svo_i_allocation *entry = &workspace->allocations.entries[i];
-        if (entry->stays) {
+        if (entry->persistent) {
             cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
             *(back ? buffer : &entry->memory) = back ? entry->memory : *buffer;
             *(back ? &entry->memory : buffer) = NULL;
@@ -137,7 +137,8 @@ void svo_i_workspace_release_given_up(svo_workspace *workspace, bool all)
     }
 }
 
-/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to it. */
+/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to
+   it. */
 static void give_up(svo_workspace *workspace, svo_i_pending *pending)
 {
     if (pending->done == NULL || is_done(pending->done)) {
@@ -208,7 +209,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
                                    .profiling = svo_i_queue_profiles(queue),
                                    .program = workspace->program,
                                    .report = &pending->report,
-                                   .stays_in_place = true,
+                                   .in_place = true,
                                    .allocations = &workspace->allocations,
                                    .kept = &workspace->kept,
                                    .tree = tree};
@@ -244,7 +245,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
     }
     if (state->overflow != 0) {
         pending->report.inner_nodes = svo_i_plan_inner_nodes(build->plan, needed, true);
-        return svo_i_device_fail(tree->device, SVO_NEED_MORE,
+        return svo_i_device_fail(tree->device, SVO_CAPACITY_EXCEEDED,
                                  "svo_tree_finish: the build needs room for %llu fragments, the plan has %llu, and for "
                                  "at most %llu inner nodes, the plan has %llu",
                                  (unsigned long long)needed, (unsigned long long)room->fragment_capacity,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The narrow interface between the builder and whatever makes the fragment list. A front end proposes any superset of the
- * touched voxels and lets the integer test decide, so no two front ends can differ.
+ * The narrow interface between the builder and whatever makes the fragment list. A front end proposes any superset of
+ * the touched voxels and lets the integer test decide, so no two front ends can differ.
  */
-#ifndef SVO_LIB_FRONTEND_H
-#define SVO_LIB_FRONTEND_H
+#ifndef SVO_LIB_BUILD_FRONTEND_H
+#define SVO_LIB_BUILD_FRONTEND_H
 
 #include "plan/plan.h"
 #include "svocl/build.h"
@@ -34,13 +34,13 @@ struct svo_frontend {
 
     /* Compiles what the plan's draws need. */
     svo_status (*prepare)(void *self, svo_plan *plan, cl_command_queue queue);
-    /* Draws the layout into list->chunks (chunk_count entries, zeroed): one buffer per chunk, counted to the end whether
-       or not it fits. Adds the times of drawing and of handing over to the report's stages, and OpenCL buffers of the
-       front end's own to the plan's list. */
+    /* Draws the layout into list->chunks (chunk_count entries, zeroed): one buffer per chunk, counted to the end
+       whether or not it fits. Adds the times of drawing and of handing over to the report's stages, and OpenCL buffers
+       of the front end's own to the plan's list. */
     svo_status (*voxelize)(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
                            svo_i_fragment_list *list, svo_build_report *report);
-    /* NULL: it cannot. Otherwise the same for a build that does not wait: into build->list (as many chunks as the layout),
-       in the build's own buffers, counted by build->counters alone. */
+    /* NULL: it cannot. Otherwise the same for a build that does not wait: into build->list (as many chunks as the
+       layout), in the build's own buffers, counted by build->counters alone. */
     svo_status (*enqueue)(struct svo_i_build *build, const svo_i_layout *layout);
     /* Releases the buffers of a list, also of one that voxelize left half done. */
     void (*release)(void *self, svo_i_fragment_list *list);

@@ -2,9 +2,10 @@
 /*
  * Which front end is the faster one for a plan: rules of thumb, all of them here. Nothing is run to find out.
  *
- * Measured on two cores with PoCL 3.1 and llvmpipe: OpenCL alone makes six times as many fragments per second as the software
- * rasterizer, and a million of them in half the time that OpenGL takes to start (15 and 30 ms). That hardware draws faster than a
- * CPU computes, and that a list which goes through the host costs a GPU more than drawing saves, is taken for granted.
+ * Measured on two cores with PoCL 3.1 and llvmpipe: OpenCL alone makes six times as many fragments per second as the
+ * software rasterizer, and a million of them in half the time that OpenGL takes to start (15 and 30 ms). That hardware
+ * draws faster than a CPU computes, and that a list which goes through the host costs a GPU more than drawing saves, is
+ * taken for granted.
  */
 #include "build/frontend_choice.h"
 
@@ -19,7 +20,7 @@ int svo_frontend_cl_suffices(const svo_plan *plan, svo_message *reason)
     return few;
 }
 
-bool svo_i_choose_cl(const svo_device *device, const svo_i_renderer *renderer, svo_message *reason)
+bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *renderer, svo_message *reason)
 {
     if (renderer->is_software) {
         svo_i_message_set(reason, "%s draws in software, OpenCL on %s is faster", renderer->name, device->name);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The rules by which a front end is chosen; svocl::gl tells them what it knows of the renderer. */
-#ifndef SVO_LIB_CHOOSE_H
-#define SVO_LIB_CHOOSE_H
+#ifndef SVO_LIB_BUILD_FRONTEND_CHOICE_H
+#define SVO_LIB_BUILD_FRONTEND_CHOICE_H
 
 #include "plan/plan.h"
 #include "svocl/build.h"
@@ -15,7 +15,7 @@ typedef struct svo_i_renderer {
 SVO_I_SHARED_BEGIN
 
 /* Whether OpenCL alone is the faster way, and why. reason: NULL allowed. */
-bool svo_i_choose_cl(const svo_device *device, const svo_i_renderer *renderer, svo_message *reason);
+bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *renderer, svo_message *reason);
 
 SVO_I_SHARED_END
 

@@ -27,8 +27,8 @@ typedef struct kernel_shape {
     svo_i_program_kind kind; /* the program it belongs to */
 } kernel_shape;
 
-/* What the builder of levels needs beside: nodes; where each leaf's entries begin; lists. The sorted builder has a program
-   of its own for all that. */
+/* What the builder of levels needs beside: nodes; where each leaf's entries begin; lists. The sorted builder has a
+   program of its own for all that. */
 #define LEVELS 0x10000000u
 #define RANGES 0x08000000u
 #define LISTS  0x04000000u
@@ -62,17 +62,18 @@ static const kernel_shape shapes[] = {
     {"svo_k_scan_lists_reduce", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_scan_lists_partials", 3, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
     {"svo_k_scan_lists_add", 4, sizeof(svo_filter_params), 1, LAUNCH_SCAN, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_ascend_count", 2, sizeof(svo_ascend_params), 1, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_ascend_flags", 2, sizeof(svo_ascend_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_ascend_leaves", 4, sizeof(svo_ascend_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_ascend_nodes", 5, sizeof(svo_ascend_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
-    {"svo_k_ascend_lists", 4, sizeof(svo_ascend_params), 0, LAUNCH_FRAGMENTS, SORTED_RANGES, SVO_I_PROGRAM_SORT},
+    {"svo_k_bottom_up_count", 2, sizeof(svo_bottom_up_params), 1, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_bottom_up_flags", 2, sizeof(svo_bottom_up_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_bottom_up_leaves", 4, sizeof(svo_bottom_up_params), 0, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_bottom_up_nodes", 5, sizeof(svo_bottom_up_params), 0, LAUNCH_LEVELS, 0, SVO_I_PROGRAM_SORT},
+    {"svo_k_bottom_up_lists", 4, sizeof(svo_bottom_up_params), 0, LAUNCH_FRAGMENTS, SORTED_RANGES, SVO_I_PROGRAM_SORT},
     {"svo_k_voxelize", 6, sizeof(svo_voxelize_params), 2, LAUNCH_FRAGMENTS, 0, SVO_I_PROGRAM_VOXELIZE},
 };
 
 #define BUFFERS_MAX   20
 #define ARGUMENTS_MAX (BUFFERS_MAX + 3)
-/* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing: the sort's are the most. */
+/* What every buffer holds: zeros, that is counts of nothing, and room for the sums of nothing: the sort's are the
+   most. */
 #define ZERO_BYTES  (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
 #define LOCAL_BYTES (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS)
 

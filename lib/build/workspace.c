@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not wait
- * (enqueue.c).
+ * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not
+ * wait (enqueue.c).
  */
 #include "build/workspace.h"
 
@@ -68,11 +68,11 @@ static svo_status measure(svo_workspace *workspace)
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {
-        workspace->info.tree_bytes += list->entries[i].stays ? list->entries[i].bytes : 0;
+        workspace->info.tree_bytes += list->entries[i].persistent ? list->entries[i].bytes : 0;
     }
     workspace->info.fragment_capacity = workspace->layout.chunk_count > 0 ? workspace->layout.chunks[0].capacity : 0;
     workspace->info.inner_capacity = svo_i_plan_inner_nodes(workspace->plan, workspace->info.fragment_capacity,
-                                                            workspace->plan->options.certain_nodes != 0);
+                                                            workspace->plan->options.worst_case_nodes != 0);
     return SVO_OK;
 }
 
@@ -141,7 +141,7 @@ static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
         svo_i_allocation *entry = &workspace->allocations.entries[i];
         const cl_buffer_region region = {(size_t)(offset_bytes + entry->offset_bytes), (size_t)entry->bytes};
         cl_int error = CL_SUCCESS;
-        if (entry->stays) {
+        if (entry->persistent) {
             continue;
         }
         entry->memory = clCreateSubBuffer(workspace->scratch, 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &error);
@@ -259,7 +259,7 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
     workspace->trees = tree;
     for (size_t i = 0; i < workspace->allocations.count && status == SVO_OK; ++i) {
         const svo_i_allocation *entry = &workspace->allocations.entries[i];
-        if (entry->stays) {
+        if (entry->persistent) {
             status = svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
                                          (size_t)entry->bytes, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
         }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan's memory for builds that do not wait, and the trees that they go into. */
-#ifndef SVO_LIB_WORKSPACE_H
-#define SVO_LIB_WORKSPACE_H
+#ifndef SVO_LIB_BUILD_WORKSPACE_H
+#define SVO_LIB_BUILD_WORKSPACE_H
 
 #include "build/build.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The device's insides: message, limits, buffers, the program cache. */
-#ifndef SVO_LIB_DEVICE_H
-#define SVO_LIB_DEVICE_H
+#ifndef SVO_LIB_CORE_DEVICE_H
+#define SVO_LIB_CORE_DEVICE_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes whose arrays lie in buffers of a device: read back to the host, where the pipeline's first stage (grid.c) snaps
- * them. Interleaved arrays are packed on the way.
+ * Meshes whose arrays lie in buffers of a device: read back to the host, where the pipeline's first stage (grid.c)
+ * snaps them. Interleaved arrays are packed on the way.
  */
 #include "core/mesh.h"
 

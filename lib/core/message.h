@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Error messages and checked sizes: what every host file of the library uses. */
-#ifndef SVO_LIB_MESSAGE_H
-#define SVO_LIB_MESSAGE_H
+#ifndef SVO_LIB_CORE_MESSAGE_H
+#define SVO_LIB_CORE_MESSAGE_H
 
 #include <stdarg.h>
 #include <stdbool.h>

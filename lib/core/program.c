@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define KEYS_BYTES 512
+#define DEFINES_BYTES 512
 
 struct svo_i_program_cache {
     svo_i_program_cache *next;
     svo_i_program_kind kind;
-    char keys[KEYS_BYTES];
+    char defines[DEFINES_BYTES];
     cl_program program;
 };
 
@@ -51,7 +51,7 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
     return SVO_COMPILE_FAILED;
 }
 
-static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
+static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                           cl_program *out)
 {
     const char *const sources[SVO_I_PROGRAM_KINDS] = {
@@ -59,8 +59,8 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
         [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
         [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,       [SVO_I_PROGRAM_VIEW] = svo_i_source_view};
     const char *source = sources[kind];
-    char options[KEYS_BYTES + 32];
-    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", keys);
+    char options[DEFINES_BYTES + 32];
+    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", defines);
     cl_int error = CL_SUCCESS;
     cl_program program = clCreateProgramWithSource(device->context, 1, &source, NULL, &error);
     if (error != CL_SUCCESS) {
@@ -78,14 +78,14 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
     return SVO_OK;
 }
 
-svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
+svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                              cl_program *out, bool *fresh)
 {
     if (fresh != NULL) {
         *fresh = false;
     }
     for (svo_i_program_cache *entry = device->programs; entry != NULL; entry = entry->next) {
-        if (entry->kind == kind && strcmp(entry->keys, keys) == 0) {
+        if (entry->kind == kind && strcmp(entry->defines, defines) == 0) {
             *out = entry->program;
             return SVO_OK;
         }
@@ -94,19 +94,19 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     if (entry == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
     }
-    if (strlen(keys) >= sizeof entry->keys) {
+    if (strlen(defines) >= sizeof entry->defines) {
         free(entry);
         return svo_i_device_fail(device, SVO_INTERNAL, "%s: program keys take %zu bytes, above %d", function,
-                                 strlen(keys), KEYS_BYTES - 1);
+                                 strlen(defines), DEFINES_BYTES - 1);
     }
     const double start_ms = svo_i_now_ms();
-    const svo_status status = compile(device, function, kind, keys, &entry->program);
+    const svo_status status = compile(device, function, kind, defines, &entry->program);
     device->compile_ms += svo_i_now_ms() - start_ms;
     if (status != SVO_OK) {
         free(entry);
         return status;
     }
-    memcpy(entry->keys, keys, strlen(keys) + 1);
+    memcpy(entry->defines, defines, strlen(defines) + 1);
     entry->kind = kind;
     entry->next = device->programs;
     device->programs = entry;

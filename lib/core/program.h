@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Compiled kernels of a device. Sources are embedded at build time; a program is compiled once per device handle and set
- * of -D keys, since every further program costs time to open even when the driver has it cached.
+ * Compiled kernels of a device. Sources are embedded at build time; a program is compiled once per device handle and
+ * set of -D keys, since every further program costs time to open even when the driver has it cached.
  */
-#ifndef SVO_LIB_PROGRAM_H
-#define SVO_LIB_PROGRAM_H
+#ifndef SVO_LIB_CORE_PROGRAM_H
+#define SVO_LIB_CORE_PROGRAM_H
 
 #include "core/device.h"
 
@@ -21,11 +21,12 @@ typedef enum svo_i_program_kind {
 /*
  * The program with these keys (" -DSVO_COLOR -DSVO_NORMAL", a space before each, the same text for the same program),
  * compiled on first use.
- * Owned by the device; not to be released. function: for the message. fresh: whether this call compiled it; NULL allowed.
- * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log goes
- * to the log callback.
+ * Owned by the device; not to be released. function: for the message. fresh: whether this call compiled it; NULL
+ * allowed.
+ * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log
+ * goes to the log callback.
  */
-svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *keys,
+svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                              cl_program *out, bool *fresh);
 
 /* A kernel of its own for the caller, who releases it. */

@@ -9,11 +9,11 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "build/workspace.h"
 #include "core/device.h"
 #include "core/message.h"
 #include "rays/rays.h"
 #include "svocl/plan.h"
-#include "build/workspace.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "svocl hashes and stores arrays in memory order and needs a little-endian host"
@@ -23,9 +23,9 @@ svo_tree *svo_i_tree_new(void)
 {
     svo_tree *tree = calloc(1, sizeof *tree);
     if (tree != NULL) {
-        tree->ray_boxes = calloc(1, sizeof *tree->ray_boxes);
+        tree->bvh = calloc(1, sizeof *tree->bvh);
     }
-    if (tree != NULL && tree->ray_boxes == NULL) {
+    if (tree != NULL && tree->bvh == NULL) {
         free(tree);
         return NULL;
     }
@@ -44,7 +44,7 @@ void svo_tree_destroy(svo_tree **tree)
             clReleaseMemObject((*tree)->buffers[i]);
         }
     }
-    free((*tree)->ray_boxes);
+    free((*tree)->bvh);
     free(*tree);
     *tree = NULL;
 }

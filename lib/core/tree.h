@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The tree's insides, for the builder, the files and the ray caster. */
-#ifndef SVO_LIB_TREE_H
-#define SVO_LIB_TREE_H
+#ifndef SVO_LIB_CORE_TREE_H
+#define SVO_LIB_CORE_TREE_H
 
 #include <stdbool.h>
 
@@ -15,7 +15,7 @@ struct svo_tree {
     svo_device *device; /* NULL: never on a device */
     cl_mem buffers[SVO_TREE_BUFFER_COUNT]; /* device copies, owned; NULL where absent */
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
-    struct svo_i_ray_boxes *ray_boxes; /* rays.h; empty until rays are first asked for */
+    struct svo_i_tree_bvh *bvh; /* rays.h; empty until rays are first asked for */
     svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
     svo_tree *next; /* of the workspace's trees */
     svo_i_pending *pending; /* the build that is filling it; NULL: none */
@@ -41,8 +41,8 @@ bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
 
-/* Repeats the one element of an array by malloc for every node, where that is how the tree holds it. False: no memory; the
-   array is as it was. */
+/* Repeats the one element of an array by malloc for every node, where that is how the tree holds it. False: no memory;
+   the array is as it was. */
 bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array);
 
 SVO_I_SHARED_END

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The last step of loading a .svo file: every link, list entry and index of the arrays is where a build would put it. */
+/* The last step of loading a .svo file: every link, list entry and index of the arrays is where a build would put
+   it. */
 #include <inttypes.h>
 
 #include "core/message.h"
@@ -26,8 +27,8 @@ static uint32_t count_bits(uint8_t mask)
 }
 
 /*
- * Breadth-first without gaps: a node's children begin where those of the node before it end, so first_child is a running
- * sum over the whole tree, and at the end of each level it must have arrived at the header's next level.
+ * Breadth-first without gaps: a node's children begin where those of the node before it end, so first_child is a
+ * running sum over the whole tree, and at the end of each level it must have arrived at the header's next level.
  */
 static svo_status check_nodes(const check *job)
 {

@@ -150,7 +150,7 @@ static svo_status check_values(const load_state *state)
                        "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
                        header->constant, header->need);
     }
-    if (header->weights > SVO_WEIGHTS_CENTRE) {
+    if (header->weights > SVO_WEIGHTS_CENTER) {
         return damaged(state, "header: weights %" PRIu16 " are not known", header->weights);
     }
     if (header->payload_level > header->depth) {

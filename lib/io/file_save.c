@@ -175,7 +175,7 @@ static svo_status open_temporary(save_state *state, char **temporary)
     return SVO_OK;
 }
 
-/* Makes the rename itself durable. A directory that cannot be opened or synchronised is not an error: the file is whole
+/* Makes the rename itself durable. A directory that cannot be opened or synchronized is not an error: the file is whole
    and has its name, and some file systems refuse. */
 static void sync_directory(const char *path)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh as an import child gathers it: triangles over distinct vertices. A vertex is what a triangle's corner says in
- * all its attributes; corners that say the same, bit for bit, share one. (Most formats give every triangle its own three
- * corners, which would triple what is sent, snapped and uploaded later. assimp's own joining is not used: it takes
- * positions for the same that are merely close.)
+ * The mesh as an import child gathers it: triangles over distinct vertices. A vertex is what a triangle's corner says
+ * in all its attributes; corners that say the same, bit for bit, share one. (Most formats give every triangle its own
+ * three corners, which would triple what is sent, snapped and uploaded later. assimp's own joining is not used: it
+ * takes positions for the same that are merely close.)
  */
 #ifndef SVO_LIB_IO_IMPORT_GATHER_H
 #define SVO_LIB_IO_IMPORT_GATHER_H
@@ -43,7 +43,8 @@ bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t mat
 bool svo_i_gather_material(gather *mesh, const svo_material *material); /* the new one is the last */
 void svo_i_gather_free(gather *mesh);
 
-/* Writes the mesh's frames (import_stream.h), all but textures and the end. Returns 0, or -1 when the parent is gone. */
+/* Writes the mesh's frames (import_stream.h), all but textures and the end. Returns 0, or -1 when the parent is
+   gone. */
 int svo_i_gather_send(const gather *mesh, int stream);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Materials in the import child. Of all that assimp knows about a material only its diffuse (or base) colour and that
- * colour's texture matter here.
+ * Materials in the import child. Of all that assimp knows about a material only its diffuse (or base) color and that
+ * color's texture matter here.
  */
 #include "io/import_material.h"
 
@@ -10,7 +10,7 @@
 
 #include "io/import_stream.h"
 
-#define DEFAULT_GREY 0.6f /* assimp's colour for materials that no file asked for */
+#define DEFAULT_GREY 0.6f /* assimp's color for materials that no file asked for */
 
 uint8_t svo_i_import_color_byte(float value)
 {
@@ -35,7 +35,7 @@ static svo_wrap wrap_of(enum aiTextureMapMode mode)
 
 /*
  * Scale and offset as files give them (glTF's KHR_texture_transform, for one). assimp has a step that applies them, but
- * 5.2.5's is at odds with what its glTF reader writes: it scales about the centre.
+ * 5.2.5's is at odds with what its glTF reader writes: it scales about the center.
  */
 static bool read_uv_transform(const texture_list *textures, const struct aiMaterial *source, enum aiTextureType type,
                               texture_use *use)
@@ -71,7 +71,7 @@ static bool add_texture(texture_list *textures, const struct aiMaterial *source,
     return true;
 }
 
-/* assimp invents a grey material where the file has none: that is no colour of the mesh. */
+/* assimp invents a gray material where the file has none: that is no color of the mesh. */
 static bool is_invented(const struct aiMaterial *source, const struct aiColor4D *color)
 {
     struct aiString name = {0};
@@ -91,7 +91,7 @@ static struct aiColor4D base_color(const struct aiMaterial *source)
     if (is_invented(source, &color)) {
         return white;
     }
-    /* Where there is a base colour (glTF), its alpha is the opacity already. */
+    /* Where there is a base color (glTF), its alpha is the opacity already. */
     ai_real opacity = 1;
     if (!has_base && aiGetMaterialFloatArray(source, AI_MATKEY_OPACITY, &opacity, NULL) == aiReturn_SUCCESS) {
         color.a *= opacity;

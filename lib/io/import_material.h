@@ -17,10 +17,10 @@ typedef struct texture_use {
 } texture_use;
 
 /*
- * The base colour and colour texture of one of assimp's materials. with_texture: false leaves the texture out, for meshes
+ * The base color and color texture of one of assimp's materials. with_texture: false leaves the texture out, for meshes
  * without texture coordinates.
- * Sends the texture when it is new, or a warning when it cannot be read. Returns false when memory runs out or the parent
- * is gone.
+ * Sends the texture when it is new, or a warning when it cannot be read. Returns false when memory runs out or the
+ * parent is gone.
  */
 bool svo_i_import_material(texture_list *textures, const struct aiMaterial *source, bool with_texture,
                            svo_material *material, texture_use *use);

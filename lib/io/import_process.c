@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child's life as its parent sees it: started with a pipe and nothing else, read until the pipe closes or the
- * time is over, then buried. Crash, hang and flood all end in a status here.
+ * The import child's life as its parent sees it: started with a pipe and nothing else, read until the pipe closes or
+ * the time is over, then buried. Crash, hang and flood all end in a status here.
  */
 #define _GNU_SOURCE /* pipe2: no moment in which another thread's child could inherit the pipe */
 #include "io/import_process.h"

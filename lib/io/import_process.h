@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How an import child is started and recognised, and how its parent waits for it. */
+/* How an import child is started and recognized, and how its parent waits for it. */
 #ifndef SVO_LIB_IO_IMPORT_PROCESS_H
 #define SVO_LIB_IO_IMPORT_PROCESS_H
 

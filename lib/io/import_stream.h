@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an import child says to its parent through a pipe: a greeting, then frames, each a header and a payload padded to
+ * What an import child says to its parent through a pipe: a greeting, then frames, each a header and a payload padded
+ * to
  * 8 bytes. The parent keeps the bytes as they came and points into them; it believes none of them before
  * svo_i_stream_parse has checked them, since a reader gone wrong may have written anything.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the payload is made of: the mesh's colours, normals, texture coordinates and materials as integers, so that the
+ * What the payload is made of: the mesh's colors, normals, texture coordinates and materials as integers, so that the
  * filter kernels need no floats. Only what the request reads and the mesh has is kept.
  */
 #include <math.h>
@@ -37,8 +37,8 @@ static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t
     return material < plan->material_count ? material : 0;
 }
 
-/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used where
-   the vertices have no coordinates. */
+/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used
+   where the vertices have no coordinates. */
 static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = calloc(mesh->texture_count + 1, 1);
@@ -191,7 +191,8 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* Of a snapped triangle. Components of the normal are at most 2^61; doubles hold their first 53 bits on every host alike. */
+/* Of a snapped triangle. Components of the normal are at most 2^61; doubles hold their first 53 bits on every host
+   alike. */
 typedef struct shape {
     int16_t unit[3]; /* its own normal */
     uint32_t axis; /* of the normal's largest component */
@@ -266,14 +267,14 @@ static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
 {
     const double face = ldexp(1.0, 2 * (int)plan->voxel_log2);
     const double pair = fmin(largest_area / face, CUT_FACES_MAX);
-    const double total = plan->law[2] / face; /* the areas of three projections: no less than the area */
+    const double total = plan->estimate[2] / face; /* the areas of three projections: no less than the area */
     const int by_pair = PAIR_LOG2_MAX - power_above(pair);
     const int by_total = TOTAL_LOG2_MAX - power_above(total);
     const int log2 = by_pair < by_total ? by_pair : by_total;
     return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
 }
 
-/* What colours are made of. */
+/* What colors are made of. */
 static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = find_textures(plan, mesh);

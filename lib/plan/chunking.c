@@ -191,8 +191,8 @@ static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
     return true;
 }
 
-/* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two halves
-   where it can be split. */
+/* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two
+   halves where it can be split. */
 static bool regrow_chunk(const svo_i_layout *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
                          svo_i_layout *layout)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Decides what a build of a plan does. Nothing else looks at the request and the scene to find out: stages run, kernels are
- * compiled and buffers are listed by what svo_i_work says, and whatever is left out is named here with its reason.
+ * Decides what a build of a plan does. Nothing else looks at the request and the scene to find out: stages run, kernels
+ * are compiled and buffers are listed by what svo_i_work says, and whatever is left out is named here with its reason.
  */
 #include <stdarg.h>
 #include <stdio.h>
@@ -76,8 +76,8 @@ static void leave_out_clipping(svo_plan *plan)
     svo_i_work *work = &plan->work;
     if (!work->places) {
         leave_out(work, "clipping", "uniform weights do not ask where in its voxel a triangle is");
-    } else if (plan->options.weights == SVO_WEIGHTS_CENTRE) {
-        leave_out(work, "clipping", "with weights by centre every pair weighs 1");
+    } else if (plan->options.weights == SVO_WEIGHTS_CENTER) {
+        leave_out(work, "clipping", "with weights by center every pair weighs 1");
     }
 }
 
@@ -190,7 +190,7 @@ static void decide_opengl(svo_plan *plan)
 static char *add_kernels(svo_i_work *work, const char *name)
 {
     work->kernels[work->kernels_count].name = name;
-    return work->kernels[work->kernels_count++].keys;
+    return work->kernels[work->kernels_count++].defines;
 }
 
 static void list_kernels(svo_plan *plan)
@@ -198,19 +198,19 @@ static void list_kernels(svo_plan *plan)
     svo_i_work *work = &plan->work;
     work->builder_kernels = !work->sorted || work->surface;
     if (work->builder_kernels) {
-        svo_i_plan_keys(plan, add_kernels(work, "build"), SVO_I_KEYS_BYTES);
+        svo_i_plan_defines(plan, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
     }
     if (work->sorted) {
-        (void)snprintf(add_kernels(work, "sort"), SVO_I_KEYS_BYTES, "%s", svo_i_plan_sort_keys(plan));
+        (void)snprintf(add_kernels(work, "sort"), SVO_I_DEFINES_BYTES, "%s", svo_i_plan_sort_defines(plan));
     }
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         if (work->tests[test]) {
-            svo_i_plan_test_keys(plan, test, add_kernels(work, "voxelize"), SVO_I_KEYS_BYTES);
+            svo_i_plan_test_defines(plan, test, add_kernels(work, "voxelize"), SVO_I_DEFINES_BYTES);
         }
     }
 }
 
-void svo_i_plan_decide(svo_plan *plan)
+void svo_i_plan_configure(svo_plan *plan)
 {
     decide_payload(plan);
     decide_lists(plan);
@@ -220,25 +220,25 @@ void svo_i_plan_decide(svo_plan *plan)
     list_kernels(plan);
 }
 
-void svo_i_plan_test_keys(const svo_plan *plan, svo_i_test test, char *keys, size_t bytes)
+void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *defines, size_t bytes)
 {
     static const char *const names[SVO_I_TEST_COUNT] = {" -DSVO_NO_TEST", " -DSVO_NARROW", "", " -DSVO_WIDE"};
-    (void)snprintf(keys, bytes, "%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
+    (void)snprintf(defines, bytes, "%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
                    plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
 }
 
-const char *svo_i_plan_sort_keys(const svo_plan *plan)
+const char *svo_i_plan_sort_defines(const svo_plan *plan)
 {
     return plan->work.long_codes ? " -DSVO_SORT -DSVO_CODE48" : " -DSVO_SORT";
 }
 
-void svo_i_plan_keys(const svo_plan *plan, char *keys, size_t bytes)
+void svo_i_plan_defines(const svo_plan *plan, char *defines, size_t bytes)
 {
-    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTRE"};
+    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTER"};
     const svo_i_work *work = &plan->work;
     /* Every key begins with a space: some compilers choke on options that end in one. */
     (void)snprintf(
-        keys, bytes, "%s%s%s%s%s%s%s%s%s%s%s%s", work->sorted ? "" : " -DSVO_LEVELS",
+        defines, bytes, "%s%s%s%s%s%s%s%s%s%s%s%s", work->sorted ? "" : " -DSVO_LEVELS",
         work->ranges && !work->sorted ? " -DSVO_RANGES" : "", work->lists && !work->sorted ? " -DSVO_LISTS" : "",
         work->long_codes ? " -DSVO_CODE48" : "", (work->made & SVO_NEED_COLOR) != 0 ? " -DSVO_COLOR" : "",
         work->vertex_colors ? " -DSVO_VERTEX_COLOR" : "", work->textures ? " -DSVO_TEXTURE" : "",
@@ -269,7 +269,7 @@ size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info
 {
     if (info != NULL && index < plan->work.kernels_count) {
         info->name = plan->work.kernels[index].name;
-        info->keys = plan->work.kernels[index].keys;
+        info->defines = plan->work.kernels[index].defines;
     }
     return plan->work.kernels_count;
 }

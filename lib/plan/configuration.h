@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a build of a plan does, and what it leaves out. Decided in one place, decide.c, from the mesh, the request and the
- * depth; the stages, the kernels' keys and the list of buffers obey.
+ * What a build of a plan does, and what it leaves out. Decided in one place, decide.c, from the mesh, the request and
+ * the depth; the stages, the kernels' keys and the list of buffers obey.
  */
-#ifndef SVO_LIB_DECIDE_H
-#define SVO_LIB_DECIDE_H
+#ifndef SVO_LIB_PLAN_CONFIGURATION_H
+#define SVO_LIB_PLAN_CONFIGURATION_H
 
 #include <stdbool.h>
 
@@ -19,8 +19,8 @@ typedef enum svo_i_test {
     SVO_I_TEST_COUNT
 } svo_i_test;
 
-#define SVO_I_LEFT_OUT_MAX 24
-#define SVO_I_KEYS_BYTES   256
+#define SVO_I_LEFT_OUT_MAX  24
+#define SVO_I_DEFINES_BYTES 256
 /* Of the builder, of its sort, and one per test. */
 #define SVO_I_KERNELS_MAX (2 + SVO_I_TEST_COUNT)
 
@@ -40,7 +40,7 @@ typedef struct svo_i_work {
     bool sorted; /* nodes are made of the sorted list, else level by level */
     bool lists; /* sorted leaf lists */
     bool ranges; /* where each leaf's entries begin: for the lists, or to choose materials from */
-    bool filter; /* means and sums over triangles: colour, normal, fill */
+    bool filter; /* means and sums over triangles: color, normal, fill */
     bool surface; /* some stage looks at the mesh's attributes */
     bool places; /* ... at where in the voxel the triangle is */
     bool vertex_colors, vertex_normals, textures; /* that vary over the mesh, and are read */
@@ -50,7 +50,7 @@ typedef struct svo_i_work {
     /* The programs of kernels: name and -D keys. */
     struct {
         const char *name;
-        char keys[SVO_I_KEYS_BYTES];
+        char defines[SVO_I_DEFINES_BYTES];
     } kernels[SVO_I_KERNELS_MAX];
     size_t kernels_count;
 

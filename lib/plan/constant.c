@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Payload that is the same all over the scene: it is stored once instead of per node, and no kernel runs for it. The mean of
- * equal values, rounded half up, is that value, so what is stored is what every node would have had.
+ * Payload that is the same all over the scene: it is stored once instead of per node, and no kernel runs for it. The
+ * mean of equal values, rounded half up, is that value, so what is stored is what every node would have had.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The count law: how many voxels a triangle is expected to touch. For bounding widths w, area A and unit normal n, over
- * random offsets of a grid of edge h, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2. The last product is the sum
- * of the areas of the three projections.
+ * The fragment estimate: how many voxels a triangle is expected to touch. For bounding widths w, area A and unit normal
+ * n, over random offsets of a grid of edge h, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2. The last
+ * product is the sum of the areas of the three projections.
  *
  * Of a triangle that reaches outside the grid only the part inside counts: it is clipped to the cube (Sutherland and
- * Hodgman, "Reentrant Polygon Clipping", 1974). Doubles are enough here: the law only sizes buffers, and what does not fit
- * is counted and drawn again.
+ * Hodgman, "Reentrant Polygon Clipping", 1974). Doubles are enough here: the law only sizes buffers, and what does not
+ * fit is counted and drawn again.
  */
 #include <math.h>
 
@@ -106,28 +106,29 @@ static double sum_of_projected_areas(const polygon *p)
     return sum;
 }
 
-float svo_i_law_add(svo_plan *plan, const uint32_t corners[3])
+float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3])
 {
     const polygon part = clip_to_grid(plan, corners);
     const double widths = sum_of_widths(&part);
     const double areas = sum_of_projected_areas(&part);
     const double voxel = (double)(1u << plan->voxel_log2);
-    plan->law[0] += 1.0;
-    plan->law[1] += widths;
-    plan->law[2] += areas;
+    plan->estimate[0] += 1.0;
+    plan->estimate[1] += widths;
+    plan->estimate[2] += areas;
     return (float)(1.0 + widths / voxel + areas / (voxel * voxel));
 }
 
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
 {
     const double voxel = (double)(1u << (plan->info.snap_bits - level));
-    return plan->law[0] + plan->law[1] / voxel + plan->law[2] / (voxel * voxel);
+    return plan->estimate[0] + plan->estimate[1] / voxel + plan->estimate[2] / (voxel * voxel);
 }
 
 unsigned svo_plan_ray_depth(const svo_plan *plan)
 {
     unsigned depth = SVO_DEPTH_MIN;
-    while (depth < RAY_DEPTH_MAX && svo_i_plan_expected(plan, depth + 1) <= RAY_PAIRS_PER_TRIANGLE * plan->law[0]) {
+    while (depth < RAY_DEPTH_MAX &&
+           svo_i_plan_expected(plan, depth + 1) <= RAY_PAIRS_PER_TRIANGLE * plan->estimate[0]) {
         ++depth;
     }
     return depth;

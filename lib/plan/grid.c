@@ -3,8 +3,8 @@
  * From the caller's mesh to the snapped one: which triangles are accepted, the grid, integer vertices, and per triangle
  * what the front end must know. First stage of the pipeline.
  *
- * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. From here on the integers are
- * the geometry.
+ * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. From here on the integers
+ * are the geometry.
  */
 #include <float.h>
 #include <math.h>
@@ -23,8 +23,8 @@
 #define NARROW_UNITS (1 << 14)
 /* Largest grid, as a power of two of its units, whose planes fit 64 bits. */
 #define REGULAR_BITS 20u
-/* A triangle this many times as long as high is drawn by its bounds: the corners of its expanded form lie too far out for
-   float arithmetic. */
+/* A triangle this many times as long as high is drawn by its bounds: the corners of its expanded form lie too far out
+   for float arithmetic. */
 #define NEEDLE_RATIO 4096.0
 
 static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
@@ -283,7 +283,7 @@ static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *
         memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
         plan->triangle_ids[kept] = (uint32_t)t;
         plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
-        plan->item_fragments[kept] = svo_i_law_add(plan, corners);
+        plan->item_fragments[kept] = svo_i_estimate_add(plan, corners);
     }
 }
 

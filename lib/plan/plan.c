@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the count law and keeps
- * the list of buffers. Everything later in the pipeline obeys it.
+ * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the fragment estimate
+ * and keeps the list of buffers. Everything later in the pipeline obeys it.
  */
 #include "plan/plan.h"
 
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Grid units per axis as a power of two: the same for all depths up to 12, so that their trees nest; above, 2^8 units to
-   a voxel. */
+/* Grid units per axis as a power of two: the same for all depths up to 12, so that their trees nest; above, 2^8 units
+   to a voxel. */
 #define SNAP_BITS           20u
 #define SNAP_BITS_DEPTH_MAX 12u
 #define DEEP_VOXEL_LOG2     8u
@@ -43,8 +43,8 @@ const char *svo_need_name(svo_need bit)
 
 const char *svo_weights_name(svo_weights weights)
 {
-    static const char *const names[] = {"area", "uniform", "centre"};
-    return (unsigned)weights <= SVO_WEIGHTS_CENTRE ? names[weights] : "unknown weights";
+    static const char *const names[] = {"area", "uniform", "center"};
+    return (unsigned)weights <= SVO_WEIGHTS_CENTER ? names[weights] : "unknown weights";
 }
 
 const char *svo_builder_name(svo_builder builder)
@@ -78,9 +78,9 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.builder %d is not in 0 .. %d",
                                  (int)options->builder, (int)SVO_BUILDER_SORTED);
     }
-    if ((unsigned)options->weights > SVO_WEIGHTS_CENTRE) {
+    if ((unsigned)options->weights > SVO_WEIGHTS_CENTER) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.weights %d is not in 0 .. %d",
-                                 (int)options->weights, (int)SVO_WEIGHTS_CENTRE);
+                                 (int)options->weights, (int)SVO_WEIGHTS_CENTER);
     }
     if ((options->need & SVO_NEED_FILL) != 0 && options->weights != SVO_WEIGHTS_AREA) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -156,7 +156,7 @@ uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
     return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
 }
 
-uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain)
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool worst_case)
 {
     uint64_t nodes = UINT64_C(1) << (3 * level);
     if (level == 0) {
@@ -164,14 +164,14 @@ uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t f
     }
     nodes = nodes > fragments ? fragments : nodes;
     const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
-    return !certain && likely < nodes ? likely : nodes;
+    return !worst_case && likely < nodes ? likely : nodes;
 }
 
-uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain)
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool worst_case)
 {
     uint64_t total = 0;
     for (uint32_t level = 0; level < plan->info.depth; ++level) {
-        total += svo_i_plan_level_nodes(plan, level, fragments, certain);
+        total += svo_i_plan_level_nodes(plan, level, fragments, worst_case);
     }
     return total;
 }
@@ -221,7 +221,7 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
         return status;
     }
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
-    svo_i_plan_decide(plan);
+    svo_i_plan_configure(plan);
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
     status = svo_i_plan_predict(plan);
     if (status != SVO_OK) {
@@ -275,7 +275,7 @@ uint64_t svo_plan_tree_bytes(const svo_plan *plan)
 {
     uint64_t bytes = 0;
     for (size_t i = 0; i < plan->buffer_count; ++i) {
-        bytes += plan->buffers[i].stays != 0 ? plan->buffers[i].bytes : 0;
+        bytes += plan->buffers[i].persistent != 0 ? plan->buffers[i].bytes : 0;
     }
     return bytes;
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan's insides: the snapped mesh, what to draw, what to allocate. Made by plan.c with grid.c (grid, snap, classes)
- * and attributes.c (payload inputs); read by the front ends and the builder.
+ * The plan's insides: the snapped mesh, what to draw, what to allocate. Made by plan.c with grid.c (grid, snap,
+ * classes) and attributes.c (payload inputs); read by the front ends and the builder.
  */
-#ifndef SVO_LIB_PLAN_H
-#define SVO_LIB_PLAN_H
+#ifndef SVO_LIB_PLAN_PLAN_H
+#define SVO_LIB_PLAN_PLAN_H
 
 #include <stdbool.h>
 
-#include "plan/configuration.h"
 #include "core/device.h"
+#include "plan/configuration.h"
 #include "svocl/layout.h"
 #include "svocl/plan.h"
 
@@ -22,8 +22,8 @@ typedef enum svo_i_class {
     SVO_I_CLASS_COUNT
 } svo_i_class;
 
-/* Pixels of a viewport, both ways, as a power of two: grids of more voxels are drawn viewport by viewport. Positions in a
-   viewport of this size are exact enough in float. */
+/* Pixels of a viewport, both ways, as a power of two: grids of more voxels are drawn viewport by viewport. Positions in
+   a viewport of this size are exact enough in float. */
 #define SVO_I_VIEW_LOG2 13u
 
 /* A part of the drawing that goes to one chunk of the list: consecutive items of one class, in a tile of the grid's
@@ -77,7 +77,7 @@ struct svo_plan {
     svo_draw_item *items;
     float *item_fragments; /* expected, parallel to items */
     uint32_t class_begin[SVO_I_CLASS_COUNT + 1];
-    double law[3]; /* sums over the kept triangles: 1, widths, projected areas; in grid units */
+    double estimate[3]; /* sums over the kept triangles: 1, widths, projected areas; in grid units */
 
     /* Payload inputs; NULL where the request or the mesh has no use for them. */
     svo_triangle_record *records;
@@ -106,34 +106,36 @@ SVO_I_SHARED_BEGIN
 
 /* grid.c: fills the snapped mesh, items and law from the mesh. */
 svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh);
-/* grid.c: twice the areas of a snapped triangle's projections along x, y, z, with sign: its normal. Exact: at most 2^61. */
+/* grid.c: twice the areas of a snapped triangle's projections along x, y, z, with sign: its normal. Exact: at most
+   2^61. */
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3]);
 /* attributes.c: resolves need and fills the payload inputs. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
-/* constant.c: vertex colours that are all the same become part of the materials; normals that are, of the plan. */
+/* constant.c: vertex colors that are all the same become part of the materials; normals that are, of the plan. */
 void svo_i_plan_fold_colors(svo_plan *plan);
 void svo_i_plan_fold_normals(svo_plan *plan);
 /* constant.c: which payload is the same in every node. Frees its inputs. */
 void svo_i_plan_find_constants(svo_plan *plan);
 
 /* decide.c: fills plan->work, the last step before sizes are predicted. */
-void svo_i_plan_decide(svo_plan *plan);
+void svo_i_plan_configure(svo_plan *plan);
 /* decide.c: the -D keys, a space before each, of the builder's kernels; of those that sort the list for it; and of a
-   variant of the OpenCL front end's. bytes: SVO_I_KEYS_BYTES are enough. */
-void svo_i_plan_keys(const svo_plan *plan, char *keys, size_t bytes);
-const char *svo_i_plan_sort_keys(const svo_plan *plan);
-void svo_i_plan_test_keys(const svo_plan *plan, svo_i_test test, char *keys, size_t bytes);
+   variant of the OpenCL front end's. bytes: SVO_I_DEFINES_BYTES are enough. */
+void svo_i_plan_defines(const svo_plan *plan, char *defines, size_t bytes);
+const char *svo_i_plan_sort_defines(const svo_plan *plan);
+void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *defines, size_t bytes);
 
-/* law.c: adds a kept triangle to the count law; returns the fragments expected of it alone. */
-float svo_i_law_add(svo_plan *plan, const uint32_t corners[3]);
+/* law.c: adds a kept triangle to the fragment estimate; returns the fragments expected of it alone. */
+float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3]);
 /* law.c: fragments expected at a level. */
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* law.c: room for that many expected fragments: some slack for scenes that do not lie at random. */
 uint64_t svo_i_with_slack(double expected);
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
-/* Nodes an inner level may have, and the whole tree on all inner levels, given the number of fragments: the count law with slack, or what cannot be exceeded. */
-uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool certain);
-uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool certain);
+/* Nodes an inner level may have, and the whole tree on all inner levels, given the number of fragments: the fragment
+   estimate with slack, or what cannot be exceeded. */
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool worst_case);
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool worst_case);
 
 /* layout.c: cuts the list. needed: NULL, or per chunk of *layout how many fragments it turned out to need, then *layout
    is replaced by one in which those fit. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan's list of buffers: kept while a build allocates, and predicted before it by a build that only measures, with the
- * plan's capacities in place of counts.
+ * The plan's list of buffers: kept while a build allocates, and predicted before it by a build that only measures, with
+ * the plan's capacities in place of counts.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +24,7 @@ typedef enum basis { OF_MESH, OF_FRAGMENTS, OF_LEAVES, OF_NODES } basis;
 static const struct buffer_kind {
     const char *name;
     basis follows;
-    bool stays; /* in the tree */
+    bool persistent; /* in the tree */
 } kinds[] = {
     {"mesh_vertices", OF_MESH, false},
     {"mesh_indices", OF_MESH, false},
@@ -82,14 +82,14 @@ static const struct buffer_kind *kind_of(const char *name)
 }
 
 /* Geometry, and where lists begin, stay where the lists do. */
-static bool stays(const svo_plan *plan, const struct buffer_kind *kind)
+static bool persistent(const svo_plan *plan, const struct buffer_kind *kind)
 {
-    return kind->stays && (kind->follows == OF_NODES || plan->work.lists);
+    return kind->persistent && (kind->follows == OF_NODES || plan->work.lists);
 }
 
 static svo_certainty certainty_of(const svo_plan *plan, const struct buffer_kind *kind, uint64_t bytes)
 {
-    const bool one_value = kind->stays && kind->follows == OF_NODES && bytes <= 6;
+    const bool one_value = kind->persistent && kind->follows == OF_NODES && bytes <= 6;
     if (kind->follows == OF_MESH || one_value || plan->built) {
         return SVO_BYTES_EXACT;
     }
@@ -115,7 +115,7 @@ void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
         svo_buffer_info *buffer = &plan->buffers[plan->buffer_count++];
         *buffer = (svo_buffer_info){.name = name, .bytes = bytes, .count = 1};
         buffer->certainty = kind != NULL ? certainty_of(plan, kind, bytes) : SVO_BYTES_ESTIMATE;
-        buffer->stays = kind != NULL && stays(plan, kind);
+        buffer->persistent = kind != NULL && persistent(plan, kind);
     }
 }
 
@@ -124,8 +124,8 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
-/* So many chunks of the same size, for a list that would be cut into many more: cutting it in earnest takes time and memory
-   that a plan should not. */
+/* So many chunks of the same size, for a list that would be cut into many more: cutting it in earnest takes time and
+   memory that a plan should not. */
 static svo_status lay_out_roughly(const svo_plan *plan, svo_i_layout *layout)
 {
     const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cutting large triangles for the OpenCL front end: which tiles of columns a triangle's projection can meet, so that one
- * huge triangle is work for many work-items. The kernel (kernels/voxelize.cl) finds the same bounds for every triangle and
- * passes over those that have more columns than a tile.
+ * Cutting large triangles for the OpenCL front end: which tiles of columns a triangle's projection can meet, so that
+ * one huge triangle is work for many work-items. The kernel (kernels/voxelize.cl) finds the same bounds for every
+ * triangle and passes over those that have more columns than a tile.
  */
 #include "plan/tiles.h"
 
@@ -131,8 +131,8 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
     return true;
 }
 
-/* Below this many expected fragments a triangle inside the grid has no more columns than a tile: with widths wu and wv in
-   voxels it has less than (wu + 3) (wv + 3), and the law expects more than wu + wv + 1 fragments. */
+/* Below this many expected fragments a triangle inside the grid has no more columns than a tile: with widths wu and wv
+   in voxels it has less than (wu + 3) (wv + 3), and the law expects more than wu + wv + 1 fragments. */
 #define SMALL_FRAGMENTS (2.0f * (SVO_TILE_EDGE - 3) + 1.0f)
 
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Large triangles cut into tiles of columns, for the OpenCL front end. */
-#ifndef SVO_LIB_TILES_H
-#define SVO_LIB_TILES_H
+#ifndef SVO_LIB_PLAN_TILES_H
+#define SVO_LIB_PLAN_TILES_H
 
 #include "plan/plan.h"
 
@@ -10,8 +10,8 @@ typedef struct svo_i_tiles {
     size_t count, capacity;
 } svo_i_tiles;
 
-/* Adds the tiles that the draw's triangles of more than SVO_TILE_COLUMNS columns can touch, those inside the draw. False:
-   out of memory. */
+/* Adds the tiles that the draw's triangles of more than SVO_TILE_COLUMNS columns can touch, those inside the draw.
+   False: out of memory. */
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles);
 void svo_i_tiles_free(svo_i_tiles *tiles); /* one that is all zero is allowed */
 

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tree of boxes that rays walk through: nodes of up to eight children, leaves of up to eight triangles, each triangle
+ * The BVH that rays walk through: nodes of up to eight children, leaves of up to eight triangles, each triangle
  * in one leaf. Stands after a build, when rays are first asked for; kernels/rays.clh reads it.
  *
- * Sets of triangles are halved where the surface area heuristic says, estimated with bins along the three axes (Wald, "On
- * fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node takes the largest of its sets apart until it
- * has eight, or all are leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Boxes are whole numbers of
- * grid units, exact in floats, and are rounded outwards to 16 bits in the end (after Mahovsky and Wyvill, "Memory-Conserving
- * Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are added, multiplied and compared alone, so the
- * same geometry gives the same boxes everywhere.
+ * Sets of triangles are halved where the surface area heuristic says, estimated with bins along the three axes (Wald,
+ * "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node takes the largest of its sets apart
+ * until it has eight, or all are leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Boxes are whole
+ * numbers of grid units, exact in floats, and are rounded outwards to 16 bits in the end (after Mahovsky and Wyvill,
+ * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are added, multiplied and
+ * compared alone, so the same geometry gives the same boxes everywhere.
  */
 #include "rays/bvh.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Bins along an axis: these, or half as many for few items, where looking through them would take longer than filling them. */
+/* Bins along an axis: these, or half as many for few items, where looking through them would take longer than filling
+   them. */
 #define BINS      16
 #define FEW_ITEMS 64
 /* Beyond the last leaf: kernels read eight numbers where fewer are left. */
@@ -39,8 +40,8 @@ typedef struct range {
 } range;
 
 typedef struct maker {
-    const svo_i_box_source *source;
-    svo_i_boxes *out;
+    const svo_i_bvh_source *source;
+    svo_i_bvh *out;
     item *items;
     uint32_t item_count;
 } maker;
@@ -75,7 +76,7 @@ static float box_middle(const box *b, int axis)
     return b->least[axis] - b->least[4 + axis];
 }
 
-static void box_of_triangle(const svo_i_box_source *source, uint32_t triangle, box *out)
+static void box_of_triangle(const svo_i_bvh_source *source, uint32_t triangle, box *out)
 {
     const float width = (float)(1u << source->snap_bits);
     box_clear(out);
@@ -220,14 +221,14 @@ static uint32_t halvings_by_number(uint32_t count)
     return halvings;
 }
 
-/* Makes two ranges of one that is too large for a leaf: by area, as long as that leaves enough halvings by number for the
-   way to end in time. */
+/* Makes two ranges of one that is too large for a leaf: by area, as long as that leaves enough halvings by number for
+   the way to end in time. */
 static void halve(item *all, const range *whole, range *first, range *second)
 {
     item *items = all + whole->first;
     cut where = {.axis = -1};
     uint32_t front = whole->count / 2;
-    if (whole->halvings + 1 + halvings_by_number(whole->count) <= SVO_RAY_HALVINGS_MAX) {
+    if (whole->halvings + 1 + halvings_by_number(whole->count) <= SVO_BVH_DEPTH_MAX) {
         binning by;
         bin bins[3][BINS];
         place_bins(items, whole->count, &by);
@@ -271,7 +272,7 @@ static bool reserve(void **array, size_t *capacity, size_t needed, size_t elemen
 }
 
 /* Least and greatest coordinates of whole triangles; true where 16 bits do not reach from one to the other. */
-static bool find_leaf_bounds(const svo_i_box_source *source, const item *items, uint32_t count, int32_t low[3],
+static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
                              int32_t high[3])
 {
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -294,7 +295,7 @@ static bool find_leaf_bounds(const svo_i_box_source *source, const item *items, 
 }
 
 /* Rows of one coordinate of one corner each, relative to the origin. */
-static void write_corners(const svo_i_box_source *source, const item *items, uint32_t count, const int32_t origin[3],
+static void write_corners(const svo_i_bvh_source *source, const item *items, uint32_t count, const int32_t origin[3],
                           bool wide, uint32_t *words)
 {
     uint16_t *halves = (uint16_t *)words;
@@ -317,7 +318,7 @@ static void write_corners(const svo_i_box_source *source, const item *items, uin
 /* Adds a leaf; *reference becomes what a node says to point to it. */
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
-    svo_i_boxes *out = m->out;
+    svo_i_bvh *out = m->out;
     int32_t low[3] = {0, 0, 0};
     int32_t high[3] = {0, 0, 0};
     const bool wide = count > 0 && find_leaf_bounds(m->source, items, count, low, high);
@@ -347,7 +348,7 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
 /* Adds a node without children: all point to the empty leaf. */
 static bool add_node(maker *m, uint32_t *index)
 {
-    svo_i_boxes *out = m->out;
+    svo_i_bvh *out = m->out;
     if (out->node_count >= SVO_RAY_LEAF ||
         !reserve((void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
         return false;
@@ -431,7 +432,7 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
 /* The triangles that count, each once, in their order. */
 static bool gather_items(maker *m)
 {
-    const svo_i_box_source *source = m->source;
+    const svo_i_bvh_source *source = m->source;
     const uint32_t count = source->triangle_count;
     uint8_t *listed = source->list != NULL ? calloc((size_t)count + 1, 1) : NULL;
     m->items = calloc((size_t)count + 1, sizeof *m->items);
@@ -453,11 +454,11 @@ static bool gather_items(maker *m)
     return true;
 }
 
-bool svo_i_boxes_make(const svo_i_box_source *source, svo_i_boxes *out)
+bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out)
 {
     maker m = {.source = source, .out = out};
     uint32_t unread = 0;
-    *out = (svo_i_boxes){.nodes = NULL};
+    *out = (svo_i_bvh){.nodes = NULL};
     bool made = gather_items(&m) && add_leaf(&m, NULL, 0, &unread);
     if (made) {
         const range all = {.bounds = bounds_of(m.items, m.item_count), .first = 0, .count = m.item_count};
@@ -468,9 +469,9 @@ bool svo_i_boxes_make(const svo_i_box_source *source, svo_i_boxes *out)
     return made;
 }
 
-void svo_i_boxes_free(svo_i_boxes *boxes)
+void svo_i_bvh_free(svo_i_bvh *bvh)
 {
-    free(boxes->nodes);
-    free(boxes->leaves);
-    *boxes = (svo_i_boxes){.nodes = NULL};
+    free(bvh->nodes);
+    free(bvh->leaves);
+    *bvh = (svo_i_bvh){.nodes = NULL};
 }

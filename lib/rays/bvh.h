@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The tree of boxes that rays walk through, made of a finished octree's geometry; rays.c puts it on the device. */
-#ifndef SVO_LIB_BOXES_H
-#define SVO_LIB_BOXES_H
+/* The BVH that rays walk through, made of a finished octree's geometry; rays.c puts it on the device. */
+#ifndef SVO_LIB_RAYS_BVH_H
+#define SVO_LIB_RAYS_BVH_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 #include "svocl/layout.h"
 
 /* The geometry as the octree keeps it. */
-typedef struct svo_i_box_source {
+typedef struct svo_i_bvh_source {
     const int32_t *vertices; /* three coordinates each, grid units */
     const uint32_t *indices; /* three per triangle */
     const uint32_t *triangle_ids;
@@ -18,17 +18,17 @@ typedef struct svo_i_box_source {
     uint64_t list_count;
     uint32_t triangle_count;
     uint32_t snap_bits; /* the grid is 2^snap_bits units wide */
-} svo_i_box_source;
+} svo_i_bvh_source;
 
-typedef struct svo_i_boxes {
+typedef struct svo_i_bvh {
     svo_ray_node *nodes; /* the first one is the root */
     size_t node_count, node_capacity;
     uint32_t *leaves; /* records as layout.h has them, the empty one first; padded for reads beyond the last */
     size_t leaf_words, leaf_capacity;
-} svo_i_boxes;
+} svo_i_bvh;
 
-/* False: out of memory, or more leaves than references reach. Freed by svo_i_boxes_free either way. */
-bool svo_i_boxes_make(const svo_i_box_source *source, svo_i_boxes *out);
-void svo_i_boxes_free(svo_i_boxes *boxes);
+/* False: out of memory, or more leaves than references reach. Freed by svo_i_bvh_free either way. */
+bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out);
+void svo_i_bvh_free(svo_i_bvh *bvh);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against triangles, the host's side of kernels/rays.clh: the tree of boxes on the device, made when it is first
+ * Rays against triangles, the host's side of kernels/rays.clh: the BVH on the device, made when it is first
  * asked for, and the way into svocl's and an integrator's kernels. Reads finished trees; rays_batch.c launches.
  */
 #include "rays/rays.h"
@@ -15,7 +15,7 @@
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_rays[];
 
-/* ---- the tree of boxes ---- */
+/* ---- the BVH ---- */
 
 /* The largest coordinate there is, at least the width of the grid. */
 static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
@@ -74,25 +74,25 @@ static svo_status upload(const svo_tree *tree, const char *function, cl_command_
 }
 
 /* Makes the boxes of geometry on the host and takes them to the device. */
-static svo_status make_boxes(const svo_tree *tree, const char *function, cl_command_queue queue,
-                             const svo_i_box_source *source)
+static svo_status make_bvh(const svo_tree *tree, const char *function, cl_command_queue queue,
+                           const svo_i_bvh_source *source)
 {
-    struct svo_i_ray_boxes *to = tree->ray_boxes;
-    svo_i_boxes boxes;
-    if (!svo_i_boxes_make(source, &boxes)) {
-        svo_i_boxes_free(&boxes);
+    struct svo_i_tree_bvh *to = tree->bvh;
+    svo_i_bvh bvh;
+    if (!svo_i_bvh_make(source, &bvh)) {
+        svo_i_bvh_free(&bvh);
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the boxes of %u triangles",
                                  function, source->triangle_count);
     }
-    const size_t node_bytes = boxes.node_count * sizeof *boxes.nodes;
-    const size_t leaf_bytes = boxes.leaf_words * sizeof *boxes.leaves;
-    svo_status status = upload(tree, function, queue, "ray_nodes", boxes.nodes, node_bytes, &to->nodes);
+    const size_t node_bytes = bvh.node_count * sizeof *bvh.nodes;
+    const size_t leaf_bytes = bvh.leaf_words * sizeof *bvh.leaves;
+    svo_status status = upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes);
     if (status == SVO_OK) {
-        status = upload(tree, function, queue, "ray_leaves", boxes.leaves, leaf_bytes, &to->leaves);
+        status = upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves);
     }
     to->bytes = node_bytes + leaf_bytes;
     to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
-    svo_i_boxes_free(&boxes);
+    svo_i_bvh_free(&bvh);
     return status;
 }
 
@@ -113,14 +113,14 @@ static svo_status prepare_on(const svo_tree *tree, const char *function, cl_comm
             i == 0 && status == SVO_OK ? reaches_outside(arrays[0], info->vertex_count, info->snap_bits) : outside;
     }
     if (status == SVO_OK) {
-        const svo_i_box_source source = {.vertices = arrays[0],
+        const svo_i_bvh_source source = {.vertices = arrays[0],
                                          .indices = arrays[1],
                                          .triangle_ids = arrays[2],
                                          .list = arrays[3],
                                          .list_count = info->list_count,
                                          .triangle_count = (uint32_t)info->list_triangle_count,
                                          .snap_bits = info->snap_bits};
-        status = make_boxes(tree, function, queue, &source);
+        status = make_bvh(tree, function, queue, &source);
     }
     for (int i = 0; i < 4; ++i) {
         free(copies[i]);
@@ -130,7 +130,7 @@ static svo_status prepare_on(const svo_tree *tree, const char *function, cl_comm
 
 svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    if (tree->ray_boxes->leaves != NULL) {
+    if (tree->bvh->leaves != NULL) {
         return SVO_OK;
     }
     cl_command_queue own = NULL;
@@ -153,14 +153,14 @@ svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_com
 
 void svo_i_rays_release(const svo_tree *tree)
 {
-    cl_mem *const buffers[] = {&tree->ray_boxes->nodes, &tree->ray_boxes->leaves};
+    cl_mem *const buffers[] = {&tree->bvh->nodes, &tree->bvh->leaves};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         if (*buffers[i] != NULL) {
             clReleaseMemObject(*buffers[i]);
             *buffers[i] = NULL;
         }
     }
-    tree->ray_boxes->bytes = 0;
+    tree->bvh->bytes = 0;
 }
 
 svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
@@ -178,7 +178,7 @@ svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
-    return tree != NULL ? tree->ray_boxes->bytes : 0;
+    return tree != NULL ? tree->bvh->bytes : 0;
 }
 
 /* ---- kernel arguments ---- */
@@ -216,7 +216,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
     params->reserved = 0;
-    params->reach = tree->ray_boxes->reach;
+    params->reach = tree->bvh->reach;
     return SVO_OK;
 }
 
@@ -266,7 +266,7 @@ svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_ke
     }
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(tree->ray_boxes->nodes), SVO_I_ARGUMENT(tree->ray_boxes->leaves), SVO_I_ARGUMENT(params)};
+        SVO_I_ARGUMENT(tree->bvh->nodes), SVO_I_ARGUMENT(tree->bvh->leaves), SVO_I_ARGUMENT(params)};
     return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
                             : status;
 }

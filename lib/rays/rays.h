@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* What a tree with rays keeps beside its public arrays, and what the ray kernels are given of it. */
-#ifndef SVO_LIB_RAYS_H
-#define SVO_LIB_RAYS_H
+#ifndef SVO_LIB_RAYS_RAYS_H
+#define SVO_LIB_RAYS_RAYS_H
 
 #include "core/program.h"
-#include "svocl/layout.h"
 #include "core/tree.h"
+#include "svocl/layout.h"
 
 /* On the device, with the reach of the geometry; owned by the tree. */
-struct svo_i_ray_boxes {
+struct svo_i_tree_bvh {
     cl_mem nodes, leaves; /* NULL: not prepared yet */
     uint64_t bytes; /* of both */
     float reach; /* the largest coordinate of a vertex */
@@ -20,7 +20,7 @@ void svo_i_rays_release(const svo_tree *tree);
 
 /* Whether the tree can be asked for triangles; function: for the message. */
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
-/* Makes the tree of boxes if there is none yet and waits for it. queue: NULL: one of its own. */
+/* Makes the BVH if there is none yet and waits for it. queue: NULL: one of its own. */
 svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue);
 /* Sets the arguments SVO_TREE_PARAMETERS, and any others, from first_index on. */
 svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);

@@ -9,10 +9,10 @@
 #include "core/device.h"
 #include "core/message.h"
 #include "core/program.h"
+#include "core/tree.h"
 #include "rays/rays.h"
 #include "svocl/layout.h"
 #include "svocl/plan.h"
-#include "core/tree.h"
 
 #define PICTURE_EDGE_MAX 16384u
 /* Levels of the tree that are looked at to find what is occupied. */
@@ -294,14 +294,14 @@ typedef struct picture {
     cl_mem params, pixels;
 } picture;
 
-static const char *normal_keys(const svo_tree *tree)
+static const char *normal_defines(const svo_tree *tree)
 {
     return tree->buffers[SVO_TREE_NORMALS] == NULL                 ? ""
            : svo_i_tree_is_constant(&tree->info, SVO_TREE_NORMALS) ? " -DSVO_NORMAL -DSVO_ONE_NORMAL"
                                                                    : " -DSVO_NORMAL";
 }
 
-static const char *color_keys(const svo_tree *tree)
+static const char *color_defines(const svo_tree *tree)
 {
     return tree->buffers[SVO_TREE_COLORS] == NULL                 ? ""
            : svo_i_tree_is_constant(&tree->info, SVO_TREE_COLORS) ? " -DSVO_COLOR -DSVO_ONE_COLOR"
@@ -334,7 +334,7 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
                                  "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
     }
     svo_status status =
-        svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_keys(tree), &program, NULL);
+        svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_defines(tree), &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out);
     }
@@ -351,10 +351,10 @@ static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const
 {
     const cl_mem colors = tree->buffers[SVO_TREE_COLORS];
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
-    char keys[80];
+    char defines[80];
     cl_program program = NULL;
-    (void)snprintf(keys, sizeof keys, "%s%s", color_keys(tree), normal_keys(tree));
-    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, keys, &program, NULL);
+    (void)snprintf(defines, sizeof defines, "%s%s", color_defines(tree), normal_defines(tree));
+    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, defines, &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", out);
     }

@@ -8,7 +8,7 @@
 /* One batch: records in, records out, one work-item each. */
 typedef struct batch {
     const char *function; /* for messages */
-    const char *kernel_name, *keys; /* of the program */
+    const char *kernel_name, *defines; /* of the program */
     const char *input_name, *output_name; /* of the arguments */
     size_t input_bytes, output_bytes; /* of a record */
     size_t count;
@@ -54,7 +54,7 @@ static svo_status make_kernel(const svo_tree *tree, const batch *asked, cl_mem i
     const cl_uint count = (cl_uint)asked->count;
     cl_program program = NULL;
     svo_status status =
-        svo_i_program_get(tree->device, asked->function, SVO_I_PROGRAM_TRACE, asked->keys, &program, NULL);
+        svo_i_program_get(tree->device, asked->function, SVO_I_PROGRAM_TRACE, asked->defines, &program, NULL);
     if (status == SVO_OK) {
         status = svo_i_kernel_create(tree->device, asked->function, program, asked->kernel_name, out);
     }
@@ -159,9 +159,9 @@ static svo_status ray_batch(const svo_tree *tree, const char *function, size_t r
     *any = flags == SVO_TRACE_ANY;
     *out = (batch){.function = function,
                    .kernel_name = "svo_k_trace",
-                   .keys = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
-                           : streams                ? " -DSVO_RAY_STREAMS"
-                                                    : "",
+                   .defines = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
+                              : streams                ? " -DSVO_RAY_STREAMS"
+                                                       : "",
                    .input_name = "rays",
                    .output_name = "hits",
                    .input_bytes = sizeof(svo_ray),
@@ -205,7 +205,7 @@ static batch point_batch(const char *function, size_t point_count)
 {
     return (batch){.function = function,
                    .kernel_name = "svo_k_nearest",
-                   .keys = "",
+                   .defines = "",
                    .input_name = "points",
                    .output_name = "results",
                    .input_bytes = sizeof(svo_query_point),

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder "sorted": the same tree from the leaves up, by kernels/sort.cl and kernels/ascend.cl. The whole list is put
- * into one buffer and sorted by Morton code, within a voxel by triangle where lists are asked for; then every level's codes
- * follow from those of the level below. All sizes are known after one count, so nodes are never made twice and lists come
- * out packed. It asks for the list in one piece, and once more as much to sort it.
+ * The builder "sorted": the same tree from the leaves up, by kernels/sort.cl and kernels/ascend.cl. The whole list is
+ * put into one buffer and sorted by Morton code, within a voxel by triangle where lists are asked for; then every
+ * level's codes follow from those of the level below. All sizes are known after one count, so nodes are never made
+ * twice and lists come out packed. It asks for the list in one piece, and once more as much to sort it.
  */
 #include <stdlib.h>
 
@@ -39,7 +39,7 @@ svo_status svo_i_sorted_prepare(svo_i_build *build)
     bool fresh = false;
     cl_program kept = build->program;
     svo_status status = svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT,
-                                          svo_i_plan_sort_keys(build->plan), &build->program, &fresh);
+                                          svo_i_plan_sort_defines(build->plan), &build->program, &fresh);
     if (status == SVO_OK && fresh) {
         status = svo_i_build_warm(build, SVO_I_PROGRAM_SORT);
     }
@@ -170,13 +170,13 @@ static svo_status take_list(sorter *s, svo_frontend *frontend)
     return svo_i_build_alloc(build, "sorted", bytes, &s->spare);
 }
 
-/* Sizes of all levels, from where neighbours in the list part. */
+/* Sizes of all levels, from where neighbors in the list part. */
 static svo_status count_levels(sorter *s)
 {
     svo_i_build *build = s->build;
     svo_tree_info *info = &build->tree->info;
     cl_uint counts[SVO_LEVELS_MAX] = {0};
-    const svo_ascend_params params = {
+    const svo_bottom_up_params params = {
         .depth = info->depth, .count = (cl_uint)build->fragment_count, .triangle_count = build->plan->triangle_count};
     svo_status status = svo_i_build_alloc(build, "level_counts", sizeof counts, &s->level_counts);
     if (status == SVO_OK) {
@@ -186,7 +186,7 @@ static svo_status count_levels(sorter *s)
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.chunks[0].buffer),
                                             SVO_I_ARGUMENT(s->level_counts), SVO_I_ARGUMENT(params),
                                             SVO_I_LOCAL(SVO_LEVELS_MAX * sizeof(cl_uint))};
-        status = run(s, "svo_k_ascend_count", arguments, 4, build->fragment_count);
+        status = run(s, "svo_k_bottom_up_count", arguments, 4, build->fragment_count);
     }
     if (status == SVO_OK) {
         status = svo_i_build_read(build, s->level_counts, counts, sizeof counts);
@@ -242,10 +242,10 @@ static svo_status allocate_nodes(sorter *s)
 }
 
 /* The indices of the nodes that begin in a sequence of codes. */
-static svo_status number_nodes(sorter *s, cl_mem codes, svo_ascend_params params)
+static svo_status number_nodes(sorter *s, cl_mem codes, svo_bottom_up_params params)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(codes), SVO_I_ARGUMENT(s->flags), SVO_I_ARGUMENT(params)};
-    const svo_status status = run(s, "svo_k_ascend_flags", arguments, 3, params.count);
+    const svo_status status = run(s, "svo_k_bottom_up_flags", arguments, 3, params.count);
     return status == SVO_OK ? scan(s, s->flags, s->indices, params.count) : status;
 }
 
@@ -253,15 +253,15 @@ static svo_status make_leaves(sorter *s)
 {
     svo_i_build *build = s->build;
     cl_mem fragments = build->list.chunks[0].buffer;
-    const svo_ascend_params params = {.depth = build->tree->info.depth,
-                                      .count = (cl_uint)build->fragment_count,
-                                      .of_fragments = 1,
-                                      .node_begin = (cl_uint)build->tree->info.inner_count};
+    const svo_bottom_up_params params = {.depth = build->tree->info.depth,
+                                         .count = (cl_uint)build->fragment_count,
+                                         .of_fragments = 1,
+                                         .node_begin = (cl_uint)build->tree->info.inner_count};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(fragments), SVO_I_ARGUMENT(s->indices),
                                         SVO_I_ARGUMENT(build->cursors[0]), SVO_I_ARGUMENT(s->codes[0]),
                                         SVO_I_ARGUMENT(params)};
     const svo_status status = number_nodes(s, fragments, params);
-    return status == SVO_OK ? run(s, "svo_k_ascend_leaves", arguments, 5, params.count) : status;
+    return status == SVO_OK ? run(s, "svo_k_bottom_up_leaves", arguments, 5, params.count) : status;
 }
 
 static svo_status make_level(sorter *s, uint32_t level)
@@ -271,11 +271,11 @@ static svo_status make_level(sorter *s, uint32_t level)
     const bool odd = (tree->info.depth - level) % 2 != 0;
     cl_mem children = s->codes[odd ? 0 : 1];
     cl_mem nodes = s->codes[odd ? 1 : 0];
-    const svo_ascend_params params = {.depth = tree->info.depth,
-                                      .count = begin[level + 2] - begin[level + 1],
-                                      .shift = 3,
-                                      .node_begin = begin[level],
-                                      .child_begin = begin[level + 1]};
+    const svo_bottom_up_params params = {.depth = tree->info.depth,
+                                         .count = begin[level + 2] - begin[level + 1],
+                                         .shift = 3,
+                                         .node_begin = begin[level],
+                                         .child_begin = begin[level + 1]};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(children),
                                         SVO_I_ARGUMENT(s->indices),
                                         SVO_I_ARGUMENT(nodes),
@@ -283,7 +283,7 @@ static svo_status make_level(sorter *s, uint32_t level)
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(params)};
     const svo_status status = number_nodes(s, children, params);
-    return status == SVO_OK ? run(s, "svo_k_ascend_nodes", arguments, 6, params.count) : status;
+    return status == SVO_OK ? run(s, "svo_k_bottom_up_nodes", arguments, 6, params.count) : status;
 }
 
 /* A tree without leaves: a root without children. */
@@ -322,7 +322,7 @@ static svo_status open_sorter(svo_i_build *build, sorter *s)
     if (build->mode == SVO_I_BUILD_MEASURES) {
         return SVO_OK;
     }
-    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, svo_i_plan_sort_keys(build->plan),
+    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, svo_i_plan_sort_defines(build->plan),
                              &s->program, NULL);
 }
 
@@ -367,9 +367,9 @@ svo_status svo_i_sorted_lists(svo_i_build *build, bool with_lists)
     sorter s;
     cl_mem *buffers = build->tree->buffers;
     svo_tree_info *info = &build->tree->info;
-    const svo_ascend_params params = {.count = (cl_uint)build->fragment_count,
-                                      .node_begin = (cl_uint)info->inner_count,
-                                      .child_begin = (cl_uint)info->leaf_count};
+    const svo_bottom_up_params params = {.count = (cl_uint)build->fragment_count,
+                                         .node_begin = (cl_uint)info->inner_count,
+                                         .child_begin = (cl_uint)info->leaf_count};
     svo_status status = open_sorter(build, &s);
     svo_i_build_stage_begin(build);
     if (status == SVO_OK) {
@@ -387,7 +387,7 @@ svo_status svo_i_sorted_lists(svo_i_build *build, bool with_lists)
                                             SVO_I_ARGUMENT(build->cursors[0]),
                                             SVO_I_ARGUMENT(buffers[SVO_TREE_LIST_BEGIN]),
                                             SVO_I_ARGUMENT(buffers[SVO_TREE_LIST]), SVO_I_ARGUMENT(params)};
-        status = run(&s, "svo_k_ascend_lists", arguments, 5, params.count);
+        status = run(&s, "svo_k_bottom_up_lists", arguments, 5, params.count);
     }
     return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_PACK) : status;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/link.cl and kernels/filter.cl: the leaves' fragments are linked and their contributions summed up, then sums
- * travel up level by level and every node's colour, normal and fill are written.
+ * Runs kernels/link.cl and kernels/filter.cl: the leaves' fragments are linked and their contributions summed up, then
+ * sums travel up level by level and every node's color, normal and fill are written.
  *
- * A list of one chunk, the usual case, is gathered straight into the sums of the deepest inner level. Otherwise lists are
- * linked and gathered chunk by chunk, and the leaves need sums of their own in between.
+ * A list of one chunk, the usual case, is gathered straight into the sums of the deepest inner level. Otherwise lists
+ * are linked and gathered chunk by chunk, and the leaves need sums of their own in between.
  */
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/material.cl: the material of every node. Comes before the filter, which turns the fragments' cursors into
- * links.
+ * Runs kernels/material.cl: the material of every node. Comes before the filter, which turns the fragments' cursors
+ * into links.
  */
 #include "build/build.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/pack.cl and the list scans of kernels/scan.cl: where each leaf's range of entries begins, and sorted leaf
- * lists, for requests that read them.
+ * Runs kernels/pack.cl and the list scans of kernels/scan.cl: where each leaf's range of entries begins, and sorted
+ * leaf lists, for requests that read them.
  */
 #include "build/build.h"
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh's attributes on the device, for the stages that make payload of them (material.c, filter.c): kernels/attribute.clh
- * reads them. Only what the plan has is uploaded; vertices and indices that the tree keeps for rays are used in place.
+ * The mesh's attributes on the device, for the stages that make payload of them (material.c, filter.c):
+ * kernels/attribute.clh reads them. Only what the plan has is uploaded; vertices and indices that the tree keeps for
+ * rays are used in place.
  */
 #include "build/build.h"
 

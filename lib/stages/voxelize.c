@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The front end of OpenCL alone: uploads the snapped mesh, and per chunk of the list launches kernels/voxelize.cl for every
- * draw. For machines without OpenGL, and for devices on which this is the faster way.
+ * The front end of OpenCL alone: uploads the snapped mesh, and per chunk of the list launches kernels/voxelize.cl for
+ * every draw. For machines without OpenGL, and for devices on which this is the faster way.
  *
  * Every launch waits for the one before it by an event, as in the builder, whose helpers it uses.
  */
@@ -58,9 +58,9 @@ static void end(svo_i_build *build)
 
 static svo_status get_program(svo_i_build *build, svo_i_test test, bool *fresh)
 {
-    char keys[SVO_I_KEYS_BYTES];
-    svo_i_plan_test_keys(build->plan, test, keys, sizeof keys);
-    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, keys, &build->program, fresh);
+    char defines[SVO_I_DEFINES_BYTES];
+    svo_i_plan_test_defines(build->plan, test, defines, sizeof defines);
+    return svo_i_program_get(build->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, defines, &build->program, fresh);
 }
 
 static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)

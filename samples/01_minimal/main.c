@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The shortest way from triangles to an octree: a cube in memory, the default OpenCL device, an off-screen GL context. */
+/* The shortest way from triangles to an octree: a cube in memory, the default OpenCL device, an off-screen GL
+   context. */
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdio.h>

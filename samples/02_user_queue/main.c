@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl in a program that has OpenCL of its own: its context, its out-of-order queues, its events, its buffers. Two builds
- * of one mesh are in flight at once, each on a queue of its own, and a command of the program's waits for each.
+ * svocl in a program that has OpenCL of its own: its context, its out-of-order queues, its events, its buffers. Two
+ * builds of one mesh are in flight at once, each on a queue of its own, and a command of the program's waits for each.
  */
 #include <inttypes.h>
 #include <stdbool.h>

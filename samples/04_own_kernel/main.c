@@ -14,8 +14,8 @@
 #define WIDTH  72u
 #define HEIGHT 30u
 
-/* The whole of the integrator's side: svo_trace_closest finds what a pixel sees, svo_trace_any what is in the light's way.
-   The picture holds 0 for nothing, 1 for shadow, 2 and up for light. */
+/* The whole of the integrator's side: svo_trace_closest finds what a pixel sees, svo_trace_any what is in the light's
+   way. The picture holds 0 for nothing, 1 for shadow, 2 and up for light. */
 static const char kernel_source[] =
     "__kernel void draw(SVO_TREE_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
     "{\n"

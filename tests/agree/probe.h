@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* probe.clh in C: probe.c is compiled once for each of its variants, which cannot live in one translation unit. */
-#ifndef SVO_TESTS_PROBE_H
-#define SVO_TESTS_PROBE_H
+#ifndef SVOCL_TESTS_AGREE_PROBE_H
+#define SVOCL_TESTS_AGREE_PROBE_H
 
 #include <stddef.h>
 
@@ -22,8 +22,8 @@ typedef void probe_column_function(const probe_input *given, SVO_I32 *first, SVO
 probe_column_function probe_column_narrow, probe_column_regular, probe_column_wide;
 probe_column_function probe_column_thin_narrow, probe_column_thin_regular, probe_column_thin_wide;
 
-/* Variants with a mistake: a comparison that leaves out equality (regular and narrow), a line left out, the plane left out,
-   far faces of voxels that count as theirs, thin intervals that are closed. */
+/* Variants with a mistake: a comparison that leaves out equality (regular and narrow), a line left out, the plane left
+   out, far faces of voxels that count as theirs, thin intervals that are closed. */
 probe_function probe_mutant_sign, probe_mutant_narrow_sign, probe_mutant_line, probe_mutant_plane, probe_mutant_open,
     probe_mutant_thin;
 probe_column_function probe_column_mutant_sign, probe_column_mutant_narrow_sign, probe_column_mutant_line,

@@ -68,7 +68,7 @@ static void make_anywhere(draft *d)
     }
 }
 
-/* Reaching out of the grid, with a point of it as its centre or, for those to be flattened, between the first two. */
+/* Reaching out of the grid, with a point of it as its center or, for those to be flattened, between the first two. */
 static void make_around(draft *d, bool mirrored)
 {
     const int64_t reach = (INT64_C(1) << between(d, 16, 28)) - 1;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Random (triangle, voxel) records for the overlap test, as the library would make them: snapped triangles, the corner of
- * their first voxel taken off, axes turned. Hard cases are made on purpose, by kind.
+ * Random (triangle, voxel) records for the overlap test, as the library would make them: snapped triangles, the corner
+ * of their first voxel taken off, axes turned. Hard cases are made on purpose, by kind.
  */
-#ifndef SVO_TESTS_SAMPLE_H
-#define SVO_TESTS_SAMPLE_H
+#ifndef SVOCL_TESTS_AGREE_SAMPLE_H
+#define SVOCL_TESTS_AGREE_SAMPLE_H
 
 #include "oracle.h"
 #include "probe.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the fuzz targets share: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and the way a target says
- * that the library broke a promise. replay.c calls the same entry with kept inputs, as an ordinary test.
+ * What the fuzz targets share: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and the way a target
+ * says that the library broke a promise. replay.c calls the same entry with kept inputs, as an ordinary test.
  */
-#ifndef SVO_TESTS_FUZZ_H
-#define SVO_TESTS_FUZZ_H
+#ifndef SVOCL_TESTS_FUZZ_FUZZ_H
+#define SVOCL_TESTS_FUZZ_FUZZ_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -15,8 +15,8 @@
 /* One input of any bytes; always returns 0. A finding ends the process. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count);
 
-/* Called by libFuzzer in place of its own mutations: changes byte_count bytes in place, up to byte_count_max, and returns
-   how many there are now. */
+/* Called by libFuzzer in place of its own mutations: changes byte_count bytes in place, up to byte_count_max, and
+   returns how many there are now. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t byte_count, size_t byte_count_max, unsigned seed);
 /* libFuzzer's own mutations, for the function above. */
 size_t LLVMFuzzerMutate(uint8_t *data, size_t byte_count, size_t byte_count_max);

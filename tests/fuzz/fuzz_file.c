@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: any bytes as a .svo file. Either they are refused with one line that says why, or the tree is well formed:
- * every array is as long as the header says, the masks are a tree, every list entry and index is in range.
+ * Fuzz target: any bytes as a .svo file. Either they are refused with one line that says why, or the tree is well
+ * formed: every array is as long as the header says, the masks are a tree, every list entry and index is in range.
  */
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Fuzz target: any arrays as a mesh, with any options, into svo_plan_create, and cuts of the resulting plan. Either a
- * status and one line of words, or a plan that keeps what plan.h promises: every triangle is kept, refused or outside as
- * the definition says, snapped as the reference snaps, and in a class whose arithmetic holds it. No OpenCL is used: a plan
- * takes of the device only the place for messages.
+ * status and one line of words, or a plan that keeps what plan.h promises: every triangle is kept, refused or outside
+ * as the definition says, snapped as the reference snaps, and in a class whose arithmetic holds it. No OpenCL is used:
+ * a plan takes of the device only the place for messages.
  */
 #include <float.h>
 #include <math.h>

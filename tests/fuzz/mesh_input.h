@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bytes to a mesh: how an input of fuzz_mesh says what svo_plan_create is given. Every input means something; what it is
- * too short for is zero. Arrays are allocated in exactly the size that the mesh's counts promise, so that a sanitizer sees
- * the first element read behind one.
+ * Bytes to a mesh: how an input of fuzz_mesh says what svo_plan_create is given. Every input means something; what it
+ * is too short for is zero. Arrays are allocated in exactly the size that the mesh's counts promise, so that a
+ * sanitizer sees the first element read behind one.
  */
-#ifndef SVO_TESTS_MESH_INPUT_H
-#define SVO_TESTS_MESH_INPUT_H
+#ifndef SVOCL_TESTS_FUZZ_MESH_INPUT_H
+#define SVOCL_TESTS_FUZZ_MESH_INPUT_H
 
 #include <stdbool.h>
 

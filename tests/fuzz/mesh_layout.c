@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk that is within its limit,
- * however often chunks turned out too small.
+ * Cuts of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk that is within its
+ * limit, however often chunks turned out too small.
  */
 #include "mesh_layout.h"
 
@@ -21,8 +21,9 @@ static uint64_t scramble(uint64_t x)
 }
 
 /*
- * A random number per pixel, summed over a rectangle: the product of one random function's differences in x and another's
- * in y. Rectangles whose sums add up to the sum of the screen cover each of its pixels once, but for odds of 2^-64.
+ * A random number per pixel, summed over a rectangle: the product of one random function's differences in x and
+ * another's in y. Rectangles whose sums add up to the sum of the screen cover each of its pixels once, but for odds of
+ * 2^-64.
  */
 static uint64_t rectangle_sum(uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The part of fuzz_mesh that cuts the fragment list of a plan, grows it, and checks every cut. */
-#ifndef SVO_TESTS_MESH_LAYOUT_H
-#define SVO_TESTS_MESH_LAYOUT_H
+#ifndef SVOCL_TESTS_FUZZ_MESH_LAYOUT_H
+#define SVOCL_TESTS_FUZZ_MESH_LAYOUT_H
 
 #include "plan/plan.h"
 

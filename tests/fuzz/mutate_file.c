@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Mutations of .svo files that get past their lengths and checksums: after most changes the header, the chunk table and
- * all checksums are made true again, so that what is wrong is what a checksum does not see. Without this a fuzzer stays in
- * front of the first checksum for ever. Only libFuzzer calls it; an input that it found is complete as it is.
+ * all checksums are made true again, so that what is wrong is what a checksum does not see. Without this a fuzzer stays
+ * in front of the first checksum for ever. Only libFuzzer calls it; an input that it found is complete as it is.
  */
 #include <stdbool.h>
 #include <string.h>
@@ -11,8 +11,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "io/file.h"
 #include "fuzz.h"
+#include "io/file.h"
 
 #define PLAIN_BYTES_MAX ((size_t)1 << 20)
 

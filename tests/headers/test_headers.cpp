@@ -27,7 +27,7 @@ static void expect_text(const char *what, const char *actual, const char *expect
 int main()
 {
     expect_text("svo_version_string", svo_version_string(), SVO_VERSION_STRING);
-    expect_text("svo_status_name", svo_status_name(SVO_NEED_MORE), "SVO_NEED_MORE");
+    expect_text("svo_status_name", svo_status_name(SVO_CAPACITY_EXCEEDED), "SVO_CAPACITY_EXCEEDED");
     expect_text("svo_stage_name", svo_stage_name(SVO_STAGE_GRID), "grid");
 #ifdef HAVE_GL
     expect_text("svo_gl_context_kind_name", svo_gl_context_kind_name(SVO_GL_OSMESA), "osmesa");

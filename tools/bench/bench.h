@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measurements of time. A subject of `svocl bench` is a file of its own: it says which scenes it builds at which depths,
- * adds empty tables to a set (result.h), and then rows for one scene at one depth after the other. bench.c opens what they
- * share and goes through them.
+ * Measurements of time. A subject of `svocl bench` is a file of its own: it says which scenes it builds at which
+ * depths, adds empty tables to a set (result.h), and then rows for one scene at one depth after the other. bench.c
+ * opens what they share and goes through them.
  */
-#ifndef SVOCL_BENCH_H
-#define SVOCL_BENCH_H
+#ifndef SVOCL_TOOLS_BENCH_BENCH_H
+#define SVOCL_TOOLS_BENCH_BENCH_H
 
-#include "support/input.h"
 #include "measure/result.h"
+#include "support/input.h"
 #include "support/session.h"
 
 #define BENCH_LIST_MAX 16

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute shaders;
- * and what it costs to bring a list from OpenGL to OpenCL, by every share path.
+ * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute
+ * shaders; and what it costs to bring a list from OpenGL to OpenCL, by every share path.
  */
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +30,7 @@ static const struct {
 #define SHARE_STAGES   (sizeof share_stages / sizeof share_stages[0])
 
 static const char builders_note[] =
-    "builders in turns; colours, normals and rays, uniform weights (the table filter has others); transfer: the mesh"
+    "builders interleaved; colors, normals and rays, uniform weights (the table filter has others); transfer: the mesh"
     " to the device, the list from OpenGL to OpenCL or the finished arrays, counts back; list to tree: subdivide, "
     "link, pack and filter; total: with grid, voxelize and transfer, without compiling; first: total of the first "
     "run, with what was left to compile; ratio: list to tree, to cl, turn by turn";
@@ -55,7 +55,7 @@ static void begin_builders(bench_suite *all)
 }
 
 static const char share_note[] =
-    "in turns; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
+    "interleaved; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
     " to that, turn by turn";
 
 static void begin_share(bench_suite *all)
@@ -80,66 +80,66 @@ static int begin(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_builder(result_table *table, const input *source, unsigned depth, const series_way *way,
-                        const series_way *first)
+static void add_builder(result_table *table, const input *source, unsigned depth, const series_method *method,
+                        const series_method *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_number(table, (double)way->report.fragments);
-    result_add_number(table, (double)way->info.node_count);
-    result_add_text(table, "%s", way->report.builder);
-    result_add_text(table, "%s", way->report.frontend);
-    result_add_text(table, "%s", series_clock(way, SVO_STAGE_SUBDIVIDE));
+    result_add_number(table, (double)method->report.fragments);
+    result_add_number(table, (double)method->info.node_count);
+    result_add_text(table, "%s", method->report.builder);
+    result_add_text(table, "%s", method->report.frontend);
+    result_add_text(table, "%s", series_clock(method, SVO_STAGE_SUBDIVIDE));
     for (size_t i = 0; i < BUILDER_STAGES; ++i) {
-        spread_add(table, series_ms(way, builder_stages[i].clocks));
+        spread_add(table, series_ms(method, builder_stages[i].clocks));
     }
-    result_add_number(table, series_first_ms(way, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
-    spread_add(table, series_ratio(way, first, SERIES_TREE));
+    result_add_number(table, series_first_ms(method, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
+    spread_add(table, series_ratio(method, first, SERIES_TREE));
 }
 
 static int run_builders(bench_suite *all, const input *source, unsigned depth)
 {
-    enum { WAYS = 3 };
+    enum { METHODS = 3 };
     const svo_plan_options plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS,
                                    .weights = SVO_WEIGHTS_UNIFORM};
-    series_way ways[WAYS] = {
+    series_method methods[METHODS] = {
         {.name = "cl", .plan = plan}, {.name = "sorted", .plan = plan}, {.name = "gl-compute", .plan = plan}};
-    ways[1].plan.builder = SVO_BUILDER_SORTED;
-    series_use_cl(all, &ways[0]);
-    series_use_cl(all, &ways[1]);
-    series_use_gl_compute(all, &ways[2]);
-    return series_run(all, builders_id, source, depth, ways, WAYS, add_builder);
+    methods[1].plan.builder = SVO_BUILDER_SORTED;
+    series_use_cl(all, &methods[0]);
+    series_use_cl(all, &methods[1]);
+    series_use_gl_compute(all, &methods[2]);
+    return series_run(all, builders_id, source, depth, methods, METHODS, add_builder);
 }
 
-static void add_share(result_table *table, const input *source, unsigned depth, const series_way *way,
-                      const series_way *first)
+static void add_share(result_table *table, const input *source, unsigned depth, const series_method *method,
+                      const series_method *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
-    result_add_number(table, (double)way->list_bytes);
-    result_add_text(table, "%s", way->report.frontend);
-    result_add_text(table, "%s", way->report.share);
+    result_add_number(table, (double)method->list_bytes);
+    result_add_text(table, "%s", method->report.frontend);
+    result_add_text(table, "%s", method->report.share);
     for (size_t i = 0; i < SHARE_STAGES; ++i) {
-        spread_add(table, series_ms(way, share_stages[i].clocks));
+        spread_add(table, series_ms(method, share_stages[i].clocks));
     }
-    spread_add(table, series_ratio(way, first, share_stages[SHARE_STAGES - 1].clocks));
+    spread_add(table, series_ratio(method, first, share_stages[SHARE_STAGES - 1].clocks));
 }
 
 static int run_share(bench_suite *all, const input *source, unsigned depth)
 {
-    enum { WAYS = 4 };
+    enum { METHODS = 4 };
     const svo_plan_options plan = {.need = SVO_NEED_NONE};
-    series_way ways[WAYS] = {{.name = "none", .plan = plan},
-                             {.name = "sharing", .plan = plan},
-                             {.name = "host", .plan = plan},
-                             {.name = "copy", .plan = plan}};
-    const int shares[WAYS] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_SHARING, SVO_GL_SHARE_HOST, SVO_GL_SHARE_COPY};
-    series_use_cl(all, &ways[0]);
-    for (size_t i = 1; i < WAYS; ++i) {
-        series_use_gl(all, OPTION_FRONTEND_AUTO, shares[i], &ways[i]);
+    series_method methods[METHODS] = {{.name = "none", .plan = plan},
+                                      {.name = "interop", .plan = plan},
+                                      {.name = "host", .plan = plan},
+                                      {.name = "copy", .plan = plan}};
+    const int shares[METHODS] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_INTEROP, SVO_GL_SHARE_HOST, SVO_GL_SHARE_COPY};
+    series_use_cl(all, &methods[0]);
+    for (size_t i = 1; i < METHODS; ++i) {
+        series_use_gl(all, OPTION_FRONTEND_AUTO, shares[i], &methods[i]);
     }
-    return series_run(all, share_id, source, depth, ways, WAYS, add_share);
+    return series_run(all, share_id, source, depth, methods, METHODS, add_share);
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)

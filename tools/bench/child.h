@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* This program run again as a child, timed from its start to its end, with compiler caches in a folder of its own. */
-#ifndef SVOCL_CHILD_H
-#define SVOCL_CHILD_H
+#ifndef SVOCL_TOOLS_BENCH_CHILD_H
+#define SVOCL_TOOLS_BENCH_CHILD_H
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>

@@ -6,14 +6,14 @@
 
 static const char table_id[] = "filter";
 
-/* What is built in turns; the first is what the others are compared with. */
+/* What is built interleaved; the first is what the others are compared with. */
 static const struct {
     const char *payload;
     uint32_t need;
     svo_weights weights;
 } forms[] = {
     {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_AREA},
-    {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_CENTRE},
+    {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_CENTER},
     {"color,normal", SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_WEIGHTS_UNIFORM},
     {"color", SVO_NEED_COLOR, SVO_WEIGHTS_AREA},
     {"normal", SVO_NEED_NORMAL, SVO_WEIGHTS_AREA},
@@ -26,8 +26,8 @@ static const struct {
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 static const char note[] =
-    "in turns, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; first: that of "
-    "the first run, with what was left to compile; ratio: of filter, to colours and normals weighed by area, turn by"
+    "interleaved, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; first: that of "
+    "the first run, with what was left to compile; ratio: of filter, to colors and normals weighed by area, turn by"
     " turn";
 
 static int begin(bench_suite *all)
@@ -46,31 +46,31 @@ static int begin(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *first)
+static void add_row(result_table *table, const input *source, unsigned depth, const series_method *method,
+                    const series_method *first)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
-    result_add_number(table, (double)way->info.node_count);
-    result_add_text(table, "%s", way->name);
-    result_add_text(table, "%s", svo_weights_name(way->plan.weights));
-    result_add_text(table, "%s", series_clock(way, SVO_STAGE_FILTER));
-    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_FILTER)));
-    spread_add(table, series_ms(way, SERIES_TREE));
-    result_add_number(table, series_first_ms(way, SERIES_TREE | SERIES_BIT(SVO_STAGE_COMPILE)));
-    spread_add(table, series_ratio(way, first, SERIES_BIT(SVO_STAGE_FILTER)));
+    result_add_number(table, (double)method->info.node_count);
+    result_add_text(table, "%s", method->name);
+    result_add_text(table, "%s", svo_weights_name(method->plan.weights));
+    result_add_text(table, "%s", series_clock(method, SVO_STAGE_FILTER));
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_FILTER)));
+    spread_add(table, series_ms(method, SERIES_TREE));
+    result_add_number(table, series_first_ms(method, SERIES_TREE | SERIES_BIT(SVO_STAGE_COMPILE)));
+    spread_add(table, series_ratio(method, first, SERIES_BIT(SVO_STAGE_FILTER)));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
 {
-    series_way ways[FORM_COUNT];
-    memset(ways, 0, sizeof ways);
+    series_method methods[FORM_COUNT];
+    memset(methods, 0, sizeof methods);
     for (size_t i = 0; i < FORM_COUNT; ++i) {
-        ways[i].name = forms[i].payload;
-        ways[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
-        series_use_cl(all, &ways[i]);
+        methods[i].name = forms[i].payload;
+        methods[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
+        series_use_cl(all, &methods[i]);
     }
-    return series_run(all, table_id, source, depth, ways, FORM_COUNT, add_row);
+    return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
 const bench_subject bench_filter = {

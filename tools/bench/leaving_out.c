@@ -27,9 +27,9 @@ static const struct {
     {"fill", "all but fill", {.need = SVO_NEED_FILL}},
     {"none", "all but occupancy", {.need = SVO_NEED_NONE}},
     {"color,normal by area", "rays, material, fill", {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}},
-    {"color,normal by centre",
+    {"color,normal by center",
      "rays, material, fill, areas",
-     {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_CENTRE}},
+     {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_CENTER}},
     {"color,normal uniform",
      "rays, material, fill, clipping",
      {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_UNIFORM}},
@@ -39,7 +39,7 @@ static const struct {
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 static const char note[] =
-    "in turns, by the front end cl; build: from the mesh on the host to the finished tree, without compiling; first:"
+    "interleaved, by the front end cl; build: from the mesh on the host to the finished tree, without compiling; first:"
     " the first run, with what was left to compile; peak: the largest sum of OpenCL buffers at one time; tree: what "
     "remains of them; ratio: of build, to all, turn by turn";
 
@@ -61,34 +61,34 @@ static int begin(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *first)
+static void add_row(result_table *table, const input *source, unsigned depth, const series_method *method,
+                    const series_method *first)
 {
-    const size_t form = (size_t)(way - first);
+    const size_t form = (size_t)(method - first);
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
-    result_add_number(table, (double)way->info.leaf_count);
-    result_add_text(table, "%s", way->name);
+    result_add_number(table, (double)method->info.leaf_count);
+    result_add_text(table, "%s", method->name);
     result_add_text(table, "%s", forms[form].left_out);
-    result_add_text(table, "%s", way->report.builder);
-    spread_add(table, series_ms(way, SERIES_BUILD));
-    result_add_number(table, series_first_ms(way, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
-    result_add_number(table, (double)way->peak_bytes);
-    result_add_number(table, (double)way->tree_bytes);
-    result_add_number(table, (double)way->tree_bytes / (double)way->info.leaf_count);
-    spread_add(table, series_ratio(way, first, SERIES_BUILD));
+    result_add_text(table, "%s", method->report.builder);
+    spread_add(table, series_ms(method, SERIES_BUILD));
+    result_add_number(table, series_first_ms(method, SERIES_BUILD | SERIES_BIT(SVO_STAGE_COMPILE)));
+    result_add_number(table, (double)method->peak_bytes);
+    result_add_number(table, (double)method->tree_bytes);
+    result_add_number(table, (double)method->tree_bytes / (double)method->info.leaf_count);
+    spread_add(table, series_ratio(method, first, SERIES_BUILD));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
 {
-    series_way ways[FORM_COUNT];
-    memset(ways, 0, sizeof ways);
+    series_method methods[FORM_COUNT];
+    memset(methods, 0, sizeof methods);
     for (size_t i = 0; i < FORM_COUNT; ++i) {
-        ways[i].name = forms[i].name;
-        ways[i].plan = forms[i].plan;
-        series_use_cl(all, &ways[i]);
+        methods[i].name = forms[i].name;
+        methods[i].plan = forms[i].plan;
+        series_use_cl(all, &methods[i]);
     }
-    return series_run(all, table_id, source, depth, ways, FORM_COUNT, add_row);
+    return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
 const bench_subject bench_leaving_out = {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two older systems that built sparse voxel octrees of rasterized triangles on graphics hardware: their published tables,
- * made again with scenes of as many triangles, or of such a kind. Neither their scenes nor their hardware are here: the
- * published figures stand beside ours for the scale of things, with what they were measured on.
+ * Two older systems that built sparse voxel octrees of rasterized triangles on graphics hardware: their published
+ * tables, made again with scenes of as many triangles, or of such a kind. Neither their scenes nor their hardware are
+ * here: the published figures stand beside ours for the scale of things, with what they were measured on.
  */
 #include <math.h>
 
@@ -13,7 +13,7 @@
 static const char structure_id[] = "older-a";
 
 static const char structure_note[] =
-    "ours: terrains of as many triangles, front end and builder cl, colours and normals; structure: subdivide, link,"
+    "ours: terrains of as many triangles, front end and builder cl, colors and normals; structure: subdivide, link,"
     " pack and filter; transfer: the mesh to the device, counts back; total: with grid and voxelize. Published for "
     "these counts of triangles at depth 6: structure built in 163 to 1,182 s on a GTX 960 (which scene took how long"
     " is not known here)";
@@ -37,19 +37,19 @@ static int begin_structure(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_structure(result_table *table, const input *source, unsigned depth, const series_way *way,
-                          const series_way *first)
+static void add_structure(result_table *table, const input *source, unsigned depth, const series_method *method,
+                          const series_method *first)
 {
     (void)first;
     const bool published = depth == 6;
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_number(table, (double)way->info.leaf_count);
-    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_VOXELIZE)));
-    spread_add(table, series_ms(way, SERIES_TREE));
-    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_TRANSFER)));
-    spread_add(table, series_ms(way, SERIES_BUILD));
+    result_add_number(table, (double)method->info.leaf_count);
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_VOXELIZE)));
+    spread_add(table, series_ms(method, SERIES_TREE));
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_TRANSFER)));
+    spread_add(table, series_ms(method, SERIES_BUILD));
     result_add_number(table, published ? 163e3 : (double)NAN);
     result_add_number(table, published ? 1182e3 : (double)NAN);
     result_add_text(table, "%s", published ? "GTX 960" : "");
@@ -57,9 +57,9 @@ static void add_structure(result_table *table, const input *source, unsigned dep
 
 static int run_structure(bench_suite *all, const input *source, unsigned depth)
 {
-    series_way way = {.name = "cl", .plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}};
-    series_use_cl(all, &way);
-    return series_run(all, structure_id, source, depth, &way, 1, add_structure);
+    series_method method = {.name = "cl", .plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}};
+    series_use_cl(all, &method);
+    return series_run(all, structure_id, source, depth, &method, 1, add_structure);
 }
 
 const bench_subject bench_older_structure = {
@@ -118,8 +118,8 @@ static void add_published(result_table *table)
     result_add_number(table, published.second_build_ms);
 }
 
-static void add_memory(result_table *table, const input *source, unsigned depth, const series_way *way,
-                       const series_way *first)
+static void add_memory(result_table *table, const input *source, unsigned depth, const series_method *method,
+                       const series_method *first)
 {
     const unsigned compile = SERIES_BIT(SVO_STAGE_COMPILE);
     (void)source;
@@ -127,13 +127,13 @@ static void add_memory(result_table *table, const input *source, unsigned depth,
     result_add_text(table, "svocl");
     result_add_text(table, "%s", table->owner->machine.device);
     result_add_number(table, (double)(1u << depth));
-    result_add_number(table, (double)way->report.fragments);
-    result_add_number(table, (double)way->list_bytes / 1024.0);
+    result_add_number(table, (double)method->report.fragments);
+    result_add_number(table, (double)method->list_bytes / 1024.0);
     result_add_number(table, bench_full_octree_bytes(depth) / 1024.0);
-    result_add_number(table, (double)way->tree_bytes / 1024.0);
-    result_add_number(table, series_ms(way, SERIES_BIT(SVO_STAGE_VOXELIZE)).median);
-    result_add_number(table, series_first_ms(way, SERIES_TREE | compile));
-    result_add_number(table, series_ms(way, SERIES_TREE).median);
+    result_add_number(table, (double)method->tree_bytes / 1024.0);
+    result_add_number(table, series_ms(method, SERIES_BIT(SVO_STAGE_VOXELIZE)).median);
+    result_add_number(table, series_first_ms(method, SERIES_TREE | compile));
+    result_add_number(table, series_ms(method, SERIES_TREE).median);
     if (depth == 9) {
         add_published(table);
     }
@@ -141,9 +141,9 @@ static void add_memory(result_table *table, const input *source, unsigned depth,
 
 static int run_memory(bench_suite *all, const input *source, unsigned depth)
 {
-    series_way way = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
-    series_use_cl(all, &way);
-    return series_run(all, memory_id, source, depth, &way, 1, add_memory);
+    series_method method = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
+    series_use_cl(all, &method);
+    return series_run(all, memory_id, source, depth, &method, 1, add_memory);
 }
 
 const bench_subject bench_older_memory = {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenVDB (https://www.openvdb.org) beside svocl: the same triangles at the same resolution through tools::meshToVolume. */
-#ifndef SVOCL_OPENVDB_H
-#define SVOCL_OPENVDB_H
+/* OpenVDB (https://www.openvdb.org) beside svocl: the same triangles at the same resolution through
+   tools::meshToVolume. */
+#ifndef SVOCL_TOOLS_BENCH_OPENVDB_H
+#define SVOCL_TOOLS_BENCH_OPENVDB_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Others that make something of the same triangles, where their Debian packages are present: Embree its hierarchy for rays,
- * OpenVDB a sparse volume of the same resolution. Each in turns with ours.
+ * Others that make something of the same triangles, where their Debian packages are present: Embree its hierarchy for
+ * rays, OpenVDB a sparse volume of the same resolution. Each interleaved with ours.
  */
 #include <math.h>
 #include <stdlib.h>
 
-#include "measure/embree.h"
-#include "measure/quantization.h"
 #include "bench/openvdb.h"
 #include "bench/series.h"
+#include "measure/embree.h"
+#include "measure/quantization.h"
 
 static const char embree_id[] = "peer-embree";
 static const char openvdb_id[] = "peer-openvdb";
@@ -34,8 +34,8 @@ typedef struct peer_mesh {
 
 /* ---- the mesh ---- */
 
-/* In units of voxels from the middle of the first one, on the grid that a plan would fit. Peers get no more care than that:
-   a mesh with refused triangles is not for them. */
+/* In units of voxels from the middle of the first one, on the grid that a plan would fit. Peers get no more care than
+   that: a mesh with refused triangles is not for them. */
 static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -47,14 +47,14 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
         return false;
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        low[i % 3] = fmin(low[i % 3], lattice_position_of(mesh, i));
+        low[i % 3] = fmin(low[i % 3], quantization_source(mesh, i));
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        edge = fmax(edge, lattice_position_of(mesh, i) - low[i % 3]);
+        edge = fmax(edge, quantization_source(mesh, i) - low[i % 3]);
     }
     const double scale = edge > 0.0 ? (double)(1u << depth) / edge : 1.0;
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        out->points[i] = (float)((lattice_position_of(mesh, i) - low[i % 3]) * scale - 0.5);
+        out->points[i] = (float)((quantization_source(mesh, i) - low[i % 3]) * scale - 0.5);
     }
     for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
         out->indices[i] = mesh->indices != NULL ? mesh->indices[i] : (uint32_t)i;
@@ -79,26 +79,28 @@ static double run_openvdb(const peer_mesh *made, peer_runs *runs)
                             &runs->active_voxels, &runs->memory_bytes);
 }
 
-/* Ours and theirs in turns; one turn of ours is a series of one build. */
-static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, series_way *way, peer_runs *runs,
+/* Ours and theirs interleaved; one turn of ours is a series of one build. */
+static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
                      bool with_embree)
 {
     runs->times = calloc(all->repeats + 1, sizeof *runs->times);
     runs->ratios = calloc(all->repeats + 1, sizeof *runs->ratios);
-    int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, way, 1)
+    int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, method, 1)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory");
-    for (size_t turn = 0; turn <= all->repeats && exit_code == PROGRAM_DONE; ++turn) {
-        exit_code = series_turn(all, made->mesh, depth, way, turn);
+    for (size_t interleaved_method = 0; interleaved_method <= all->repeats && exit_code == PROGRAM_DONE;
+         ++interleaved_method) {
+        exit_code = series_turn(all, made->mesh, depth, method, interleaved_method);
         const double ms = with_embree ? run_embree(made) : run_openvdb(made, runs);
         if (ms < 0.0 && exit_code == PROGRAM_DONE) {
             return program_fail(all->state, PROGRAM_FAILED, "%s cannot take the triangles",
                                 with_embree ? "Embree" : "OpenVDB");
         }
-        if (turn == 0) {
+        if (interleaved_method == 0) {
             runs->first_ms = ms;
-        } else if (exit_code == PROGRAM_DONE && way->reason[0] == '\0') {
-            runs->ratios[runs->count] = series_turn_ms(way, turn, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
+        } else if (exit_code == PROGRAM_DONE && method->reason[0] == '\0') {
+            runs->ratios[runs->count] =
+                series_turn_ms(method, interleaved_method, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
             runs->times[runs->count++] = ms;
         }
     }
@@ -108,7 +110,8 @@ static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, se
 /* ---- tables ---- */
 
 static const char embree_note[] =
-    "in turns; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays, and the boxes that "
+    "interleaved; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays, and the boxes "
+    "that "
     "rays walk through, which one thread of the host makes; boxes: those alone; Embree: geometry and scene committed, "
     "on all cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
 
@@ -123,16 +126,16 @@ static int begin_embree(bench_suite *all)
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "svocl tree", "B");
-    result_add_column(table, "boxes", "B");
+    result_add_column(table, "BVH", "B");
     spread_add_columns(table, "svocl", "ms");
-    spread_add_columns(table, "boxes time", "ms");
+    spread_add_columns(table, "BVH time", "ms");
     spread_add_columns(table, "Embree", "ms");
     spread_add_columns(table, "ratio", "");
     return PROGRAM_DONE;
 }
 
 static const char openvdb_note[] =
-    "in turns; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB: tools::meshToVolume, unsigned "
+    "interleaved; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB: tools::meshToVolume, unsigned "
     "distances in a band of one voxel to each side, on all cores: it computes distances, and its active voxels are "
     "those near a surface, touched by it or not; ratio: our time to OpenVDB's, turn by turn";
 
@@ -176,28 +179,30 @@ static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *dept
     return PROGRAM_DONE;
 }
 
-static void add_embree(bench_suite *all, const input *source, unsigned depth, const series_way *way, peer_runs *runs)
+static void add_embree(bench_suite *all, const input *source, unsigned depth, const series_method *method,
+                       peer_runs *runs)
 {
     result_table *table = result_find(all->results, embree_id);
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_number(table, (double)way->tree_bytes);
-    result_add_number(table, (double)way->ray_bytes);
-    spread_add(table, series_ms(way, BUILD_FOR_RAYS));
-    spread_add(table, series_ms(way, SERIES_BIT(SERIES_RAYS)));
+    result_add_number(table, (double)method->tree_bytes);
+    result_add_number(table, (double)method->ray_bytes);
+    spread_add(table, series_ms(method, BUILD_FOR_RAYS));
+    spread_add(table, series_ms(method, SERIES_BIT(SERIES_RAYS)));
     add_runs(table, runs);
 }
 
-static void add_openvdb(bench_suite *all, const input *source, unsigned depth, const series_way *way, peer_runs *runs)
+static void add_openvdb(bench_suite *all, const input *source, unsigned depth, const series_method *method,
+                        peer_runs *runs)
 {
     result_table *table = result_find(all->results, openvdb_id);
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_number(table, (double)way->info.leaf_count);
-    result_add_number(table, (double)way->tree_bytes);
-    spread_add(table, series_ms(way, SERIES_BUILD));
+    result_add_number(table, (double)method->info.leaf_count);
+    result_add_number(table, (double)method->tree_bytes);
+    spread_add(table, series_ms(method, SERIES_BUILD));
     result_add_number(table, (double)runs->active_voxels);
     result_add_number(table, (double)runs->memory_bytes);
     add_runs(table, runs);
@@ -205,23 +210,23 @@ static void add_openvdb(bench_suite *all, const input *source, unsigned depth, c
 
 static int compare(bench_suite *all, const input *source, unsigned depth, bool with_embree)
 {
-    series_way way = {
+    series_method method = {
         .name = "svocl", .plan = {.need = with_embree ? SVO_NEED_RAYS : SVO_NEED_NONE}, .for_rays = with_embree};
     peer_runs runs = {0};
     peer_mesh made;
-    series_use_cl(all, &way);
+    series_use_cl(all, &method);
     int exit_code = make_peer_mesh(source->mesh, depth, &made)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
     if (exit_code == PROGRAM_DONE) {
-        exit_code = run_turns(all, &made, depth, &way, &runs, with_embree);
+        exit_code = run_turns(all, &made, depth, &method, &runs, with_embree);
     }
-    if (exit_code == PROGRAM_DONE && way.reason[0] == '\0') {
-        (with_embree ? add_embree : add_openvdb)(all, source, depth, &way, &runs);
+    if (exit_code == PROGRAM_DONE && method.reason[0] == '\0') {
+        (with_embree ? add_embree : add_openvdb)(all, source, depth, &method, &runs);
     }
     free(runs.times);
     free(runs.ratios);
-    series_release(&way, 1);
+    series_release(&method, 1);
     free(made.points);
     free(made.indices);
     return exit_code;

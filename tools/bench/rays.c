@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench rays: millions of rays per second against the triangles of a tree, beside Embree's rtcIntersect1 on as many
- * threads, in one run, in turns, over the same rays and the same snapped triangles.
+ * svocl bench rays: millions of rays per second against the triangles of a tree, beside Embree's rtcIntersect1 on as
+ * many threads, in one run, interleaved, over the same rays and the same snapped triangles.
  *
- * The mesh is snapped to integers first and built from those, so that grid units are world units, and both sides get the
- * same bits for every vertex and every ray.
+ * The mesh is snapped to integers first and built from those, so that grid units are world units, and both sides get
+ * the same bits for every vertex and every ray.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,12 +12,12 @@
 
 #include "bench/bench.h"
 #include "measure/embree.h"
-#include "support/job.h"
-#include "support/json.h"
 #include "measure/quantization.h"
 #include "measure/ray_judge.h"
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
+#include "support/job.h"
+#include "support/json.h"
 #include "support/table.h"
 
 #define DEFAULT_INPUT   "scene:statue:120000"
@@ -54,11 +54,11 @@ typedef struct ray_bench {
 static int snap_mesh(ray_bench *bench)
 {
     const svo_mesh *mesh = bench->work.source.mesh;
-    bench->positions = lattice_positions(mesh);
+    bench->positions = quantization_positions(mesh);
     if (bench->positions == NULL) {
         return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu vertices", mesh->vertex_count);
     }
-    bench->snapped = lattice_mesh(mesh, bench->positions);
+    bench->snapped = quantization_mesh(mesh, bench->positions);
     bench->work.source.mesh = &bench->snapped;
     return PROGRAM_DONE;
 }
@@ -141,7 +141,7 @@ static double trace_ours(ray_bench *bench)
     return error == CL_SUCCESS ? ms : -1.0;
 }
 
-/* Ours and theirs in turns; the first turn warms up and is not counted. */
+/* Ours and theirs interleaved; the first turn warms up and is not counted. */
 static int measure_set(ray_bench *bench, ray_set *set)
 {
     const size_t bytes = bench->ray_count * sizeof(svo_ray);
@@ -149,16 +149,16 @@ static int measure_set(ray_bench *bench, ray_set *set)
     double *times = calloc(3 * bench->repeats, sizeof *times);
     bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
                                                         NULL, NULL) == CL_SUCCESS;
-    for (size_t turn = 0; turn <= bench->repeats && worked; ++turn) {
+    for (size_t interleaved_method = 0; interleaved_method <= bench->repeats && worked; ++interleaved_method) {
         const double ours = trace_ours(bench);
         const double theirs = bench->rival != NULL ? embree_trace(bench->rival, set->rays, bench->theirs,
                                                                   bench->ray_count, bench->threads)
                                                    : 0.0;
         worked = ours >= 0 && theirs >= 0;
-        if (turn > 0) {
-            times[turn - 1] = ours;
-            times[bench->repeats + turn - 1] = theirs;
-            times[2 * bench->repeats + turn - 1] = theirs / ours;
+        if (interleaved_method > 0) {
+            times[interleaved_method - 1] = ours;
+            times[bench->repeats + interleaved_method - 1] = theirs;
+            times[2 * bench->repeats + interleaved_method - 1] = theirs / ours;
         }
     }
     worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
@@ -356,7 +356,7 @@ int bench_rays_alone(program *state)
 static const char table_id[] = "rays";
 
 static const char note[] =
-    "wall clock, on the snapped mesh; Embree: rtcIntersect1 in turns with ours, on as many threads; ratio: our rays "
+    "wall clock, on the snapped mesh; Embree: rtcIntersect1 interleaved with ours, on as many threads; ratio: our rays "
     "per second to Embree's, turn by turn; wrong: another triangle than the reference's, or none";
 
 static int begin(bench_suite *all)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds in turns, and the order statistics of their stages. */
+/* Builds interleaved, and the order statistics of their stages. */
 #include "bench/series.h"
 
 #include <inttypes.h>
@@ -10,34 +10,34 @@
 
 /* ---- ways ---- */
 
-static void explain(series_way *way, const char *reason)
+static void explain(series_method *method, const char *reason)
 {
-    snprintf(way->reason, sizeof way->reason, "%.250s", reason);
+    snprintf(method->reason, sizeof method->reason, "%.250s", reason);
 }
 
-void series_use_cl(bench_suite *all, series_way *way)
+void series_use_cl(bench_suite *all, series_method *method)
 {
-    way->frontend = all->opened.cl;
+    method->frontend = all->opened.cl;
 }
 
-void series_use_gl(bench_suite *all, int frontend, int share, series_way *way)
+void series_use_gl(bench_suite *all, int frontend, int share, series_method *method)
 {
     if (all->opened.gl == NULL) {
-        explain(way, all->opened.reason.text);
+        explain(method, all->opened.reason.text);
         return;
     }
     svo_message reason = {""};
-    way->frontend = opengl_further_frontend(all->opened.gl, frontend, share, &reason);
-    if (way->frontend == NULL) {
-        explain(way, reason.text);
+    method->frontend = opengl_further_frontend(all->opened.gl, frontend, share, &reason);
+    if (method->frontend == NULL) {
+        explain(method, reason.text);
     }
 }
 
-void series_use_gl_compute(bench_suite *all, series_way *way)
+void series_use_gl_compute(bench_suite *all, series_method *method)
 {
-    way->in_gl = true;
+    method->in_gl = true;
     if (all->opened.gl == NULL) {
-        explain(way, all->opened.reason.text);
+        explain(method, all->opened.reason.text);
     }
 }
 
@@ -56,17 +56,17 @@ static uint64_t bytes_of_tree(const svo_tree *tree)
     return sum;
 }
 
-static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_way *way)
+static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method *method)
 {
-    svo_tree_get_info(tree, &way->info);
-    way->peak_bytes = svo_plan_peak_bytes(plan);
-    way->tree_bytes = bytes_of_tree(tree);
-    way->list_bytes = 0;
+    svo_tree_get_info(tree, &method->info);
+    method->peak_bytes = svo_plan_peak_bytes(plan);
+    method->tree_bytes = bytes_of_tree(tree);
+    method->list_bytes = 0;
     const size_t count = svo_plan_get_buffer(plan, 0, NULL);
     for (size_t i = 0; i < count; ++i) {
         svo_buffer_info buffer;
         svo_plan_get_buffer(plan, i, &buffer);
-        way->list_bytes += strcmp(buffer.name, "fragments") == 0 ? buffer.bytes : 0;
+        method->list_bytes += strcmp(buffer.name, "fragments") == 0 ? buffer.bytes : 0;
     }
 }
 
@@ -78,27 +78,27 @@ static void keep_times(const svo_build_report *report, double wall_ms, double *t
     times[SERIES_WALL] = wall_ms;
 }
 
-static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *way, double *times)
+static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, double *times)
 {
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    way->plan.struct_size = sizeof way->plan;
-    way->report = (svo_build_report){.struct_size = sizeof way->report};
+    method->plan.struct_size = sizeof method->plan;
+    method->report = (svo_build_report){.struct_size = sizeof method->report};
     const double start_ms = input_now_ms();
-    svo_status status = svo_plan_create(all->opened.device, mesh, depth, &way->plan, &plan);
+    svo_status status = svo_plan_create(all->opened.device, mesh, depth, &method->plan, &plan);
     if (status == SVO_OK) {
-        status = way->in_gl ? opengl_build(all->opened.gl, plan, all->opened.queue, &tree, &way->report)
-                            : svo_build(plan, way->frontend, all->opened.queue, &tree, &way->report);
+        status = method->in_gl ? opengl_build(all->opened.gl, plan, all->opened.queue, &tree, &method->report)
+                               : svo_build(plan, method->frontend, all->opened.queue, &tree, &method->report);
     }
     if (status == SVO_OK) {
-        keep_times(&way->report, input_now_ms() - start_ms, times);
-        keep_facts(plan, tree, way);
+        keep_times(&method->report, input_now_ms() - start_ms, times);
+        keep_facts(plan, tree, method);
     }
-    if (status == SVO_OK && way->for_rays) {
+    if (status == SVO_OK && method->for_rays) {
         const double built_ms = input_now_ms();
         status = svo_tree_prepare_rays(tree, all->opened.queue);
         times[SERIES_RAYS] = input_now_ms() - built_ms;
-        way->ray_bytes = svo_tree_ray_bytes(tree);
+        method->ray_bytes = svo_tree_ray_bytes(tree);
     }
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
@@ -113,149 +113,152 @@ static bool is_limit(svo_status status)
     return status == SVO_UNSUPPORTED || status == SVO_NO_GL || status == SVO_OUT_OF_DEVICE_MEMORY;
 }
 
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *way, size_t turn)
+int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
+                size_t interleaved_method)
 {
-    if (way->reason[0] != '\0') {
+    if (method->reason[0] != '\0') {
         return PROGRAM_DONE;
     }
-    const svo_status status = build(all, mesh, depth, way, way->times + turn * SERIES_CLOCKS);
+    const svo_status status = build(all, mesh, depth, method, method->times + interleaved_method * SERIES_CLOCKS);
     if (is_limit(status)) {
-        explain(way, program_words(svo_device_message(all->opened.device)));
+        explain(method, program_words(svo_device_message(all->opened.device)));
         return PROGRAM_DONE;
     }
-    way->turns = turn;
+    method->turns = interleaved_method;
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(all->state, svo_device_message(all->opened.device));
 }
 
-bool series_begin(const bench_suite *all, series_way *ways, size_t way_count)
+bool series_begin(const bench_suite *all, series_method *methods, size_t method_count)
 {
     bool there = true;
-    for (size_t i = 0; i < way_count; ++i) {
-        ways[i].times = calloc((all->repeats + 1) * SERIES_CLOCKS, sizeof *ways[i].times);
-        there = there && ways[i].times != NULL;
+    for (size_t i = 0; i < method_count; ++i) {
+        methods[i].times = calloc((all->repeats + 1) * SERIES_CLOCKS, sizeof *methods[i].times);
+        there = there && methods[i].times != NULL;
     }
     return there;
 }
 
-void series_release(series_way *ways, size_t way_count)
+void series_release(series_method *methods, size_t method_count)
 {
-    for (size_t i = 0; i < way_count; ++i) {
-        free(ways[i].times);
-        ways[i].times = NULL;
+    for (size_t i = 0; i < method_count; ++i) {
+        free(methods[i].times);
+        methods[i].times = NULL;
     }
 }
 
 /* ---- figures ---- */
 
-double series_turn_ms(const series_way *way, size_t turn, unsigned clocks)
+double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks)
 {
     double sum = 0.0;
     for (unsigned clock = 0; clock < SERIES_CLOCKS; ++clock) {
-        sum += (clocks & SERIES_BIT(clock)) != 0 ? way->times[turn * SERIES_CLOCKS + clock] : 0.0;
+        sum += (clocks & SERIES_BIT(clock)) != 0 ? method->times[interleaved_method * SERIES_CLOCKS + clock] : 0.0;
     }
     return sum;
 }
 
 /* Over the turns of both: the sums of one, or their ratio to the other's. */
-static spread spread_over_turns(const series_way *way, const series_way *other, unsigned clocks)
+static spread spread_over_turns(const series_method *method, const series_method *other, unsigned clocks)
 {
-    if (way->reason[0] != '\0' || (other != NULL && other->reason[0] != '\0')) {
+    if (method->reason[0] != '\0' || (other != NULL && other->reason[0] != '\0')) {
         return spread_none();
     }
-    double *values = calloc(way->turns + 1, sizeof *values);
+    double *values = calloc(method->turns + 1, sizeof *values);
     if (values == NULL) {
         return spread_none();
     }
-    for (size_t turn = 1; turn <= way->turns; ++turn) {
-        values[turn - 1] =
-            series_turn_ms(way, turn, clocks) / (other != NULL ? series_turn_ms(other, turn, clocks) : 1.0);
+    for (size_t interleaved_method = 1; interleaved_method <= method->turns; ++interleaved_method) {
+        values[interleaved_method - 1] = series_turn_ms(method, interleaved_method, clocks) /
+                                         (other != NULL ? series_turn_ms(other, interleaved_method, clocks) : 1.0);
     }
-    const spread result = spread_of(values, way->turns);
+    const spread result = spread_of(values, method->turns);
     free(values);
     return result;
 }
 
-spread series_ms(const series_way *way, unsigned clocks)
+spread series_ms(const series_method *method, unsigned clocks)
 {
-    return spread_over_turns(way, NULL, clocks);
+    return spread_over_turns(method, NULL, clocks);
 }
 
-spread series_ratio(const series_way *way, const series_way *other, unsigned clocks)
+spread series_ratio(const series_method *method, const series_method *other, unsigned clocks)
 {
-    return spread_over_turns(way, other, clocks);
+    return spread_over_turns(method, other, clocks);
 }
 
-double series_first_ms(const series_way *way, unsigned clocks)
+double series_first_ms(const series_method *method, unsigned clocks)
 {
-    return way->reason[0] == '\0' ? series_turn_ms(way, 0, clocks) : (double)NAN;
+    return method->reason[0] == '\0' ? series_turn_ms(method, 0, clocks) : (double)NAN;
 }
 
-const char *series_clock(const series_way *way, svo_stage stage)
+const char *series_clock(const series_method *method, svo_stage stage)
 {
-    const char *clock = way->reason[0] == '\0' ? way->report.stages[stage].clock : NULL;
+    const char *clock = method->reason[0] == '\0' ? method->report.stages[stage].clock : NULL;
     return clock != NULL ? clock : "";
 }
 
 /* ---- the series ---- */
 
-static int check(bench_suite *all, const input *source, const series_way *ways, size_t way_count)
+static int check(bench_suite *all, const input *source, const series_method *methods, size_t method_count)
 {
-    const series_way *first = NULL;
-    for (size_t i = 0; i < way_count; ++i) {
-        if (ways[i].reason[0] != '\0') {
+    const series_method *first = NULL;
+    for (size_t i = 0; i < method_count; ++i) {
+        if (methods[i].reason[0] != '\0') {
             continue;
         }
-        first = first != NULL ? first : &ways[i];
-        if (ways[i].report.fragments != first->report.fragments || ways[i].info.node_count != first->info.node_count) {
+        first = first != NULL ? first : &methods[i];
+        if (methods[i].report.fragments != first->report.fragments ||
+            methods[i].info.node_count != first->info.node_count) {
             return program_fail(all->state, PROGRAM_FAILED,
                                 "%s: %s made %" PRIu64 " fragments and %" PRIu64 " nodes, %s %" PRIu64 " and %" PRIu64,
                                 source->name, first->name, first->report.fragments, first->info.node_count,
-                                ways[i].name, ways[i].report.fragments, ways[i].info.node_count);
+                                methods[i].name, methods[i].report.fragments, methods[i].info.node_count);
         }
     }
     return PROGRAM_DONE;
 }
 
 /* "; gl-hw: reason" to the end of the note, unless it is there already. */
-static void add_reasons(result_table *table, const series_way *ways, size_t way_count)
+static void add_reasons(result_table *table, const series_method *methods, size_t method_count)
 {
-    for (size_t i = 0; i < way_count && table != NULL; ++i) {
+    for (size_t i = 0; i < method_count && table != NULL; ++i) {
         char text[320];
-        snprintf(text, sizeof text, "%.40s: %.256s", ways[i].name, ways[i].reason);
-        if (ways[i].reason[0] != '\0' && strstr(table->note, text) == NULL) {
+        snprintf(text, sizeof text, "%.40s: %.256s", methods[i].name, methods[i].reason);
+        if (methods[i].reason[0] != '\0' && strstr(table->note, text) == NULL) {
             result_set_note(table, "%s; %s", table->note, text);
         }
     }
 }
 
-static int take_turns(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *ways, size_t way_count)
+static int take_turns(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods,
+                      size_t method_count)
 {
-    if (!series_begin(all, ways, way_count)) {
+    if (!series_begin(all, methods, method_count)) {
         return program_fail(all->state, PROGRAM_FAILED, "out of memory");
     }
     int exit_code = PROGRAM_DONE;
-    for (size_t turn = 0; turn <= all->repeats; ++turn) {
-        for (size_t i = 0; i < way_count && exit_code == PROGRAM_DONE; ++i) {
-            exit_code = series_turn(all, mesh, depth, &ways[i], turn);
+    for (size_t interleaved_method = 0; interleaved_method <= all->repeats; ++interleaved_method) {
+        for (size_t i = 0; i < method_count && exit_code == PROGRAM_DONE; ++i) {
+            exit_code = series_turn(all, mesh, depth, &methods[i], interleaved_method);
         }
     }
     return exit_code;
 }
 
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_way *ways,
-               size_t way_count, series_row add_row)
+int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+               size_t method_count, series_row add_row)
 {
     result_table *table = result_find(all->results, table_id);
-    int exit_code = take_turns(all, source->mesh, depth, ways, way_count);
+    int exit_code = take_turns(all, source->mesh, depth, methods, method_count);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = check(all, source, ways, way_count);
+        exit_code = check(all, source, methods, method_count);
     }
-    for (size_t i = 0; i < way_count && exit_code == PROGRAM_DONE; ++i) {
-        if (ways[i].reason[0] == '\0') {
-            add_row(table, source, depth, &ways[i], &ways[0]);
+    for (size_t i = 0; i < method_count && exit_code == PROGRAM_DONE; ++i) {
+        if (methods[i].reason[0] == '\0') {
+            add_row(table, source, depth, &methods[i], &methods[0]);
         }
     }
-    add_reasons(table, ways, way_count);
-    series_release(ways, way_count);
+    add_reasons(table, methods, method_count);
+    series_release(methods, method_count);
     return exit_code;
 }

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The same mesh built by several ways in turns: one build by each, then again, so that what disturbs the machine disturbs
- * all of them, and ratios are taken turn by turn.
+ * The same mesh built by several ways interleaved: one build by each, then again, so that what disturbs the machine
+ * disturbs all of them, and ratios are taken turn by turn.
  */
-#ifndef SVOCL_SERIES_H
-#define SVOCL_SERIES_H
+#ifndef SVOCL_TOOLS_BENCH_SERIES_H
+#define SVOCL_TOOLS_BENCH_SERIES_H
 
 #include "bench/bench.h"
 #include "measure/spread.h"
 
 /* One way from the mesh to the tree, and what came of it. */
-typedef struct series_way {
+typedef struct series_method {
     const char *name;
     svo_frontend *frontend; /* NULL: there is none, and the reason says why */
     bool in_gl; /* by OpenGL's compute shaders */
@@ -24,7 +24,7 @@ typedef struct series_way {
     svo_tree_info info;
     uint64_t peak_bytes, list_bytes, tree_bytes; /* of device memory: at most at one time; the list; what remains */
     uint64_t ray_bytes; /* of the boxes */
-} series_way;
+} series_method;
 
 /* Times of a build: the stages of the report, the wall clock around plan and build together, and the wall clock around
    svo_tree_prepare_rays. */
@@ -41,40 +41,41 @@ typedef struct series_way {
      SERIES_BIT(SVO_STAGE_FILTER))
 
 /* Adds a row for a way that works; first: the first way, which others are compared with. */
-typedef void (*series_row)(result_table *table, const input *source, unsigned depth, const series_way *way,
-                           const series_way *first);
+typedef void (*series_row)(result_table *table, const input *source, unsigned depth, const series_method *method,
+                           const series_method *first);
 
 /*
- * Builds the mesh by every way, the first turn and all->repeats more, and adds a row for each to the table of that id. Why
- * a way does not work goes into the table's note. Any other failure ends the bench, and so do ways that make different
- * numbers of fragments or nodes: one that makes something else is no faster way to the same tree.
+ * Builds the mesh by every way, the first turn and all->repeats more, and adds a row for each to the table of that id.
+ * Why a way does not work goes into the table's note. Any other failure ends the bench, and so do ways that make
+ * different numbers of fragments or nodes: one that makes something else is no faster way to the same tree.
  * Returns the exit code, its line printed. Nothing of the ways stays allocated.
  */
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_way *ways,
-               size_t way_count, series_row add_row);
+int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+               size_t method_count, series_row add_row);
 
-/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a way;
-   the end of it. */
-bool series_begin(const bench_suite *all, series_way *ways, size_t way_count);
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_way *way, size_t turn);
-void series_release(series_way *ways, size_t way_count);
+/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a
+   way; the end of it. */
+bool series_begin(const bench_suite *all, series_method *methods, size_t method_count);
+int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
+                size_t interleaved_method);
+void series_release(series_method *methods, size_t method_count);
 
 /* Milliseconds of the clocks in a set of SERIES_BITs, added up turn by turn. */
-spread series_ms(const series_way *way, unsigned clocks);
+spread series_ms(const series_method *method, unsigned clocks);
 /* In one turn of those that worked. */
-double series_turn_ms(const series_way *way, size_t turn, unsigned clocks);
+double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks);
 /* In the first turn. NAN where the way does not work. */
-double series_first_ms(const series_way *way, unsigned clocks);
+double series_first_ms(const series_method *method, unsigned clocks);
 /* How many times as long as another way, turn by turn. */
-spread series_ratio(const series_way *way, const series_way *other, unsigned clocks);
+spread series_ratio(const series_method *method, const series_method *other, unsigned clocks);
 /* "cl-event", "gl-timer" or "wall"; "" where the stage did not run. */
-const char *series_clock(const series_way *way, svo_stage stage);
+const char *series_clock(const series_method *method, svo_stage stage);
 
 /* The front ends of the session: NULL with the reason in the way. */
-void series_use_cl(bench_suite *all, series_way *way);
-void series_use_gl(bench_suite *all, int frontend, int share, series_way *way);
+void series_use_cl(bench_suite *all, series_method *method);
+void series_use_gl(bench_suite *all, int frontend, int share, series_method *method);
 /* The builder of OpenGL's compute shaders in place of OpenCL. */
-void series_use_gl_compute(bench_suite *all, series_way *way);
+void series_use_gl_compute(bench_suite *all, series_method *method);
 
 /* What 4 bytes for every node of a full octree are. */
 double bench_full_octree_bytes(unsigned depth);

@@ -9,33 +9,33 @@ static const char sizes_id[] = "scene-sizes";
 static const svo_mesh no_triangles = {.struct_size = sizeof(svo_mesh)};
 #define SIZES_DEPTH 8
 
-static void add_size(result_table *table, const input *source, unsigned depth, const series_way *way,
-                     const series_way *first)
+static void add_size(result_table *table, const input *source, unsigned depth, const series_method *method,
+                     const series_method *first)
 {
     (void)first;
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_text(table, "%s", way->name);
-    result_add_number(table, (double)way->report.fragments);
-    result_add_number(table, (double)way->info.leaf_count);
-    result_add_number(table, (double)way->peak_bytes);
-    result_add_number(table, (double)way->tree_bytes);
-    spread_add(table, series_ms(way, SERIES_BIT(SERIES_WALL)));
-    result_add_number(table, series_first_ms(way, SERIES_BIT(SERIES_WALL)));
+    result_add_text(table, "%s", method->name);
+    result_add_number(table, (double)method->report.fragments);
+    result_add_number(table, (double)method->info.leaf_count);
+    result_add_number(table, (double)method->peak_bytes);
+    result_add_number(table, (double)method->tree_bytes);
+    spread_add(table, series_ms(method, SERIES_BIT(SERIES_WALL)));
+    result_add_number(table, series_first_ms(method, SERIES_BIT(SERIES_WALL)));
 }
 
 static int run_sizes(bench_suite *all, const input *source, unsigned depth)
 {
-    enum { WAYS = 2 };
-    series_way ways[WAYS] = {{.name = "default"}, {.name = "none", .plan = {.need = SVO_NEED_NONE}}};
-    series_use_cl(all, &ways[0]);
-    series_use_cl(all, &ways[1]);
-    return series_run(all, sizes_id, source, depth, ways, WAYS, add_size);
+    enum { METHODS = 2 };
+    series_method methods[METHODS] = {{.name = "default"}, {.name = "none", .plan = {.need = SVO_NEED_NONE}}};
+    series_use_cl(all, &methods[0]);
+    series_use_cl(all, &methods[1]);
+    return series_run(all, sizes_id, source, depth, methods, METHODS, add_size);
 }
 
 static const char sizes_note[] =
-    "needs in turns, front end cl, a terrain of exactly so many triangles, to which the grid is fitted: one alone "
-    "fills it; default: the colours and normals of the mesh; peak: the largest sum of OpenCL buffers at one time; "
+    "needs interleaved, front end cl, a terrain of exactly so many triangles, to which the grid is fitted: one alone "
+    "fills it; default: the colors and normals of the mesh; peak: the largest sum of OpenCL buffers at one time; "
     "tree: what remains of them; build: wall clock from the call of the plan to the finished tree; first: the first "
     "run, with what was left to compile";
 
@@ -102,30 +102,30 @@ double bench_full_octree_bytes(unsigned depth)
     return nodes * 4.0;
 }
 
-static void add_memory(result_table *table, const input *source, unsigned depth, const series_way *way,
-                       const series_way *first)
+static void add_memory(result_table *table, const input *source, unsigned depth, const series_method *method,
+                       const series_method *first)
 {
     (void)first;
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
-    result_add_number(table, (double)way->report.fragments);
-    result_add_number(table, (double)way->info.node_count);
-    result_add_number(table, (double)way->info.leaf_count);
-    result_add_number(table, (double)way->tree_bytes);
-    result_add_number(table, (double)way->tree_bytes / (double)way->info.leaf_count);
-    result_add_number(table, (double)way->list_bytes);
-    result_add_number(table, (double)way->peak_bytes);
+    result_add_number(table, (double)method->report.fragments);
+    result_add_number(table, (double)method->info.node_count);
+    result_add_number(table, (double)method->info.leaf_count);
+    result_add_number(table, (double)method->tree_bytes);
+    result_add_number(table, (double)method->tree_bytes / (double)method->info.leaf_count);
+    result_add_number(table, (double)method->list_bytes);
+    result_add_number(table, (double)method->peak_bytes);
     result_add_number(table, bench_full_octree_bytes(depth));
-    result_add_number(table, (double)way->report.fragments * 36.0);
+    result_add_number(table, (double)method->report.fragments * 36.0);
 }
 
 static int run_memory(bench_suite *all, const input *source, unsigned depth)
 {
-    series_way way = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
+    series_method method = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
     const size_t repeats = all->repeats;
-    series_use_cl(all, &way);
+    series_use_cl(all, &method);
     all->repeats = 0; /* bytes are the same every time */
-    const int exit_code = series_run(all, memory_id, source, depth, &way, 1, add_memory);
+    const int exit_code = series_run(all, memory_id, source, depth, &method, 1, add_memory);
     all->repeats = repeats;
     return exit_code;
 }

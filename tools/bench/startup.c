@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From nothing to the first tree: this program started anew for each run, with the drivers' caches of compiled kernels and
- * shaders empty, then with what that run left in them.
+ * From nothing to the first tree: this program started anew for each run, with the drivers' caches of compiled kernels
+ * and shaders empty, then with what that run left in them.
  */
 #include <stdio.h>
 #include <string.h>
@@ -36,7 +36,7 @@ typedef struct start_times {
 } start_times;
 
 static const char note[] =
-    "wall clock of `svocl build --weights uniform`, medians and quartiles (q1, q3), ways in turns; cold: the "
+    "wall clock of `svocl build --weights uniform`, medians and quartiles (q1, q3), ways interleaved; cold: the "
     "drivers' caches of kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and"
     " shaders, as the build reports it";
 
@@ -46,7 +46,7 @@ static int begin(bench_suite *all)
         result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
-    result_add_column(table, "way", "");
+    result_add_column(table, "method", "");
     result_add_column(table, "cold runs", "");
     spread_add_columns(table, "cold", "ms");
     spread_add_columns(table, "cold compile", "ms");
@@ -121,11 +121,11 @@ static void take_turn(const bench_suite *all, const char *const arguments[], sta
     child_cache_remove(&cache);
 }
 
-static void add_row(result_table *table, const input *source, unsigned depth, const char *way, start_times *times)
+static void add_row(result_table *table, const input *source, unsigned depth, const char *method, start_times *times)
 {
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, depth);
-    result_add_text(table, "%s", way);
+    result_add_text(table, "%s", method);
     result_add_number(table, (double)times->cold_count);
     spread_add(table, spread_of(times->cold, times->cold_count));
     spread_add(table, spread_of(times->cold_compile, times->cold_count));
@@ -142,7 +142,7 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     const size_t turns = asked < COLD_TURNS_MAX ? asked : COLD_TURNS_MAX;
     char depth_text[16];
     snprintf(depth_text, sizeof depth_text, "%u", depth);
-    for (size_t turn = 0; turn < turns; ++turn) {
+    for (size_t interleaved_method = 0; interleaved_method < turns; ++interleaved_method) {
         for (size_t form = 0; form < FORM_COUNT; ++form) {
             const char *arguments[COMMAND_ARGUMENT_MAX];
             make_arguments(all, source, depth_text, form, arguments);

@@ -7,7 +7,7 @@
 static const char table_id[] = "voxelize";
 
 static const char note[] =
-    "front ends in turns; transfer: the mesh to the device, the list to OpenCL, counts back; first: voxelize in the "
+    "front ends interleaved; transfer: the mesh to the device, the list to OpenCL, counts back; first: voxelize in the "
     "first run, with what was left to compile; ratio: to cl, turn by turn";
 
 static int begin(bench_suite *all)
@@ -28,35 +28,35 @@ static int begin(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-static void add_row(result_table *table, const input *source, unsigned depth, const series_way *way,
-                    const series_way *first)
+static void add_row(result_table *table, const input *source, unsigned depth, const series_method *method,
+                    const series_method *first)
 {
     const unsigned clock = SERIES_BIT(SVO_STAGE_VOXELIZE);
-    const spread ms = series_ms(way, clock);
+    const spread ms = series_ms(method, clock);
     result_add_text(table, "%s", bench_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
-    result_add_number(table, (double)way->report.fragments);
-    result_add_text(table, "%s", way->report.frontend);
-    result_add_text(table, "%s", way->report.share);
-    result_add_text(table, "%s", series_clock(way, SVO_STAGE_VOXELIZE));
-    result_add_number(table, series_first_ms(way, clock | SERIES_BIT(SVO_STAGE_COMPILE)));
+    result_add_number(table, (double)method->report.fragments);
+    result_add_text(table, "%s", method->report.frontend);
+    result_add_text(table, "%s", method->report.share);
+    result_add_text(table, "%s", series_clock(method, SVO_STAGE_VOXELIZE));
+    result_add_number(table, series_first_ms(method, clock | SERIES_BIT(SVO_STAGE_COMPILE)));
     spread_add(table, ms);
-    spread_add(table, series_ms(way, SERIES_BIT(SVO_STAGE_TRANSFER)));
-    result_add_number(table, (double)way->report.fragments / ms.median * 1e-3);
-    spread_add(table, series_ratio(way, first, clock));
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_TRANSFER)));
+    result_add_number(table, (double)method->report.fragments / ms.median * 1e-3);
+    spread_add(table, series_ratio(method, first, clock));
 }
 
 static int run(bench_suite *all, const input *source, unsigned depth)
 {
-    enum { WAYS = 3 };
+    enum { METHODS = 3 };
     const svo_plan_options plan = {.need = SVO_NEED_NONE};
-    series_way ways[WAYS] = {
+    series_method methods[METHODS] = {
         {.name = "cl", .plan = plan}, {.name = "gl-expand", .plan = plan}, {.name = "gl-hw", .plan = plan}};
-    series_use_cl(all, &ways[0]);
-    series_use_gl(all, OPTION_FRONTEND_GL_EXPAND, SVO_GL_SHARE_AUTO, &ways[1]);
-    series_use_gl(all, OPTION_FRONTEND_GL_HW, SVO_GL_SHARE_AUTO, &ways[2]);
-    return series_run(all, table_id, source, depth, ways, WAYS, add_row);
+    series_use_cl(all, &methods[0]);
+    series_use_gl(all, OPTION_FRONTEND_GL_EXPAND, SVO_GL_SHARE_AUTO, &methods[1]);
+    series_use_gl(all, OPTION_FRONTEND_GL_HW, SVO_GL_SHARE_AUTO, &methods[2]);
+    return series_run(all, table_id, source, depth, methods, METHODS, add_row);
 }
 
 const bench_subject bench_voxelize = {

@@ -21,8 +21,8 @@ const char *aim_name(aim kind)
 
 static vector3 vertex_of(const svo_mesh *mesh, size_t index)
 {
-    return vector(lattice_position_of(mesh, 3 * index), lattice_position_of(mesh, 3 * index + 1),
-                  lattice_position_of(mesh, 3 * index + 2));
+    return vector(quantization_source(mesh, 3 * index), quantization_source(mesh, 3 * index + 1),
+                  quantization_source(mesh, 3 * index + 2));
 }
 
 static double share(random_stream *random)
@@ -73,7 +73,7 @@ static svo_ray ray_to(vector3 origin, vector3 target, double unit)
     return ray;
 }
 
-static svo_ray aimed_ray(const svo_mesh *mesh, const aimed_set *set, double extent, random_stream *random)
+static svo_ray adversarial_ray(const svo_mesh *mesh, const adversarial_set *set, double extent, random_stream *random)
 {
     vector3 corners[3];
     vector3 normal;
@@ -105,7 +105,7 @@ static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
     }
 }
 
-void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ray *rays)
+void adversarial_rays(const svo_mesh *mesh, const adversarial_set *set, size_t count, svo_ray *rays)
 {
     random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)set->kind};
     double low[3];
@@ -117,6 +117,6 @@ void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ra
         return;
     }
     for (size_t i = 0; i < count; ++i) {
-        rays[i] = aimed_ray(mesh, set, extent, &random);
+        rays[i] = adversarial_ray(mesh, set, extent, &random);
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays aimed at where ray-triangle tests go wrong. The same numbers for the same mesh everywhere. */
-#ifndef SVOCL_AIMED_RAYS_H
-#define SVOCL_AIMED_RAYS_H
+#ifndef SVOCL_TOOLS_ERRORS_ADVERSARIAL_RAYS_H
+#define SVOCL_TOOLS_ERRORS_ADVERSARIAL_RAYS_H
 
 #include <stddef.h>
 
@@ -17,15 +17,15 @@ typedef enum aim {
 } aim;
 const char *aim_name(aim kind); /* static string */
 
-typedef struct aimed_set {
+typedef struct adversarial_set {
     aim kind;
-    /* Not 0: the positions are multiples of it, origins are too, and rays that are aimed meet their targets exactly. 0: they
-       pass them within the rounding of a float. */
+    /* Not 0: the positions are multiples of it, origins are too, and rays that are aimed meet their targets exactly. 0:
+       they pass them within the rounding of a float. */
     double unit;
     double reach; /* how far away the origins are, in widths of the mesh; 0: close by */
-} aimed_set;
+} adversarial_set;
 
 /* mesh: with finite positions. */
-void aimed_rays(const svo_mesh *mesh, const aimed_set *set, size_t count, svo_ray *rays);
+void adversarial_rays(const svo_mesh *mesh, const adversarial_set *set, size_t count, svo_ray *rays);
 
 #endif

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the ways in turns, then runs each in several orders of the samples or, for svocl, of the triangles. */
+/* Times the ways interleaved, then runs each in several orders of the samples or, for svocl, of the triangles. */
 #include "errors/attribute_methods.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/spread.h"
 #include "errors/averages.h"
 #include "measure/interleave.h"
+#include "measure/spread.h"
 #include "scenes/maths.h"
 
 #define QUICK_ORDERS 3u
@@ -17,13 +17,13 @@
 
 typedef struct attribute_bench attribute_bench;
 
-typedef struct attribute_way {
+typedef struct attribute_method {
     attribute_bench *bench;
     const char *name;
     bool ours;
     svo_weights weights; /* of ours */
-    average_way average; /* of the others */
-} attribute_way;
+    average_method average; /* of the others */
+} attribute_method;
 
 struct attribute_bench {
     error_run *run;
@@ -35,22 +35,22 @@ struct attribute_bench {
     averages *kernels;
     double (*found)[3], (*first)[3]; /* means of a way: in this order, in the first one */
     double *errors, *differences; /* per leaf */
-    attribute_way ways[ATTRIBUTE_WAYS_MAX];
-    size_t way_count;
+    attribute_method methods[ATTRIBUTE_METHODS_MAX];
+    size_t method_count;
 };
 
-static void add_way(attribute_bench *bench, const char *name, bool ours, svo_weights weights, average_way average)
+static void add_method(attribute_bench *bench, const char *name, bool ours, svo_weights weights, average_method average)
 {
-    bench->ways[bench->way_count++] = (attribute_way){bench, name, ours, weights, average};
+    bench->methods[bench->method_count++] = (attribute_method){bench, name, ours, weights, average};
 }
 
-static void list_ways(attribute_bench *bench)
+static void list_methods(attribute_bench *bench)
 {
-    add_way(bench, "RGBA8 running average", false, SVO_WEIGHTS_AREA, AVERAGE_RGBA8);
-    add_way(bench, "float atomics", false, SVO_WEIGHTS_AREA, AVERAGE_FLOAT);
-    add_way(bench, "integers, uniform", true, SVO_WEIGHTS_UNIFORM, AVERAGE_WAY_COUNT);
-    add_way(bench, "integers, at the centre", true, SVO_WEIGHTS_CENTRE, AVERAGE_WAY_COUNT);
-    add_way(bench, "integers, by area", true, SVO_WEIGHTS_AREA, AVERAGE_WAY_COUNT);
+    add_method(bench, "RGBA8 running average", false, SVO_WEIGHTS_AREA, AVERAGE_RGBA8);
+    add_method(bench, "float atomics", false, SVO_WEIGHTS_AREA, AVERAGE_FLOAT);
+    add_method(bench, "integers, uniform", true, SVO_WEIGHTS_UNIFORM, AVERAGE_METHOD_COUNT);
+    add_method(bench, "integers, at the center", true, SVO_WEIGHTS_CENTER, AVERAGE_METHOD_COUNT);
+    add_method(bench, "integers, by area", true, SVO_WEIGHTS_AREA, AVERAGE_METHOD_COUNT);
 }
 
 /* ---- builds ---- */
@@ -77,9 +77,9 @@ static uint32_t need_of(attribute kind)
 
 static double run_ours(void *user)
 {
-    const attribute_way *way = user;
+    const attribute_method *method = user;
     svo_build_report report = {.struct_size = sizeof report};
-    svo_tree *tree = build(way->bench, way->weights, need_of(way->bench->kind), &report);
+    svo_tree *tree = build(method->bench, method->weights, need_of(method->bench->kind), &report);
     const bool worked = tree != NULL;
     svo_tree_destroy(&tree);
     return worked ? report.stages[SVO_STAGE_LINK].ms + report.stages[SVO_STAGE_FILTER].ms : -1.0;
@@ -87,16 +87,16 @@ static double run_ours(void *user)
 
 static double run_kernel(void *user)
 {
-    const attribute_way *way = user;
-    return averages_run(way->bench->kernels, way->average);
+    const attribute_method *method = user;
+    return averages_run(method->bench->kernels, method->average);
 }
 
 /* ---- what a way found, in the order of the moment ---- */
 
-static bool find_ours(const attribute_way *way, double (*means)[3])
+static bool find_ours(const attribute_method *method, double (*means)[3])
 {
-    const attribute_bench *bench = way->bench;
-    svo_tree *tree = build(bench, way->weights, need_of(bench->kind), NULL);
+    const attribute_bench *bench = method->bench;
+    svo_tree *tree = build(bench, method->weights, need_of(bench->kind), NULL);
     if (tree == NULL) {
         return false;
     }
@@ -116,13 +116,13 @@ static bool find_ours(const attribute_way *way, double (*means)[3])
     return same_leaves;
 }
 
-static bool find_average(const attribute_way *way, double (*means)[3])
+static bool find_average(const attribute_method *method, double (*means)[3])
 {
-    return averages_run(way->bench->kernels, way->average) >= 0.0 &&
-           averages_read(way->bench->kernels, way->average, means);
+    return averages_run(method->bench->kernels, method->average) >= 0.0 &&
+           averages_read(method->bench->kernels, method->average, means);
 }
 
-/* Colours: the worst channel. Normals: the angle between directions, in degrees. */
+/* Colors: the worst channel. Normals: the angle between directions, in degrees. */
 static double distance(attribute kind, const double a[3], const double b[3])
 {
     if (kind == ATTRIBUTE_COLOR) {
@@ -165,20 +165,20 @@ static void widen_differences(attribute_bench *bench)
     }
 }
 
-static bool run_orders(attribute_bench *bench, attribute_way *way)
+static bool run_orders(attribute_bench *bench, attribute_method *method)
 {
     const unsigned order_count = bench->run->quick ? QUICK_ORDERS : FULL_ORDERS;
     bool worked = true;
     memset(bench->differences, 0, bench->samples.leaf_count * sizeof *bench->differences);
     for (unsigned order = 0; order < order_count && worked; ++order) {
         double(*means)[3] = order == 0 ? bench->first : bench->found;
-        if (order > 0 && way->ours) {
+        if (order > 0 && method->ours) {
             shuffle_triangles(bench, order);
         } else if (order > 0) {
             attribute_samples_shuffle(&bench->samples, order);
             worked = upload(bench);
         }
-        worked = worked && (way->ours ? find_ours(way, means) : find_average(way, means));
+        worked = worked && (method->ours ? find_ours(method, means) : find_average(method, means));
         if (worked && order > 0) {
             widen_differences(bench);
         }
@@ -186,7 +186,7 @@ static bool run_orders(attribute_bench *bench, attribute_way *way)
     return worked;
 }
 
-static void summarise(attribute_bench *bench, attribute_way_result *result)
+static void summarize(attribute_bench *bench, attribute_method_result *result)
 {
     size_t count = 0;
     for (size_t leaf = 0; leaf < bench->samples.leaf_count; ++leaf) {
@@ -238,28 +238,29 @@ static bool prepare(attribute_bench *bench, const svo_mesh *mesh)
            bench->kernels != NULL && upload(bench);
 }
 
-static bool measure(attribute_bench *bench, attribute_way_result *results)
+static bool measure(attribute_bench *bench, attribute_method_result *results)
 {
-    turn turns[ATTRIBUTE_WAYS_MAX];
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        turns[i] = (turn){.work_ms = bench->ways[i].ours ? run_ours : run_kernel, .user = &bench->ways[i]};
+    interleaved_method turns[ATTRIBUTE_METHODS_MAX];
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        turns[i] =
+            (interleaved_method){.work_ms = bench->methods[i].ours ? run_ours : run_kernel, .user = &bench->methods[i]};
     }
-    bool worked = turns_measure(turns, bench->way_count, bench->run->rounds);
-    for (size_t i = 0; i < bench->way_count && worked; ++i) {
-        results[i] = (attribute_way_result){.way = bench->ways[i].name, .ms = turns[i].median_ms};
-        worked = run_orders(bench, &bench->ways[i]);
-        summarise(bench, &results[i]);
+    bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    for (size_t i = 0; i < bench->method_count && worked; ++i) {
+        results[i] = (attribute_method_result){.method = bench->methods[i].name, .ms = turns[i].median_ms};
+        worked = run_orders(bench, &bench->methods[i]);
+        summarize(bench, &results[i]);
     }
     return worked;
 }
 
-int attribute_ways_measure(error_run *run, const svo_mesh *mesh, attribute kind, unsigned depth,
-                           attribute_way_result *results, size_t *result_count, double *pairs_per_leaf)
+int attribute_methods_measure(error_run *run, const svo_mesh *mesh, attribute kind, unsigned depth,
+                              attribute_method_result *results, size_t *result_count, double *pairs_per_leaf)
 {
     attribute_bench bench = {.run = run, .kind = kind, .depth = depth};
-    list_ways(&bench);
+    list_methods(&bench);
     const bool worked = prepare(&bench, mesh) && measure(&bench, results);
-    *result_count = bench.way_count;
+    *result_count = bench.method_count;
     *pairs_per_leaf =
         bench.samples.leaf_count > 0 ? (double)bench.samples.count / (double)bench.samples.leaf_count : 0.0;
     averages_destroy(&bench.kernels);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The attributes of a tree's (voxel, triangle) pairs: what older systems average, and the mean in double to compare with. */
-#ifndef SVOCL_ATTRIBUTE_SAMPLES_H
-#define SVOCL_ATTRIBUTE_SAMPLES_H
+/* The attributes of a tree's (voxel, triangle) pairs: what older systems average, and the mean in double to compare
+   with. */
+#ifndef SVOCL_TOOLS_ERRORS_ATTRIBUTE_SAMPLES_H
+#define SVOCL_TOOLS_ERRORS_ATTRIBUTE_SAMPLES_H
 
 #include <stdbool.h>
 
@@ -13,13 +14,13 @@ typedef struct attribute_samples {
     size_t count; /* pairs */
     size_t leaf_count;
     uint32_t *leaves; /* per pair */
-    float (*values)[4]; /* per pair, at the point in front of the voxel's middle: colour 0 .. 255; normal -1 .. 1 */
+    float (*values)[4]; /* per pair, at the point in front of the voxel's middle: color 0 .. 255; normal -1 .. 1 */
     double (
-        *means)[3]; /* per leaf: weighed by area, at the centroids of the parts inside; colour or normal, any length */
+        *means)[3]; /* per leaf: weighed by area, at the centroids of the parts inside; color or normal, any length */
     bool *judged; /* per leaf: there is an area, and the mean of normals is not all but zero */
 } attribute_samples;
 
-/* mesh: with colours and normals per vertex, without materials. info, arrays: of its downloaded tree with lists. Returns
+/* mesh: with colors and normals per vertex, without materials. info, arrays: of its downloaded tree with lists. Returns
    false, with nothing to release, when memory runs out or the tree is malformed. */
 bool attribute_samples_create(const svo_mesh *mesh, attribute kind, const svo_tree_info *info,
                               const svo_tree_arrays *arrays, attribute_samples *out);

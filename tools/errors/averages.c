@@ -14,14 +14,14 @@ extern const char averages_source[];
 struct averages {
     const session *opened;
     cl_program program;
-    cl_kernel kernels[AVERAGE_WAY_COUNT];
+    cl_kernel kernels[AVERAGE_METHOD_COUNT];
     cl_mem cells, samples, results;
     size_t count, leaf_count;
     double scale, offset;
 };
 
-static const char *const kernel_names[AVERAGE_WAY_COUNT] = {"average_rgba8", "add_float"};
-static const size_t words_per_leaf[AVERAGE_WAY_COUNT] = {1, 4};
+static const char *const kernel_names[AVERAGE_METHOD_COUNT] = {"average_rgba8", "add_float"};
+static const size_t words_per_leaf[AVERAGE_METHOD_COUNT] = {1, 4};
 
 static bool compile(averages *made)
 {
@@ -29,9 +29,9 @@ static bool compile(averages *made)
     const cl_device_id device = svo_device_cl_device(made->opened->device);
     made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 1, &source, NULL, NULL);
     bool worked = made->program != NULL && clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) == CL_SUCCESS;
-    for (int way = 0; way < AVERAGE_WAY_COUNT && worked; ++way) {
-        made->kernels[way] = clCreateKernel(made->program, kernel_names[way], NULL);
-        worked = made->kernels[way] != NULL;
+    for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
+        made->kernels[method] = clCreateKernel(made->program, kernel_names[method], NULL);
+        worked = made->kernels[method] != NULL;
     }
     return worked;
 }
@@ -49,8 +49,8 @@ static bool set_arguments(averages *made)
 {
     const cl_uint count = (cl_uint)made->count;
     bool worked = true;
-    for (int way = 0; way < AVERAGE_WAY_COUNT && worked; ++way) {
-        cl_kernel kernel = made->kernels[way];
+    for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
+        cl_kernel kernel = made->kernels[method];
         worked = clSetKernelArg(kernel, 0, sizeof(cl_mem), (const void *)&made->cells) == CL_SUCCESS &&
                  clSetKernelArg(kernel, 1, sizeof(cl_mem), (const void *)&made->samples) == CL_SUCCESS &&
                  clSetKernelArg(kernel, 2, sizeof(cl_mem), (const void *)&made->results) == CL_SUCCESS &&
@@ -86,9 +86,9 @@ void averages_destroy(averages **made)
             clReleaseMemObject(buffers[i]);
         }
     }
-    for (int way = 0; way < AVERAGE_WAY_COUNT; ++way) {
-        if (old->kernels[way] != NULL) {
-            clReleaseKernel(old->kernels[way]);
+    for (int method = 0; method < AVERAGE_METHOD_COUNT; ++method) {
+        if (old->kernels[method] != NULL) {
+            clReleaseKernel(old->kernels[method]);
         }
     }
     if (old->program != NULL) {
@@ -118,7 +118,7 @@ bool averages_upload(averages *made, const attribute_samples *samples, double sc
     return worked;
 }
 
-double averages_run(averages *made, average_way way)
+double averages_run(averages *made, average_method method)
 {
     cl_command_queue queue = made->opened->queue;
     const cl_uint zero = 0;
@@ -131,35 +131,35 @@ double averages_run(averages *made, average_way way)
     }
     const double started_ms = input_now_ms();
     const bool worked =
-        clEnqueueNDRangeKernel(queue, made->kernels[way], 1, NULL, &size, &group, 0, NULL, NULL) == CL_SUCCESS &&
+        clEnqueueNDRangeKernel(queue, made->kernels[method], 1, NULL, &size, &group, 0, NULL, NULL) == CL_SUCCESS &&
         clFinish(queue) == CL_SUCCESS;
     return worked ? input_now_ms() - started_ms : -1.0;
 }
 
-static void unpack(const averages *made, average_way way, const cl_uint *words, double mean[3])
+static void unpack(const averages *made, average_method method, const cl_uint *words, double mean[3])
 {
     union {
         cl_uint bits;
         float number;
     } sums[4];
-    for (size_t i = 0; i < 4 && way == AVERAGE_FLOAT; ++i) {
+    for (size_t i = 0; i < 4 && method == AVERAGE_FLOAT; ++i) {
         sums[i].bits = words[i];
     }
     for (unsigned channel = 0; channel < 3; ++channel) {
-        const double octets = way == AVERAGE_FLOAT ? (double)sums[channel].number / fmax((double)sums[3].number, 1.0)
-                                                   : (double)(words[0] >> 8 * channel & 255u);
+        const double octets = method == AVERAGE_FLOAT ? (double)sums[channel].number / fmax((double)sums[3].number, 1.0)
+                                                      : (double)(words[0] >> 8 * channel & 255u);
         mean[channel] = (octets - made->offset) / made->scale;
     }
 }
 
-bool averages_read(averages *made, average_way way, double (*means)[3])
+bool averages_read(averages *made, average_method method, double (*means)[3])
 {
-    const size_t bytes = made->leaf_count * words_per_leaf[way] * sizeof(cl_uint);
+    const size_t bytes = made->leaf_count * words_per_leaf[method] * sizeof(cl_uint);
     cl_uint *words = malloc(bytes + 1);
     const bool worked = words != NULL && clEnqueueReadBuffer(made->opened->queue, made->results, CL_TRUE, 0, bytes,
                                                              words, 0, NULL, NULL) == CL_SUCCESS;
     for (size_t leaf = 0; leaf < made->leaf_count && worked; ++leaf) {
-        unpack(made, way, words + leaf * words_per_leaf[way], means[leaf]);
+        unpack(made, method, words + leaf * words_per_leaf[method], means[leaf]);
     }
     free(words);
     return worked;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The means of voxels as older systems take them, to measure beside svocl's: one work-item per sample, one cell per voxel.
- * The work-items' order is chance, and the result with it.
+ * The means of voxels as older systems take them, to measure beside svocl's: one work-item per sample, one cell per
+ * voxel. The work-items' order is chance, and the result with it.
  *
  * average_rgba8: the running mean of Crassin and Hennessy, "Octree-Based Sparse Voxelization Using the GPU Hardware
  * Rasterizer", OpenGL Insights, 2012: three octets and, in the fourth, how many samples they are the mean of, exchanged

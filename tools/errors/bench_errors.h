@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The experiments of `svocl bench errors` as the command sees them. */
-#ifndef SVOCL_BENCH_ERRORS_H
-#define SVOCL_BENCH_ERRORS_H
+#ifndef SVOCL_TOOLS_ERRORS_BENCH_ERRORS_H
+#define SVOCL_TOOLS_ERRORS_BENCH_ERRORS_H
 
 #include "bench/bench.h"
 

@@ -250,6 +250,6 @@ double bvh_trace(const bvh *tree, bvh_test *test, const void *triangles, const s
 {
     batch all = {tree, test, triangles, rays, hits};
     const double started_ms = input_now_ms();
-    crew_run(thread_count, ray_count, RAYS_AT_A_TIME, trace_portion, &all);
+    threads_run(thread_count, ray_count, RAYS_AT_A_TIME, trace_portion, &all);
     return input_now_ms() - started_ms;
 }

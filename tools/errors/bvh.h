@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A bounding volume hierarchy on the host, the same for every ray-triangle test that is compared, so that nothing but the
- * test decides what a ray meets: boxes are tested in double and widened, they never lose a triangle.
+ * A bounding volume hierarchy on the host, the same for every ray-triangle test that is compared, so that nothing but
+ * the test decides what a ray meets: boxes are tested in double and widened, they never lose a triangle.
  */
-#ifndef SVOCL_BVH_H
-#define SVOCL_BVH_H
+#ifndef SVOCL_TOOLS_ERRORS_BVH_H
+#define SVOCL_TOOLS_ERRORS_BVH_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,8 +21,8 @@ typedef bool bvh_test(const void *triangles, size_t triangle, const svo_ray *ray
 bvh *bvh_create(const double *vertices, const uint32_t *indices, size_t triangle_count, double slack);
 void bvh_destroy(bvh **tree);
 
-/* The first triangle along each ray, of equal ts the first by position, on that many threads. Returns the milliseconds it
-   took, below 0 on failure. */
+/* The first triangle along each ray, of equal ts the first by position, on that many threads. Returns the milliseconds
+   it took, below 0 on failure. */
 double bvh_trace(const bvh *tree, bvh_test *test, const void *triangles, const svo_ray *rays, svo_hit *hits,
                  size_t ray_count, unsigned thread_count);
 

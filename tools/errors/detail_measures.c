@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The grid is flooded from outside; half-open voxels are 6-separating, so that the flood stays outside a closed surface. */
+/* The grid is flooded from outside; half-open voxels are 6-separating, so that the flood stays outside a closed
+   surface. */
 #include "errors/detail_measures.h"
 
 #include <math.h>
@@ -150,7 +151,7 @@ static bool measure_cells(const svo_tree_info *info, const uint64_t *codes, deta
     return worked;
 }
 
-/* The nearest triangle to every voxel's centre. */
+/* The nearest triangle to every voxel's center. */
 static bool measure_distance(const detail_reference *reference, const svo_tree_info *info, const uint64_t *codes,
                              cl_command_queue queue, detail_measures *out)
 {
@@ -161,7 +162,7 @@ static bool measure_distance(const detail_reference *reference, const svo_tree_i
     for (size_t leaf = 0; leaf < count && worked; ++leaf) {
         oracle_box box;
         oracle_voxel_box(codes[leaf], info->depth, info->snap_bits, &box);
-        points[leaf].farthest = INFINITY;
+        points[leaf].max_distance = INFINITY;
         for (int k = 0; k < 3; ++k) {
             points[leaf].position[k] =
                 (float)(info->origin[k] + ((double)box.corner[k] + (double)box.width / 2.0) / info->scale);

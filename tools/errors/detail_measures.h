@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Distance, area and volume of a set of voxels, and of the closed mesh they stand for. */
-#ifndef SVOCL_DETAIL_MEASURES_H
-#define SVOCL_DETAIL_MEASURES_H
+#ifndef SVOCL_TOOLS_ERRORS_DETAIL_MEASURES_H
+#define SVOCL_TOOLS_ERRORS_DETAIL_MEASURES_H
 
 #include <stdbool.h>
 
@@ -17,7 +17,7 @@ bool detail_reference_create(const session *opened, const svo_mesh *mesh, detail
 void detail_reference_free(detail_reference *made);
 
 typedef struct detail_measures {
-    double distance; /* the largest from a voxel's centre to the surface: world units */
+    double distance; /* the largest from a voxel's center to the surface: world units */
     double area_by_fill, area_by_faces, volume; /* world units */
 } detail_measures;
 

@@ -15,11 +15,11 @@ static result_table *begin_table(error_run *run)
         "with the exact set of those it aims at, closed voxels for the two separating tests, half-open ones for the "
         "others. The float32 ways follow the rules of their kind, the two tests for every voxel of a triangle's "
         "bounds, on %u threads of the host, the exact ones run on the device or renderer named above (stage voxelize). "
-        "Medians of %zu rounds, in turns, after one that does not count.",
+        "Medians of %zu rounds, interleaved, after one that does not count.",
         run->threads, run->rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");
-    result_add_column(table, "way", "");
+    result_add_column(table, "method", "");
     result_add_column(table, "aims at", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "exact voxels", "");
@@ -31,12 +31,12 @@ static result_table *begin_table(error_run *run)
     return table;
 }
 
-static void add_row(result_table *table, const char *name, unsigned depth, const voxel_way_result *one)
+static void add_row(result_table *table, const char *name, unsigned depth, const voxel_method_result *one)
 {
     const double percent = one->voxels > 0 ? 100.0 / (double)one->voxels : 0.0;
     result_add_text(table, "%s", name);
     result_add_number(table, (double)(1u << depth));
-    result_add_text(table, "%s", one->way);
+    result_add_text(table, "%s", one->method);
     result_add_text(table, "%s", one->target);
     result_add_number(table, one->ms);
     result_add_number(table, (double)one->voxels);
@@ -44,7 +44,7 @@ static void add_row(result_table *table, const char *name, unsigned depth, const
     result_add_number(table, (double)one->surplus_voxels);
     result_add_number(table, (double)one->missed_voxels * percent);
     result_add_number(table, (double)one->surplus_voxels * percent);
-    result_add_number(table, 100.0 * voxel_way_error(one));
+    result_add_number(table, 100.0 * voxel_method_error(one));
 }
 
 static int measure_scene(error_run *run, result_table *table, const char *name, const char *spec, unsigned last_depth)
@@ -55,10 +55,10 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
     }
     int exit_code = PROGRAM_DONE;
     for (unsigned depth = DEPTH_FIRST; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-        voxel_way_result results[VOXEL_WAYS_MAX] = {0};
+        voxel_method_result results[VOXEL_METHODS_MAX] = {0};
         size_t result_count = 0;
         progress_step(run->state->progress, "E1: voxelization");
-        exit_code = voxel_ways_measure(run, scene_mesh(made), depth, 0.0, results, &result_count);
+        exit_code = voxel_methods_measure(run, scene_mesh(made), depth, 0.0, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
             add_row(table, name, depth, &results[i]);
         }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* E2: rays that miss, rays that name the wrong triangle, and how far t is off, on rays aimed at where tests go wrong. */
+/* E2: rays that miss, rays that name the wrong triangle, and how far t is off, on rays aimed at where tests go
+   wrong. */
 #include <math.h>
 #include <stdlib.h>
 
-#include "measure/quantization.h"
 #include "errors/adversarial_rays.h"
 #include "errors/ray_methods.h"
+#include "measure/quantization.h"
 
 #define UNIT       32.0 /* corners are multiples of it, 0 .. 2^20 - 32: 15 bits, so that long double decides exactly */
 #define GRID_EDGE  1048576.0
@@ -23,11 +24,11 @@ static result_table *begin_table(error_run *run, size_t ray_count)
         "none. Error of t: |t - exact| / exact over right hits. svocl and voxels alone run on the OpenCL device; the "
         "float32 tests on %u threads of the host in one hierarchy whose boxes lose nothing, so that only the test "
         "differs; Embree on as many threads. Voxels alone stop at the first leaf of depth 6, 8 or 10: they name no "
-        "triangle, and none is asked of them. Medians of %zu rounds, in turns, after one that does not count.",
+        "triangle, and none is asked of them. Medians of %zu rounds, interleaved, after one that does not count.",
         ray_count, run->threads, run->rounds);
     result_add_column(table, "triangles", "");
     result_add_column(table, "rays aimed", "");
-    result_add_column(table, "way", "");
+    result_add_column(table, "method", "");
     result_add_column(table, "time", "ns/ray");
     result_add_column(table, "missed", "");
     result_add_column(table, "wrong", "");
@@ -37,15 +38,15 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     return table;
 }
 
-static void add_row(result_table *table, size_t triangle_count, aim kind, const ray_way_result *one)
+static void add_row(result_table *table, size_t triangle_count, aim kind, const ray_method_result *one)
 {
     result_add_number(table, (double)triangle_count);
     result_add_text(table, "%s", aim_name(kind));
-    result_add_text(table, "%s", one->way);
+    result_add_text(table, "%s", one->method);
     result_add_number(table, one->ms * 1e6 / (double)one->rays);
     result_add_number(table, (double)one->missed);
     result_add_number(table, (double)one->wrong);
-    result_add_number(table, 100.0 * ray_way_error(one));
+    result_add_number(table, 100.0 * ray_method_error(one));
     result_add_number(table, one->t_error_mean);
     result_add_number(table, one->t_error_max);
 }
@@ -54,13 +55,13 @@ static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mes
 {
     int exit_code = PROGRAM_DONE;
     for (aim kind = AIM_ANYWHERE; kind < AIM_COUNT && exit_code == PROGRAM_DONE; ++kind) {
-        ray_way_result results[RAY_WAYS_MAX] = {0};
+        ray_method_result results[RAY_METHODS_MAX] = {0};
         size_t result_count = 0;
         const ray_case given = {
             .mesh = mesh, .edge = GRID_EDGE, .rays = rays, .ray_count = ray_count, .levels = {6, 8, 10}};
         progress_step(run->state->progress, "E2: rays");
-        aimed_rays(mesh, &(aimed_set){.kind = kind, .unit = UNIT}, ray_count, rays);
-        exit_code = ray_ways_measure(run, &given, results, &result_count);
+        adversarial_rays(mesh, &(adversarial_set){.kind = kind, .unit = UNIT}, ray_count, rays);
+        exit_code = ray_methods_measure(run, &given, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
             add_row(table, mesh->triangle_count, kind, &results[i]);
         }
@@ -74,13 +75,13 @@ static int measure_scene(error_run *run, result_table *table, const char *spec, 
     if (made == NULL) {
         return PROGRAM_FAILED;
     }
-    float *positions = lattice_positions(scene_mesh(made));
+    float *positions = quantization_positions(scene_mesh(made));
     int exit_code = PROGRAM_FAILED;
     for (size_t i = 0; positions != NULL && i < scene_mesh(made)->vertex_count * 3; ++i) {
         positions[i] = (float)(UNIT * floor((double)positions[i] / UNIT));
     }
     if (positions != NULL) {
-        const svo_mesh mesh = lattice_mesh(scene_mesh(made), positions);
+        const svo_mesh mesh = quantization_mesh(scene_mesh(made), positions);
         exit_code = measure_mesh(run, table, &mesh, rays, ray_count);
     } else {
         errors_fail(run);

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* E3: how far the colours and normals of voxels are from the means they stand for, and how much the order matters. */
+/* E3: how far the colors and normals of voxels are from the means they stand for, and how much the order matters. */
 #include "errors/attribute_methods.h"
 
 static result_table *begin_table(error_run *run)
 {
     result_table *table = result_add_table(run->results, "e3-attributes", "E3: attributes", "");
     result_set_note(table,
-                    "The mean colour and normal of every leaf against the mean in double over the parts of triangles "
-                    "inside it, weighed by area. Colours: the worst channel, in 1/255; normals: the angle to the "
+                    "The mean color and normal of every leaf against the mean in double over the parts of triangles "
+                    "inside it, weighed by area. Colors: the worst channel, in 1/255; normals: the angle to the "
                     "mean's direction, in degrees. The running average keeps three octets and a count of eight bits in "
                     "one word, exchanged by compare-and-swap; float atomics add in the same way. Both get their "
                     "samples ready made, one per (voxel, triangle) pair, and average leaves only; svocl's times "
                     "(stages link and filter) hold the sampling, the clipping and all levels above too. Order: how far "
                     "results differ between orders of the samples or triangles. All on the OpenCL device; medians of "
-                    "%zu rounds, in turns, after one that does not count.",
+                    "%zu rounds, interleaved, after one that does not count.",
                     run->rounds);
     result_add_column(table, "attribute", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "samples per voxel", "");
-    result_add_column(table, "way", "");
+    result_add_column(table, "method", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "error, mean", "");
     result_add_column(table, "error, 99 % below", "");
@@ -29,12 +29,12 @@ static result_table *begin_table(error_run *run)
 }
 
 static void add_row(result_table *table, attribute kind, unsigned depth, double pairs_per_leaf,
-                    const attribute_way_result *one)
+                    const attribute_method_result *one)
 {
-    result_add_text(table, "%s", kind == ATTRIBUTE_COLOR ? "colour, 1/255" : "normal, degrees");
+    result_add_text(table, "%s", kind == ATTRIBUTE_COLOR ? "color, 1/255" : "normal, degrees");
     result_add_number(table, depth);
     result_add_number(table, pairs_per_leaf);
-    result_add_text(table, "%s", one->way);
+    result_add_text(table, "%s", one->method);
     result_add_number(table, one->ms);
     result_add_number(table, one->mean);
     result_add_number(table, one->most);
@@ -52,11 +52,11 @@ int errors_attributes(error_run *run)
     for (attribute kind = ATTRIBUTE_COLOR; kind < ATTRIBUTE_COUNT && exit_code == PROGRAM_DONE; ++kind) {
         progress_step(run->state->progress, "E3: attributes");
         for (unsigned depth = 3; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-            attribute_way_result results[ATTRIBUTE_WAYS_MAX] = {0};
+            attribute_method_result results[ATTRIBUTE_METHODS_MAX] = {0};
             size_t result_count = 0;
             double pairs_per_leaf = 0.0;
             exit_code =
-                attribute_ways_measure(run, scene_mesh(made), kind, depth, results, &result_count, &pairs_per_leaf);
+                attribute_methods_measure(run, scene_mesh(made), kind, depth, results, &result_count, &pairs_per_leaf);
             for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
                 add_row(table, kind, depth, pairs_per_leaf, &results[i]);
             }

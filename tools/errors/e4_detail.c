@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * E4: what a level of detail loses: how far its voxels are from the surface, and what its area and its enclosed volume are
- * off, against the time and the bytes that it takes.
+ * E4: what a level of detail loses: how far its voxels are from the surface, and what its area and its enclosed volume
+ * are off, against the time and the bytes that it takes.
  */
 #include <math.h>
 
@@ -17,8 +17,8 @@ static result_table *begin_table(error_run *run)
     result_table *table = result_add_table(run->results, "e4-detail", "E4: level of detail", "");
     result_set_note(
         table,
-        "One closed scene at each depth. Distance: the largest from a voxel's centre to the surface (one-sided "
-        "Hausdorff distance of the centres; the surface itself is never outside its voxels), asked of the triangles by "
+        "One closed scene at each depth. Distance: the largest from a voxel's center to the surface (one-sided "
+        "Hausdorff distance of the centers; the surface itself is never outside its voxels), asked of the triangles by "
         "svo_tree_nearest. Area: the sum of the leaves' fill, and the count of outer faces of the voxels as the usual "
         "estimate, against the mesh's. Volume: what the voxels enclose, those of the surface counted half, against the "
         "mesh's. All relative to the scene: lengths to its edge. Time: plan and build of nodes and fill; bytes: of "
@@ -29,8 +29,8 @@ static result_table *begin_table(error_run *run)
     result_add_column(table, "voxels", "");
     result_add_column(table, "size", "B");
     result_add_column(table, "time", "ms");
-    result_add_column(table, "distance of centres, largest", "voxels");
-    result_add_column(table, "distance of centres", "%");
+    result_add_column(table, "distance of centers, largest", "voxels");
+    result_add_column(table, "distance of centers", "%");
     result_add_column(table, "area by fill, error", "%");
     result_add_column(table, "area by faces, error", "%");
     result_add_column(table, "volume, error", "%");
@@ -69,9 +69,9 @@ static int add_depth(error_run *run, result_table *table, const char *name, cons
                      const svo_mesh *mesh, unsigned depth)
 {
     detail_build work = {.run = run, .mesh = mesh, .depth = depth};
-    turn building = {.work_ms = build_once, .user = &work};
+    interleaved_method building = {.work_ms = build_once, .user = &work};
     detail_measures found;
-    bool worked = turns_measure(&building, 1, run->rounds) &&
+    bool worked = interleave_measure(&building, 1, run->rounds) &&
                   svo_tree_download(work.tree, run->opened.queue) == SVO_OK &&
                   detail_measure(reference, work.tree, run->opened.queue, &found);
     if (worked) {

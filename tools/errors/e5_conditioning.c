@@ -3,21 +3,21 @@
 #include <stdlib.h>
 
 #include "errors/adversarial_rays.h"
-#include "errors/ray_methods.h"
 #include "errors/ill_conditioned_meshes.h"
+#include "errors/ray_methods.h"
 #include "errors/voxel_methods.h"
 
 #define VALUES_MAX 8u
 
-static const double values[STIFFNESS_COUNT][VALUES_MAX] = {
-    [STIFF_ASPECT] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6},
-    [STIFF_OFFSET] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6},
-    [STIFF_SCALE] = {1.0, 1e1, 1e2, 1e3, 1e4},
+static const double values[CONDITIONING_COUNT][VALUES_MAX] = {
+    [CONDITIONING_ASPECT] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6},
+    [CONDITIONING_OFFSET] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6},
+    [CONDITIONING_SCALE] = {1.0, 1e1, 1e2, 1e3, 1e4},
 };
 
 static result_table *begin_table(error_run *run, size_t triangle_count, unsigned depth, size_t ray_count)
 {
-    result_table *table = result_add_table(run->results, "e5-stiffness", "E5: stiffness", "");
+    result_table *table = result_add_table(run->results, "e5-conditioning", "E5: stiffness", "");
     result_set_note(
         table,
         "Voxelization: %zu triangles of random direction in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
@@ -25,46 +25,47 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
         "the knot is flattened by so much. Offset: how many widths of the mesh it lies from the origin of coordinates, "
         "along all axes; float32 ways and Embree get coordinates rounded to float32. Scale ratio: the grid's width "
         "over three triangles' edges; for rays how many widths of the mesh they come from afar. Medians of %zu rounds, "
-        "in turns, after one that does not count.",
+        "interleaved, after one that does not count.",
         triangle_count, 1u << depth, ray_count, run->rounds);
     result_add_column(table, "of what", "");
-    result_add_column(table, "stiffness", "");
+    result_add_column(table, "conditioning", "");
     result_add_column(table, "value", "");
-    result_add_column(table, "way", "");
+    result_add_column(table, "method", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "error", "%");
     return table;
 }
 
-static void add_row(result_table *table, const char *what, stiffness family, double value, const char *way, double ms,
-                    double error)
+static void add_row(result_table *table, const char *what, conditioning family, double value, const char *method,
+                    double ms, double error)
 {
     result_add_text(table, "%s", what);
-    result_add_text(table, "%s", stiffness_name(family));
+    result_add_text(table, "%s", conditioning_name(family));
     result_add_number(table, value);
-    result_add_text(table, "%s", way);
+    result_add_text(table, "%s", method);
     result_add_number(table, ms);
     result_add_number(table, 100.0 * error);
 }
 
-static int measure_voxels(error_run *run, result_table *table, stiffness family, double value, size_t triangle_count,
+static int measure_voxels(error_run *run, result_table *table, conditioning family, double value, size_t triangle_count,
                           unsigned depth)
 {
     stress_mesh made;
-    if (!stiff_triangles(family, value, triangle_count, &made)) {
+    if (!ill_conditioned_triangles(family, value, triangle_count, &made)) {
         return errors_fail(run);
     }
-    voxel_way_result results[VOXEL_WAYS_MAX] = {0};
+    voxel_method_result results[VOXEL_METHODS_MAX] = {0};
     size_t result_count = 0;
-    const int exit_code = voxel_ways_measure(run, &made.mesh, depth, 0.0, results, &result_count);
+    const int exit_code = voxel_methods_measure(run, &made.mesh, depth, 0.0, results, &result_count);
     for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-        add_row(table, "voxelization", family, value, results[i].way, results[i].ms, voxel_way_error(&results[i]));
+        add_row(table, "voxelization", family, value, results[i].method, results[i].ms,
+                voxel_method_error(&results[i]));
     }
     stress_mesh_free(&made);
     return exit_code;
 }
 
-static int measure_rays(error_run *run, result_table *table, const svo_mesh *knot, stiffness family, double value,
+static int measure_rays(error_run *run, result_table *table, const svo_mesh *knot, conditioning family, double value,
                         size_t ray_count)
 {
     svo_ray *rays = calloc(ray_count, sizeof *rays);
@@ -76,15 +77,15 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
                                .vertex_count = knot->vertex_count,
                                .indices = knot->indices,
                                .triangle_count = knot->triangle_count};
-        const aimed_set set = {.kind = AIM_EDGES, .reach = family == STIFF_SCALE ? value : 0.0};
+        const adversarial_set set = {.kind = AIM_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
         const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
-        ray_way_result results[RAY_WAYS_MAX] = {0};
+        ray_method_result results[RAY_METHODS_MAX] = {0};
         size_t result_count = 0;
-        stiff_positions(knot, family, value, positions);
-        aimed_rays(&mesh, &set, ray_count, rays);
-        exit_code = ray_ways_measure(run, &given, results, &result_count);
+        ill_conditioned_positions(knot, family, value, positions);
+        adversarial_rays(&mesh, &set, ray_count, rays);
+        exit_code = ray_methods_measure(run, &given, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, "rays", family, value, results[i].way, results[i].ms, ray_way_error(&results[i]));
+            add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
         }
     }
     free(positions);
@@ -92,7 +93,7 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
     return exit_code;
 }
 
-int errors_stiffness(error_run *run)
+int errors_conditioning(error_run *run)
 {
     const size_t triangle_count = run->quick ? 200 : 400;
     const size_t ray_count = run->quick ? 5000 : 20000;
@@ -101,13 +102,13 @@ int errors_stiffness(error_run *run)
     scene *knot = errors_scene(run, "knot:4000");
     int exit_code = knot != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
     for (int rays = 0; rays < 2 && exit_code == PROGRAM_DONE; ++rays) {
-        for (int family = 0; family < STIFFNESS_COUNT && exit_code == PROGRAM_DONE; ++family) {
+        for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
             progress_step(run->state->progress, "E5: stiffness");
             for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
                 exit_code =
                     rays != 0
-                        ? measure_rays(run, table, scene_mesh(knot), (stiffness)family, values[family][i], ray_count)
-                        : measure_voxels(run, table, (stiffness)family, values[family][i], triangle_count, depth);
+                        ? measure_rays(run, table, scene_mesh(knot), (conditioning)family, values[family][i], ray_count)
+                        : measure_voxels(run, table, (conditioning)family, values[family][i], triangle_count, depth);
             }
         }
     }

@@ -17,9 +17,9 @@ static const struct {
 } experiments[] = {
     {"e1", "error beside time: voxels missed and too many, by every way to voxelize", errors_voxelization, 10},
     {"e2", "error beside time: rays missed and wrong, by every ray-triangle test", errors_rays, 12},
-    {"e3", "error beside time: colours and normals of voxels, and what the order does to them", errors_attributes, 2},
+    {"e3", "error beside time: colors and normals of voxels, and what the order does to them", errors_attributes, 2},
     {"e4", "error beside time: what a level of detail loses", errors_detail, 2},
-    {"e5", "error beside time: where each way breaks as meshes get stiffer", errors_stiffness, 6},
+    {"e5", "error beside time: where each way breaks as meshes get stiffer", errors_conditioning, 6},
 };
 
 #define EXPERIMENT_COUNT (sizeof experiments / sizeof experiments[0])
@@ -79,7 +79,7 @@ int bench_errors_fill(const bench_suite *all, const char *which)
     error_run run = {.state = all->state,
                      .opened = all->opened,
                      .quick = all->quick,
-                     .threads = threads < CREW_MAX ? threads : CREW_MAX,
+                     .threads = threads < THREADS_MAX ? threads : THREADS_MAX,
                      .rounds = asked        ? all->repeats
                                : all->quick ? QUICK_ROUNDS
                                             : FULL_ROUNDS,

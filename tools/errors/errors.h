@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench errors: error beside run time. Each experiment runs several ways to the same answer in turns, compares what
- * they found with an exact reference, and fills one table of the results.
+ * svocl bench errors: error beside run time. Each experiment runs several ways to the same answer interleaved, compares
+ * what they found with an exact reference, and fills one table of the results.
  */
-#ifndef SVOCL_ERRORS_H
-#define SVOCL_ERRORS_H
+#ifndef SVOCL_TOOLS_ERRORS_ERRORS_H
+#define SVOCL_TOOLS_ERRORS_ERRORS_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -28,7 +28,7 @@ int errors_voxelization(error_run *run); /* e1-voxelization */
 int errors_rays(error_run *run); /* e2-rays */
 int errors_attributes(error_run *run); /* e3-attributes */
 int errors_detail(error_run *run); /* e4-detail */
-int errors_stiffness(error_run *run); /* e5-stiffness */
+int errors_conditioning(error_run *run); /* e5-stiffness */
 
 /* What experiments fail with: the words of the device handle, or memory. */
 int errors_fail(error_run *run);

@@ -7,9 +7,9 @@
 #define SEED      UINT64_C(20260301)
 #define UNIT_EDGE 0.31 /* of a triangle that is not small */
 
-const char *stiffness_name(stiffness family)
+const char *conditioning_name(conditioning family)
 {
-    static const char *const names[STIFFNESS_COUNT] = {"aspect ratio", "offset from the origin", "scale ratio"};
+    static const char *const names[CONDITIONING_COUNT] = {"aspect ratio", "offset from the origin", "scale ratio"};
     return names[family];
 }
 
@@ -47,26 +47,26 @@ static void pin_grid(double corner, double corners[9])
     }
 }
 
-bool stiff_triangles(stiffness family, double value, size_t triangle_count, stress_mesh *out)
+bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, stress_mesh *out)
 {
     random_stream random = {SEED};
     if (!stress_mesh_empty(triangle_count, out)) {
         return false;
     }
-    const double length = family == STIFF_SCALE ? UNIT_EDGE / value : UNIT_EDGE;
-    const double height = family == STIFF_ASPECT ? length / value : 0.6 * length;
+    const double length = family == CONDITIONING_SCALE ? UNIT_EDGE / value : UNIT_EDGE;
+    const double height = family == CONDITIONING_ASPECT ? length / value : 0.6 * length;
     pin_grid(0.0, out->positions);
     pin_grid(1.0, out->positions + 9);
     for (size_t t = 2; t < triangle_count; ++t) {
         make_triangle(&random, length, height, out->positions + t * 9);
     }
-    if (family == STIFF_OFFSET) {
+    if (family == CONDITIONING_OFFSET) {
         stress_mesh_move(out, 1.0, value);
     }
     return true;
 }
 
-void stiff_positions(const svo_mesh *mesh, stiffness family, double value, double *out)
+void ill_conditioned_positions(const svo_mesh *mesh, conditioning family, double value, double *out)
 {
     double width = 0.0;
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
@@ -74,7 +74,7 @@ void stiff_positions(const svo_mesh *mesh, stiffness family, double value, doubl
         width = fmax(width, fabs(out[i]));
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        out[i] = out[i] / width / (family == STIFF_ASPECT && i % 3 == 1 ? value : 1.0) +
-                 (family == STIFF_OFFSET ? value : 0.0);
+        out[i] = out[i] / width / (family == CONDITIONING_ASPECT && i % 3 == 1 ? value : 1.0) +
+                 (family == CONDITIONING_OFFSET ? value : 0.0);
     }
 }

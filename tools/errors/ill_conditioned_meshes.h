@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes that get stiffer by one number: thinner triangles, farther from the origin, smaller in their grid. */
-#ifndef SVOCL_STIFF_MESHES_H
-#define SVOCL_STIFF_MESHES_H
+#ifndef SVOCL_TOOLS_ERRORS_ILL_CONDITIONED_MESHES_H
+#define SVOCL_TOOLS_ERRORS_ILL_CONDITIONED_MESHES_H
 
 #include <stdbool.h>
 
 #include "stress/stress_mesh.h"
 
-typedef enum stiffness {
-    STIFF_ASPECT = 0, /* longest edge over height */
-    STIFF_OFFSET, /* distance from the origin of coordinates over the mesh's width */
-    STIFF_SCALE, /* width of the grid over that of a triangle; for rays: distance of their origins over the mesh's width */
-    STIFFNESS_COUNT
-} stiffness;
-const char *stiffness_name(stiffness family); /* static string */
+typedef enum conditioning {
+    CONDITIONING_ASPECT = 0, /* longest edge over height */
+    CONDITIONING_OFFSET, /* distance from the origin of coordinates over the mesh's width */
+    CONDITIONING_SCALE, /* width of the grid over that of a triangle; for rays: distance of their origins over the mesh's width */
+    CONDITIONING_COUNT
+} conditioning;
+const char *conditioning_name(conditioning family); /* static string */
 
-/* At least two triangles inside the unit cube (offset: so far from it), for voxelization. false: out of memory. Released by
-   stress_mesh_free. */
-bool stiff_triangles(stiffness family, double value, size_t triangle_count, stress_mesh *out);
+/* At least two triangles inside the unit cube (offset: so far from it), for voxelization. false: out of memory.
+   Released by stress_mesh_free. */
+bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, stress_mesh *out);
 
 /* A closed mesh's positions as doubles, made so: flattened along y, or moved along all axes. out: vertex_count * 3. */
-void stiff_positions(const svo_mesh *mesh, stiffness family, double value, double *out);
+void ill_conditioned_positions(const svo_mesh *mesh, conditioning family, double value, double *out);
 
 #endif

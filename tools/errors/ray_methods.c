@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens every way, times them in turns, and judges what each of them found. */
+/* Opens every way, times them interleaved, and judges what each of them found. */
 #include "errors/ray_methods.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/embree.h"
-#include "measure/ray_judge.h"
 #include "errors/ray_tests.h"
-#include "measure/interleave.h"
 #include "errors/voxel_cast.h"
+#include "measure/embree.h"
+#include "measure/interleave.h"
+#include "measure/ray_judge.h"
 #include "support/input.h"
 
 #define SOME_VOXEL    (SVO_NO_TRIANGLE - 1) /* in the place of a triangle */
@@ -19,7 +19,7 @@
 
 typedef struct ray_bench ray_bench;
 
-typedef struct ray_way {
+typedef struct ray_method {
     ray_bench *bench;
     const char *name;
     double (*work_ms)(void *user);
@@ -27,7 +27,7 @@ typedef struct ray_way {
     embree *rival; /* of Embree's */
     voxel_cast *cast; /* of voxels alone */
     svo_hit *hits; /* of the last round */
-} ray_way;
+} ray_method;
 
 struct ray_bench {
     error_run *run;
@@ -43,16 +43,16 @@ struct ray_bench {
     svo_hit *found; /* of all ways, one after the other */
     svo_hit *exact;
     double *exact_ts; /* infinity: nothing is met */
-    ray_way ways[RAY_WAYS_MAX];
-    size_t way_count;
+    ray_method methods[RAY_METHODS_MAX];
+    size_t method_count;
 };
 
 /* ---- the ways ---- */
 
 static double run_ours(void *user)
 {
-    const ray_way *way = user;
-    const ray_bench *bench = way->bench;
+    const ray_method *method = user;
+    const ray_bench *bench = method->bench;
     cl_command_queue queue = bench->run->opened.queue;
     const double started_ms = input_now_ms();
     const bool worked = svo_tree_trace_enqueue(bench->tree, bench->rays, bench->hits, bench->given->ray_count,
@@ -63,34 +63,34 @@ static double run_ours(void *user)
 
 static double run_voxels(void *user)
 {
-    const ray_way *way = user;
-    return voxel_cast_run(way->cast);
+    const ray_method *method = user;
+    return voxel_cast_run(method->cast);
 }
 
 static double run_hierarchy(void *user)
 {
-    const ray_way *way = user;
-    const ray_bench *bench = way->bench;
+    const ray_method *method = user;
+    const ray_bench *bench = method->bench;
     const float_triangles triangles = {bench->vertices, bench->arrays.indices};
-    return bvh_trace(bench->hierarchy, way->test, &triangles, bench->given->rays, way->hits, bench->given->ray_count,
-                     bench->run->threads);
+    return bvh_trace(bench->hierarchy, method->test, &triangles, bench->given->rays, method->hits,
+                     bench->given->ray_count, bench->run->threads);
 }
 
 static double run_embree(void *user)
 {
-    const ray_way *way = user;
-    return embree_trace(way->rival, way->bench->given->rays, way->hits, way->bench->given->ray_count,
-                        way->bench->run->threads);
+    const ray_method *method = user;
+    return embree_trace(method->rival, method->bench->given->rays, method->hits, method->bench->given->ray_count,
+                        method->bench->run->threads);
 }
 
-static ray_way *add_way(ray_bench *bench, const char *name, double (*work_ms)(void *))
+static ray_method *add_method(ray_bench *bench, const char *name, double (*work_ms)(void *))
 {
-    ray_way *way = &bench->ways[bench->way_count++];
-    *way = (ray_way){.bench = bench,
-                     .name = name,
-                     .work_ms = work_ms,
-                     .hits = bench->found + (bench->way_count - 1) * bench->given->ray_count};
-    return way;
+    ray_method *method = &bench->methods[bench->method_count++];
+    *method = (ray_method){.bench = bench,
+                           .name = name,
+                           .work_ms = work_ms,
+                           .hits = bench->found + (bench->method_count - 1) * bench->given->ray_count};
+    return method;
 }
 
 static bool add_embree(ray_bench *bench, const char *name, bool robust)
@@ -98,10 +98,10 @@ static bool add_embree(ray_bench *bench, const char *name, bool robust)
     if (!embree_is_there()) {
         return true;
     }
-    ray_way *way = add_way(bench, name, run_embree);
-    way->rival = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
-                               (size_t)bench->info.list_triangle_count, robust);
-    return way->rival != NULL;
+    ray_method *method = add_method(bench, name, run_embree);
+    method->rival = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
+                                  (size_t)bench->info.list_triangle_count, robust);
+    return method->rival != NULL;
 }
 
 static bool add_voxels(ray_bench *bench)
@@ -110,27 +110,27 @@ static bool add_voxels(ray_bench *bench)
                                                       "voxels alone, fine"};
     bool worked = true;
     for (size_t i = 0; i < RAY_LEVELS_MAX && bench->given->levels[i] != 0 && worked; ++i) {
-        ray_way *way = add_way(bench, names[i], run_voxels);
-        way->cast = voxel_cast_create(&bench->run->opened, bench->given->mesh, bench->given->levels[i], &bench->grid,
-                                      bench->given->rays, bench->given->ray_count);
-        worked = way->cast != NULL;
+        ray_method *method = add_method(bench, names[i], run_voxels);
+        method->cast = voxel_cast_create(&bench->run->opened, bench->given->mesh, bench->given->levels[i], &bench->grid,
+                                         bench->given->rays, bench->given->ray_count);
+        worked = method->cast != NULL;
     }
     return worked;
 }
 
-static bool list_ways(ray_bench *bench)
+static bool list_methods(ray_bench *bench)
 {
-    bench->found = calloc(RAY_WAYS_MAX * bench->given->ray_count + 1, sizeof *bench->found);
+    bench->found = calloc(RAY_METHODS_MAX * bench->given->ray_count + 1, sizeof *bench->found);
     if (bench->found == NULL) {
         return false;
     }
-    add_way(bench, "svocl", run_ours);
-    add_way(bench, "Möller-Trumbore, float32", run_hierarchy)->test = ray_test_moller_trumbore;
-    add_way(bench, "watertight, float32", run_hierarchy)->test = ray_test_watertight;
+    add_method(bench, "svocl", run_ours);
+    add_method(bench, "Möller-Trumbore, float32", run_hierarchy)->test = ray_test_moller_trumbore;
+    add_method(bench, "watertight, float32", run_hierarchy)->test = ray_test_watertight;
     bool worked =
         add_embree(bench, "Embree, fast", false) && add_embree(bench, "Embree, robust", true) && add_voxels(bench);
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        worked = worked && bench->ways[i].hits != NULL;
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        worked = worked && bench->methods[i].hits != NULL;
     }
     return worked;
 }
@@ -221,28 +221,28 @@ static bool find_exact(ray_bench *bench)
 /* ---- the verdict ---- */
 
 /* ts, and triangles by their position in the tree. */
-static bool fetch(ray_bench *bench, ray_way *way)
+static bool fetch(ray_bench *bench, ray_method *method)
 {
     const size_t count = bench->given->ray_count;
-    if (way->cast != NULL) {
+    if (method->cast != NULL) {
         float *ts = calloc(count + 1, sizeof *ts);
-        const bool worked = ts != NULL && voxel_cast_read(way->cast, ts);
+        const bool worked = ts != NULL && voxel_cast_read(method->cast, ts);
         for (size_t i = 0; i < count && worked; ++i) {
-            way->hits[i] = (svo_hit){.t = ts[i], .triangle = isinf(ts[i]) ? SVO_NO_TRIANGLE : SOME_VOXEL};
+            method->hits[i] = (svo_hit){.t = ts[i], .triangle = isinf(ts[i]) ? SVO_NO_TRIANGLE : SOME_VOXEL};
         }
         free(ts);
         return worked;
     }
-    if (way->work_ms != run_ours) {
+    if (method->work_ms != run_ours) {
         return true;
     }
-    if (clEnqueueReadBuffer(bench->run->opened.queue, bench->hits, CL_TRUE, 0, count * sizeof(svo_hit), way->hits, 0,
+    if (clEnqueueReadBuffer(bench->run->opened.queue, bench->hits, CL_TRUE, 0, count * sizeof(svo_hit), method->hits, 0,
                             NULL, NULL) != CL_SUCCESS) {
         return false;
     }
     uint32_t last = 0; /* triangle_ids ascend: a hit's id is at or before its number */
     for (size_t i = 0; i < count; ++i) {
-        svo_hit *hit = &way->hits[i];
+        svo_hit *hit = &method->hits[i];
         last = hit->triangle < bench->info.list_triangle_count ? hit->triangle
                                                                : (uint32_t)bench->info.list_triangle_count - 1;
         while (hit->triangle != SVO_NO_TRIANGLE && bench->arrays.triangle_ids[last] > hit->triangle) {
@@ -273,7 +273,7 @@ static bool is_right_when_leaning(const ray_bench *bench, size_t index, const sv
     return false;
 }
 
-static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, ray_way_result *result)
+static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, ray_method_result *result)
 {
     const double exact = bench->exact_ts[index];
     const bool met = hit->triangle != SVO_NO_TRIANGLE;
@@ -289,27 +289,27 @@ static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, 
     }
 }
 
-static void judge(const ray_bench *bench, const ray_way *way, ray_way_result *result)
+static void judge(const ray_bench *bench, const ray_method *method, ray_method_result *result)
 {
     for (size_t i = 0; i < result->rays; ++i) {
-        judge_one(bench, i, &way->hits[i], result);
+        judge_one(bench, i, &method->hits[i], result);
     }
     result->t_error_mean /= result->compared > 0 ? (double)result->compared : 1.0;
 }
 
-static bool measure(ray_bench *bench, ray_way_result *results)
+static bool measure(ray_bench *bench, ray_method_result *results)
 {
-    turn turns[RAY_WAYS_MAX];
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        turns[i] = (turn){.work_ms = bench->ways[i].work_ms, .user = &bench->ways[i]};
+    interleaved_method turns[RAY_METHODS_MAX];
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        turns[i] = (interleaved_method){.work_ms = bench->methods[i].work_ms, .user = &bench->methods[i]};
     }
-    bool worked = turns_measure(turns, bench->way_count, bench->run->rounds);
-    for (size_t i = 0; i < bench->way_count && worked; ++i) {
-        results[i] =
-            (ray_way_result){.way = bench->ways[i].name, .ms = turns[i].median_ms, .rays = bench->given->ray_count};
-        worked = fetch(bench, &bench->ways[i]);
+    bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    for (size_t i = 0; i < bench->method_count && worked; ++i) {
+        results[i] = (ray_method_result){
+            .method = bench->methods[i].name, .ms = turns[i].median_ms, .rays = bench->given->ray_count};
+        worked = fetch(bench, &bench->methods[i]);
         if (worked) {
-            judge(bench, &bench->ways[i], &results[i]);
+            judge(bench, &bench->methods[i], &results[i]);
         }
     }
     return worked;
@@ -317,9 +317,9 @@ static bool measure(ray_bench *bench, ray_way_result *results)
 
 static void release(ray_bench *bench)
 {
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        embree_destroy(&bench->ways[i].rival);
-        voxel_cast_destroy(&bench->ways[i].cast);
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        embree_destroy(&bench->methods[i].rival);
+        voxel_cast_destroy(&bench->methods[i].cast);
     }
     if (bench->rays != NULL) {
         clReleaseMemObject(bench->rays);
@@ -335,19 +335,19 @@ static void release(ray_bench *bench)
     free(bench->exact_ts);
 }
 
-int ray_ways_measure(error_run *run, const ray_case *given, ray_way_result *results, size_t *result_count)
+int ray_methods_measure(error_run *run, const ray_case *given, ray_method_result *results, size_t *result_count)
 {
     ray_bench bench = {.run = run, .given = given};
     bench.grid = (svo_plan_options){.struct_size = sizeof bench.grid, .edge = given->edge};
     memcpy(bench.grid.origin, given->origin, sizeof bench.grid.origin);
     const bool worked = build_tree(&bench) && make_hierarchy(&bench) && upload_rays(&bench) && find_exact(&bench) &&
-                        list_ways(&bench) && measure(&bench, results);
-    *result_count = bench.way_count;
+                        list_methods(&bench) && measure(&bench, results);
+    *result_count = bench.method_count;
     release(&bench);
     return worked ? PROGRAM_DONE : errors_fail(run);
 }
 
-double ray_way_error(const ray_way_result *result)
+double ray_method_error(const ray_method_result *result)
 {
     return result->rays > 0 ? (double)(result->missed + result->wrong) / (double)result->rays : 0.0;
 }

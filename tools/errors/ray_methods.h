@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The same rays against the same triangles by every way there is: svocl's, its voxels alone, Embree's two modes where the
- * program has them, and float32 tests in a hierarchy on the host; each against the exact first hit.
+ * The same rays against the same triangles by every way there is: svocl's, its voxels alone, Embree's two modes where
+ * the program has them, and float32 tests in a hierarchy on the host; each against the exact first hit.
  */
-#ifndef SVOCL_RAY_WAYS_H
-#define SVOCL_RAY_WAYS_H
+#ifndef SVOCL_TOOLS_ERRORS_RAY_METHODS_H
+#define SVOCL_TOOLS_ERRORS_RAY_METHODS_H
 
 #include "errors/errors.h"
 
-#define RAY_WAYS_MAX   12u
-#define RAY_LEVELS_MAX 3u
+#define RAY_METHODS_MAX 12u
+#define RAY_LEVELS_MAX  3u
 
-typedef struct ray_way_result {
-    const char *way; /* static */
+typedef struct ray_method_result {
+    const char *method; /* static */
     double ms; /* median, of one batch */
     size_t rays;
     size_t missed; /* the exact answer is a hit, the way has none */
     size_t wrong; /* another triangle at another t, or a hit where there is none */
     size_t compared; /* rays with the right answer that hit */
     double t_error_mean, t_error_max; /* |t - exact| / exact, over those */
-} ray_way_result;
+} ray_method_result;
 
 typedef struct ray_case {
     const svo_mesh *mesh;
@@ -30,10 +30,10 @@ typedef struct ray_case {
     unsigned levels[RAY_LEVELS_MAX]; /* depths at which voxels alone are cast; 0: no more */
 } ray_case;
 
-/* results: RAY_WAYS_MAX of them. Returns the exit code. */
-int ray_ways_measure(error_run *run, const ray_case *given, ray_way_result *results, size_t *result_count);
+/* results: RAY_METHODS_MAX of them. Returns the exit code. */
+int ray_methods_measure(error_run *run, const ray_case *given, ray_method_result *results, size_t *result_count);
 
 /* Missed and wrong rays over all. */
-double ray_way_error(const ray_way_result *result);
+double ray_method_error(const ray_method_result *result);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The usual ray-triangle tests in float32, and the exact one, as tests of a hierarchy. */
-#ifndef SVOCL_RAY_TESTS_H
-#define SVOCL_RAY_TESTS_H
+#ifndef SVOCL_TOOLS_ERRORS_RAY_TESTS_H
+#define SVOCL_TOOLS_ERRORS_RAY_TESTS_H
 
 #include "errors/bvh.h"
 #include "reference/oracle_rays.h"
@@ -18,7 +18,8 @@ bvh_test ray_test_moller_trumbore;
 /* Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", 2013: sheared to the ray, edge functions once more in
    double where one of them is 0. triangles: a float_triangles. */
 bvh_test ray_test_watertight;
-/* The snapped triangles, and how far rays lean: what is added to their directions, in lengths of the longest component. */
+/* The snapped triangles, and how far rays lean: what is added to their directions, in lengths of the longest
+   component. */
 typedef struct exact_triangles {
     const oracle_ray_scene *snapped;
     double lean[3];

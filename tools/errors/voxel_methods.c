@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Times all ways in turns, then compares what each of them found. */
+/* Times all ways interleaved, then compares what each of them found. */
 #include "errors/voxel_methods.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/threads.h"
 #include "measure/interleave.h"
+#include "measure/threads.h"
 #include "support/input.h"
 #include "support/tree_check.h"
 
@@ -15,12 +15,12 @@
 typedef struct voxel_bench voxel_bench;
 
 /* One way to be timed. */
-typedef struct voxel_way {
+typedef struct voxel_method {
     voxel_bench *bench;
     svo_frontend *frontend; /* NULL: a float way */
-    float_way floats;
-    float_list lists[CREW_MAX]; /* of the last round, one per thread */
-} voxel_way;
+    float_method floats;
+    float_list lists[THREADS_MAX]; /* of the last round, one per thread */
+} voxel_method;
 
 struct voxel_bench {
     error_run *run;
@@ -32,18 +32,19 @@ struct voxel_bench {
     svo_tree_info info;
     svo_tree_arrays arrays;
     oracle_pairs expected[2]; /* by coverage */
-    voxel_way ways[VOXEL_WAYS_MAX];
-    size_t way_count;
+    voxel_method methods[VOXEL_METHODS_MAX];
+    size_t method_count;
 };
 
-const char *voxel_way_name(float_way way)
+const char *voxel_method_name(float_method method)
 {
-    static const char *const names[FLOAT_WAY_COUNT] = {"float32 test, world coordinates", "float32 test, box-centred",
-                                                       "plain rasterization", "4x multisampling", "expansion alone"};
-    return names[way];
+    static const char *const names[FLOAT_METHOD_COUNT] = {"float32 test, world coordinates",
+                                                          "float32 test, box-centered", "plain rasterization",
+                                                          "4x multisampling", "expansion alone"};
+    return names[method];
 }
 
-static const char *frontend_way_name(const svo_frontend *frontend)
+static const char *frontend_method_name(const svo_frontend *frontend)
 {
     static const char *const names[][2] = {
         {"cl", "exact integers, cl"}, {"gl-expand", "exact integers, gl-expand"}, {"gl-hw", "exact integers, gl-hw"}};
@@ -59,76 +60,77 @@ static const char *frontend_way_name(const svo_frontend *frontend)
 
 static void list_portion(void *user, unsigned member, size_t begin, size_t end)
 {
-    voxel_way *way = user;
-    float_way_list(way->floats, &way->bench->info, &way->bench->arrays, begin, end, &way->lists[member]);
+    voxel_method *method = user;
+    float_method_list(method->floats, &method->bench->info, &method->bench->arrays, begin, end, &method->lists[member]);
 }
 
-static void release_lists(voxel_way *way)
+static void release_lists(voxel_method *method)
 {
-    for (size_t i = 0; i < CREW_MAX; ++i) {
-        free(way->lists[i].pairs);
-        way->lists[i] = (float_list){0};
+    for (size_t i = 0; i < THREADS_MAX; ++i) {
+        free(method->lists[i].pairs);
+        method->lists[i] = (float_list){0};
     }
 }
 
 static double run_floats(void *user)
 {
-    voxel_way *way = user;
-    for (size_t i = 0; i < CREW_MAX; ++i) {
-        way->lists[i].count = 0; /* the room stays: growing it is not what is measured */
+    voxel_method *method = user;
+    for (size_t i = 0; i < THREADS_MAX; ++i) {
+        method->lists[i].count = 0; /* the room stays: growing it is not what is measured */
     }
     const double started_ms = input_now_ms();
-    crew_run(way->bench->run->threads, (size_t)way->bench->info.list_triangle_count, TRIANGLES_AT_A_TIME, list_portion,
-             way);
+    threads_run(method->bench->run->threads, (size_t)method->bench->info.list_triangle_count, TRIANGLES_AT_A_TIME,
+                list_portion, method);
     const double ms = input_now_ms() - started_ms;
     bool failed = false;
-    for (size_t i = 0; i < CREW_MAX; ++i) {
-        failed = failed || way->lists[i].failed;
+    for (size_t i = 0; i < THREADS_MAX; ++i) {
+        failed = failed || method->lists[i].failed;
     }
     return failed ? -1.0 : ms;
 }
 
 static double run_frontend(void *user)
 {
-    const voxel_way *way = user;
-    const voxel_bench *bench = way->bench;
+    const voxel_method *method = user;
+    const voxel_bench *bench = method->bench;
     svo_build_report report = {.struct_size = sizeof report};
     svo_tree *tree = NULL;
-    const svo_status status = svo_build(bench->plan, way->frontend, bench->run->opened.queue, &tree, &report);
+    const svo_status status = svo_build(bench->plan, method->frontend, bench->run->opened.queue, &tree, &report);
     svo_tree_destroy(&tree);
     return status == SVO_OK ? report.stages[SVO_STAGE_VOXELIZE].ms : -1.0;
 }
 
-static void add_way(voxel_bench *bench, svo_frontend *frontend, float_way floats)
+static void add_method(voxel_bench *bench, svo_frontend *frontend, float_method floats)
 {
-    bench->ways[bench->way_count++] = (voxel_way){.bench = bench, .frontend = frontend, .floats = floats};
+    bench->methods[bench->method_count++] = (voxel_method){.bench = bench, .frontend = frontend, .floats = floats};
 }
 
-static void list_ways(voxel_bench *bench)
+static void list_methods(voxel_bench *bench)
 {
     const session *opened = &bench->run->opened;
     if (opened->cl != NULL) {
-        add_way(bench, opened->cl, FLOAT_WAY_COUNT);
+        add_method(bench, opened->cl, FLOAT_METHOD_COUNT);
     }
     if (opened->frontend != opened->cl) {
-        add_way(bench, opened->frontend, FLOAT_WAY_COUNT);
+        add_method(bench, opened->frontend, FLOAT_METHOD_COUNT);
     }
-    static const float_way order[FLOAT_WAY_COUNT] = {FLOAT_CENTRED, FLOAT_PLANES, FLOAT_EXPANDED, FLOAT_SAMPLES,
-                                                     FLOAT_PIXELS};
-    for (size_t i = 0; i < FLOAT_WAY_COUNT; ++i) {
-        add_way(bench, NULL, order[i]);
+    static const float_method order[FLOAT_METHOD_COUNT] = {FLOAT_CENTERED, FLOAT_PLANES, FLOAT_EXPANDED, FLOAT_SAMPLES,
+                                                           FLOAT_PIXELS};
+    for (size_t i = 0; i < FLOAT_METHOD_COUNT; ++i) {
+        add_method(bench, NULL, order[i]);
     }
 }
 
-static bool measure(voxel_bench *bench, voxel_way_result *results)
+static bool measure(voxel_bench *bench, voxel_method_result *results)
 {
-    turn turns[VOXEL_WAYS_MAX];
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        voxel_way *way = &bench->ways[i];
-        turns[i] = (turn){.work_ms = way->frontend != NULL ? run_frontend : run_floats, .user = way};
+    interleaved_method turns[VOXEL_METHODS_MAX];
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        voxel_method *method = &bench->methods[i];
+        turns[i] =
+            (interleaved_method){.work_ms = method->frontend != NULL ? run_frontend : run_floats, .user = method};
     }
-    const bool worked = turns_measure(turns, bench->way_count, bench->run->rounds);
-    for (size_t i = 0; i < bench->way_count && worked; ++i) {
+    const bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    for (size_t i = 0; i < bench->method_count && worked; ++i) {
         results[i].ms = turns[i].median_ms;
     }
     return worked;
@@ -137,20 +139,20 @@ static bool measure(voxel_bench *bench, voxel_way_result *results)
 /* ---- errors ---- */
 
 /* What the way found, in order. */
-static bool float_pairs(voxel_way *way, oracle_pairs *out)
+static bool float_pairs(voxel_method *method, oracle_pairs *out)
 {
     float_list all = {0};
-    for (size_t i = 0; i < CREW_MAX; ++i) {
-        all.capacity += way->lists[i].count;
+    for (size_t i = 0; i < THREADS_MAX; ++i) {
+        all.capacity += method->lists[i].count;
     }
     all.pairs = malloc(all.capacity * sizeof *all.pairs + 1);
     all.failed = all.pairs == NULL;
-    for (size_t i = 0; i < CREW_MAX && !all.failed; ++i) {
-        memcpy(all.pairs + all.count, way->lists[i].pairs, way->lists[i].count * sizeof *all.pairs);
-        all.count += way->lists[i].count;
+    for (size_t i = 0; i < THREADS_MAX && !all.failed; ++i) {
+        memcpy(all.pairs + all.count, method->lists[i].pairs, method->lists[i].count * sizeof *all.pairs);
+        all.count += method->lists[i].count;
     }
-    release_lists(way);
-    return float_way_sort(&all, out);
+    release_lists(method);
+    return float_method_sort(&all, out);
 }
 
 static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, oracle_pairs *out)
@@ -175,19 +177,19 @@ static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, ora
     return worked;
 }
 
-static bool compare(voxel_bench *bench, voxel_way *way, voxel_way_result *result)
+static bool compare(voxel_bench *bench, voxel_method *method, voxel_method_result *result)
 {
-    const bool exact = way->frontend != NULL;
-    const oracle_coverage coverage = exact ? ORACLE_HALF_OPEN : float_way_coverage(way->floats);
+    const bool exact = method->frontend != NULL;
+    const oracle_coverage coverage = exact ? ORACLE_HALF_OPEN : float_method_coverage(method->floats);
     const oracle_pairs *expected = &bench->expected[coverage];
     oracle_pairs found = {0};
     oracle_difference difference;
-    if (!(exact ? frontend_pairs(bench, way->frontend, &found) : float_pairs(way, &found))) {
+    if (!(exact ? frontend_pairs(bench, method->frontend, &found) : float_pairs(method, &found))) {
         return false;
     }
     oracle_compare(expected, &found, &difference);
     oracle_pairs_free(&found);
-    result->way = exact ? frontend_way_name(way->frontend) : voxel_way_name(way->floats);
+    result->method = exact ? frontend_method_name(method->frontend) : voxel_method_name(method->floats);
     result->target = coverage == ORACLE_CLOSED ? "closed" : "half-open";
     result->voxels = oracle_pairs_voxel_count(expected);
     result->pairs = expected->count;
@@ -227,8 +229,8 @@ static bool prepare(voxel_bench *bench)
     return worked;
 }
 
-int voxel_ways_measure(error_run *run, const svo_mesh *mesh, unsigned depth, double edge, voxel_way_result *results,
-                       size_t *result_count)
+int voxel_methods_measure(error_run *run, const svo_mesh *mesh, unsigned depth, double edge,
+                          voxel_method_result *results, size_t *result_count)
 {
     voxel_bench *bench = calloc(1, sizeof *bench);
     if (bench == NULL) {
@@ -239,13 +241,13 @@ int voxel_ways_measure(error_run *run, const svo_mesh *mesh, unsigned depth, dou
     bench->depth = depth;
     bench->plan_options =
         (svo_plan_options){.struct_size = sizeof bench->plan_options, .need = (uint32_t)SVO_NEED_NONE, .edge = edge};
-    list_ways(bench);
+    list_methods(bench);
     bool worked = prepare(bench) && measure(bench, results);
-    for (size_t i = 0; i < bench->way_count; ++i) {
-        worked = worked && compare(bench, &bench->ways[i], &results[i]);
-        release_lists(&bench->ways[i]);
+    for (size_t i = 0; i < bench->method_count; ++i) {
+        worked = worked && compare(bench, &bench->methods[i], &results[i]);
+        release_lists(&bench->methods[i]);
     }
-    *result_count = bench->way_count;
+    *result_count = bench->method_count;
     oracle_pairs_free(&bench->expected[ORACLE_HALF_OPEN]);
     oracle_pairs_free(&bench->expected[ORACLE_CLOSED]);
     svo_tree_destroy(&bench->tree);
@@ -254,7 +256,7 @@ int voxel_ways_measure(error_run *run, const svo_mesh *mesh, unsigned depth, dou
     return worked ? PROGRAM_DONE : errors_fail(run);
 }
 
-double voxel_way_error(const voxel_way_result *result)
+double voxel_method_error(const voxel_method_result *result)
 {
     return result->voxels > 0 ? (double)(result->missed_voxels + result->surplus_voxels) / (double)result->voxels : 0.0;
 }

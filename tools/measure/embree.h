@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Embree (https://www.embree.org) beside svocl: the same triangles, rays and hits through rtcIntersect1. */
-#ifndef SVOCL_EMBREE_H
-#define SVOCL_EMBREE_H
+#ifndef SVOCL_TOOLS_MEASURE_EMBREE_H
+#define SVOCL_TOOLS_MEASURE_EMBREE_H
 
 #include <stdbool.h>
 
@@ -12,8 +12,8 @@ typedef struct embree embree;
 /* Whether this program was built with Embree. */
 bool embree_is_there(void);
 
-/* vertices: three floats each; indices: three per triangle. robust: its slower mode, which promises fewer gaps. NULL when
-   Embree cannot. */
+/* vertices: three floats each; indices: three per triangle. robust: its slower mode, which promises fewer gaps. NULL
+   when Embree cannot. */
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
                       bool robust);
 void embree_destroy(embree **rival);

@@ -6,21 +6,21 @@
 
 #include "measure/spread.h"
 
-bool turns_measure(turn *ways, size_t way_count, size_t round_count)
+bool interleave_measure(interleaved_method *methods, size_t method_count, size_t round_count)
 {
-    double *times = calloc(way_count * round_count + 1, sizeof *times);
+    double *times = calloc(method_count * round_count + 1, sizeof *times);
     bool worked = times != NULL;
     for (size_t round = 0; round <= round_count && worked; ++round) {
-        for (size_t i = 0; i < way_count && worked; ++i) {
-            const double ms = ways[i].work_ms(ways[i].user);
+        for (size_t i = 0; i < method_count && worked; ++i) {
+            const double ms = methods[i].work_ms(methods[i].user);
             worked = ms >= 0.0;
             if (round > 0) {
                 times[i * round_count + round - 1] = ms;
             }
         }
     }
-    for (size_t i = 0; i < way_count && worked; ++i) {
-        ways[i].median_ms = spread_of(times + i * round_count, round_count).median;
+    for (size_t i = 0; i < method_count && worked; ++i) {
+        methods[i].median_ms = spread_of(times + i * round_count, round_count).median;
     }
     free(times);
     return worked;

@@ -5,12 +5,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-double lattice_position_of(const svo_mesh *mesh, size_t index)
+double quantization_source(const svo_mesh *mesh, size_t index)
 {
     return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
 }
 
-float *lattice_positions(const svo_mesh *mesh)
+float *quantization_positions(const svo_mesh *mesh)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     double edge = 0;
@@ -20,7 +20,7 @@ float *lattice_positions(const svo_mesh *mesh)
     }
     for (int pass = 0; pass < 2; ++pass) {
         for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-            const double at = lattice_position_of(mesh, i);
+            const double at = quantization_source(mesh, i);
             if (isfinite(at) && pass == 0) {
                 low[i % 3] = fmin(low[i % 3], at);
             } else if (isfinite(at)) {
@@ -29,12 +29,13 @@ float *lattice_positions(const svo_mesh *mesh)
         }
     }
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        positions[i] = (float)rint((lattice_position_of(mesh, i) - low[i % 3]) * (LATTICE_MAX / (edge > 0 ? edge : 1)));
+        positions[i] =
+            (float)rint((quantization_source(mesh, i) - low[i % 3]) * (QUANTIZATION_MAX / (edge > 0 ? edge : 1)));
     }
     return positions;
 }
 
-svo_mesh lattice_mesh(const svo_mesh *mesh, const float *positions)
+svo_mesh quantization_mesh(const svo_mesh *mesh, const float *positions)
 {
     return (svo_mesh){.struct_size = sizeof(svo_mesh),
                       .positions = positions,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Two answers to the same rays: where they differ, and who is right by trying every triangle in long double. */
-#ifndef SVOCL_RAY_JUDGE_H
-#define SVOCL_RAY_JUDGE_H
+#ifndef SVOCL_TOOLS_MEASURE_RAY_JUDGE_H
+#define SVOCL_TOOLS_MEASURE_RAY_JUDGE_H
 
 #include "reference/oracle_rays.h"
 #include "svocl/svocl.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The rays that `svocl bench rays` traces. The same numbers everywhere. */
-#ifndef SVOCL_RAY_SETS_H
-#define SVOCL_RAY_SETS_H
+#ifndef SVOCL_TOOLS_MEASURE_RAY_SETS_H
+#define SVOCL_TOOLS_MEASURE_RAY_SETS_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measurements as tables: what `svocl bench` produces and what a report is made of. A set holds the facts of the machine
- * and tables; a table has columns with units and rows of cells, each a text, a number, or nothing. As JSON:
+ * Measurements as tables: what `svocl bench` produces and what a report is made of. A set holds the facts of the
+ * machine and tables; a table has columns with units and rows of cells, each a text, a number, or nothing. As JSON:
  *
  *   {"machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
  *                "svocl": "0.1.0"},
@@ -12,8 +12,8 @@
  * Running out of memory is kept in the set and shows once, in result_to_json and result_is_whole; functions that add
  * allow NULL and then do nothing, so that callers check in one place.
  */
-#ifndef SVOCL_RESULT_H
-#define SVOCL_RESULT_H
+#ifndef SVOCL_TOOLS_MEASURE_RESULT_H
+#define SVOCL_TOOLS_MEASURE_RESULT_H
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Median and quartiles of repeated measurements. */
-#ifndef SVOCL_SPREAD_H
-#define SVOCL_SPREAD_H
+#ifndef SVOCL_TOOLS_MEASURE_SPREAD_H
+#define SVOCL_TOOLS_MEASURE_SPREAD_H
 
 #include <stddef.h>
 
@@ -11,7 +11,7 @@ typedef struct spread {
     double median, low, high; /* low, high: the quartiles. All NAN: nothing was measured */
 } spread;
 
-/* Interpolates between neighbours (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996). Sorts
+/* Interpolates between neighbors (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996). Sorts
    the values. */
 spread spread_of(double *values, size_t count);
 /* The value below which that fraction, 0 .. 1, of sorted values lies; count: above 0. */

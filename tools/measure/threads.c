@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 typedef struct crew {
-    crew_work *work;
+    threads_work *work;
     void *user;
     size_t count, portion;
     atomic_size_t next;
@@ -32,13 +32,13 @@ static void *work_until_done(void *own)
     }
 }
 
-unsigned crew_run(unsigned thread_count, size_t count, size_t portion, crew_work *work, void *user)
+unsigned threads_run(unsigned thread_count, size_t count, size_t portion, threads_work *work, void *user)
 {
     crew all = {.work = work, .user = user, .count = count, .portion = portion > 0 ? portion : 1};
-    seat seats[CREW_MAX];
+    seat seats[THREADS_MAX];
     unsigned started = 0;
     atomic_init(&all.next, 0);
-    thread_count = thread_count < CREW_MAX ? thread_count : CREW_MAX;
+    thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
     while (started + 1 < thread_count) {
         seats[started] = (seat){.all = &all, .member = started + 1};
         if (pthread_create(&seats[started].thread, NULL, work_until_done, &seats[started]) != 0) {

@@ -9,8 +9,8 @@
  *
  * Thread-safety: no state; every function may run on several threads at once.
  */
-#ifndef SVOCL_ORACLE_H
-#define SVOCL_ORACLE_H
+#ifndef SVOCL_TOOLS_REFERENCE_ORACLE_H
+#define SVOCL_TOOLS_REFERENCE_ORACLE_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@ extern "C" {
 
 /* What a voxel owns of its faces. */
 typedef enum oracle_coverage {
-    ORACLE_HALF_OPEN = 0, /* [x, x+1)^3: the far faces belong to the neighbours */
+    ORACLE_HALF_OPEN = 0, /* [x, x+1)^3: the far faces belong to the neighbors */
     ORACLE_CLOSED = 1, /* [x, x+1]^3 */
     ORACLE_THIN = 2 /* 6-separating, a subset of half-open; upper levels are the ancestors of the voxels */
 } oracle_coverage;
@@ -42,11 +42,11 @@ typedef struct oracle_box {
 bool oracle_sat_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 bool oracle_clip_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 
-/* In double precision: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in grid
-   units from the box's corner; the box's middle where there is no area. */
+/* In double precision: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in
+   grid units from the box's corner; the box's middle where there is no area. */
 double oracle_part(const oracle_triangle *triangle, const oracle_box *box, double centroid[3]);
-/* What each corner weighs at a point of the triangle (in grid units from the box's corner) seen along the axis on which it
-   looks largest; at its rim where the point is beside it; thirds where there is no area. */
+/* What each corner weighs at a point of the triangle (in grid units from the box's corner) seen along the axis on which
+   it looks largest; at its rim where the point is beside it; thirds where there is no area. */
 void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *box, const double at[3],
                            double weights[3]);
 

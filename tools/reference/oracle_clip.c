@@ -51,7 +51,8 @@ void oracle_clip_prepare(const oracle_triangle *triangle, oracle_clip_triangle *
     }
 }
 
-/* The part of a + t (b - a), 0 <= t <= 1, inside the closed box: false, or the first and the last t (Liang and Barsky). */
+/* The part of a + t (b - a), 0 <= t <= 1, inside the closed box: false, or the first and the last t (Liang and
+   Barsky). */
 static bool clip_segment(const int64_t a[3], const int64_t b[3], const oracle_box *box, fraction *first, fraction *last)
 {
     *first = (fraction){0, 1};

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * First reference: the separating axis test over 13 axes (Akenine-Moller, "Fast 3D Triangle-Box Overlap Testing"), in
- * 128-bit integers. A triangle and a closed box are disjoint exactly when one of these axes separates them. The half-open
- * box is the union of the closed boxes of width w - e over all e > 0; letting e shrink turns "min > P (w - e)" into "min >= P w" where P > 0, and leaves it alone where P = 0.
+ * 128-bit integers. A triangle and a closed box are disjoint exactly when one of these axes separates them. The
+ * half-open box is the union of the closed boxes of width w - e over all e > 0; letting e shrink turns "min > P (w -
+ * e)" into "min >= P w" where P > 0, and leaves it alone where P = 0.
  *
  * Widths: |coordinate| < 2^30, so edges fit 31 bits and a sign, axis components 63 bits and a sign; sums of components
  * need 65 bits, projections and products with the width 97.

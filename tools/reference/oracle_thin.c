@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Thin coverage: the 13 axes of a triangle and a box, each with a reach of h = width / 2 * max |n_i| around the box's centre
- * (Laine, "A Topological Approach to Voxelization", 2013). n is turned so that its first component that is not 0 is
- * positive; the triangle is separated when min >= h or max < -h. Asked twice: by the extent of the projection, and vertex by
- * vertex. Everything is doubled, so that the centre is an integer.
+ * Thin coverage: the 13 axes of a triangle and a box, each with a reach of h = width / 2 * max |n_i| around the box's
+ * center (Laine, "A Topological Approach to Voxelization", 2013). n is turned so that its first component that is not 0
+ * is positive; the triangle is separated when min >= h or max < -h. Asked twice: by the extent of the projection, and
+ * vertex by vertex. Everything is doubled, so that the center is an integer.
  *
  * Widths: as in oracle_sat.c, and two bits more.
  */
@@ -41,7 +41,7 @@ static void thin_axis(const oracle_triangle *triangle, int index, int64_t n[3])
     }
 }
 
-/* Twice the vertex's offset from the box's centre along n. */
+/* Twice the vertex's offset from the box's center along n. */
 static oracle_wide doubled_offset(const oracle_triangle *triangle, int vertex, const oracle_box *box,
                                   const int64_t n[3])
 {

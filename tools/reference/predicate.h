@@ -3,8 +3,8 @@
  * The two predicates with their per-triangle work done once: for oracle_pairs.c, which asks about many boxes of one
  * triangle. oracle_sat.c and oracle_clip.c see only their own half.
  */
-#ifndef SVOCL_ORACLE_PREDICATE_H
-#define SVOCL_ORACLE_PREDICATE_H
+#ifndef SVOCL_TOOLS_REFERENCE_PREDICATE_H
+#define SVOCL_TOOLS_REFERENCE_PREDICATE_H
 
 #include "oracle.h"
 

@@ -116,8 +116,8 @@ static void write_tic_label(double at, int power, char label[64])
     }
 }
 
-/* Powers of ten; where there are few of them, twice and five times those too. Written by hand: gnuplot's own need a markup
-   that names must not fall under. */
+/* Powers of ten; where there are few of them, twice and five times those too. Written by hand: gnuplot's own need a
+   markup that names must not fall under. */
 static void write_log_tics(const axis *of, bool is_y, FILE *script)
 {
     static const double steps[] = {1.0, 2.0, 5.0};
@@ -233,7 +233,7 @@ static void write_curves(const chart_figure *figure, const chart_points *points,
     write_data(figure, points, &y, script);
     const char *separator = "plot ";
     for (size_t curve = 0; curve < points->curve_count; ++curve) {
-        const way_style style = palette_of(points->curves[curve], curve);
+        const method_style style = palette_of(points->curves[curve], curve);
         if (has_points(points, curve)) {
             fprintf(script, "%s$c%zu with linespoints lt 1 lw 1.5 lc rgb '#%06x' pt %d ps 0.62", separator, curve,
                     palette_rgb(style.color), style.marker);
@@ -250,10 +250,10 @@ void chart_points_legend(const chart_points *points, FILE *page)
 {
     fputs("<ul class=\"legend\">\n", page);
     for (size_t curve = 0; curve < points->curve_count; ++curve) {
-        const way_style style = palette_of(points->curves[curve], curve);
+        const method_style style = palette_of(points->curves[curve], curve);
         fprintf(page,
                 "<li><svg class=\"key\" viewBox=\"-4 -2 8 4\" aria-hidden=\"true\"><path d=\"M-4 0H4\" fill=\"none\" "
-                "stroke=\"var(--way-%d)\" stroke-width=\".5\"/><path d=\"%s\" fill=\"var(--way-%d)\"/></svg>",
+                "stroke=\"var(--method-%d)\" stroke-width=\".5\"/><path d=\"%s\" fill=\"var(--method-%d)\"/></svg>",
                 style.color, palette_marker_path(style.marker), style.color);
         text_escape(points->curves[curve], page);
         fputs("</li>\n", page);

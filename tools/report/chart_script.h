@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The points of one chart, and the gnuplot script that they become. */
-#ifndef SVOCL_CHART_SCRIPT_H
-#define SVOCL_CHART_SCRIPT_H
+#ifndef SVOCL_TOOLS_REPORT_CHART_SCRIPT_H
+#define SVOCL_TOOLS_REPORT_CHART_SCRIPT_H
 
 #include "report/charts.h"
 
@@ -27,8 +27,8 @@ void chart_points_free(chart_points *points);
 
 /* The names of the curves with their lines and markers. */
 void chart_points_legend(const chart_points *points, FILE *page);
-/* all: of the whole figure, for its axes. name: of the picture; what: its title for readers who do not see it. Returns the
-   exit code. */
+/* all: of the whole figure, for its axes. name: of the picture; what: its title for readers who do not see it. Returns
+   the exit code. */
 int chart_points_draw(program *state, const chart_figure *figure, const chart_points *points, const chart_points *all,
                       const char *name, const char *what, FILE *page);
 

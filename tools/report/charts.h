@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Which charts a report draws from which table, and the drawing. */
-#ifndef SVOCL_CHARTS_H
-#define SVOCL_CHARTS_H
+#ifndef SVOCL_TOOLS_REPORT_CHARTS_H
+#define SVOCL_TOOLS_REPORT_CHARTS_H
 
 #include <stdio.h>
 
@@ -36,7 +36,8 @@ typedef struct chart_figure {
 /* The figures of a table in their order; NULL past the last. */
 const chart_figure *charts_of(const char *table_id, size_t index);
 
-/* Writes the figure with its legend and caption; nothing where the table lacks a column of it. Returns the exit code. */
+/* Writes the figure with its legend and caption; nothing where the table lacks a column of it. Returns the exit
+   code. */
 int charts_draw(program *state, const chart_figure *figure, const result_table *table, FILE *page);
 
 #endif

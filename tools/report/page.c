@@ -27,13 +27,13 @@ static const section sections[] = {
      "Rays aimed at corners, at edges and along surfaces separate the tests that have gaps from those that have none. "
      "Random rays hardly do."},
     {NULL, "e3-attributes", "E3: attributes",
-     "A voxel's colour and normal stand for all surface inside it. Running averages in eight bits drift and depend on "
+     "A voxel's color and normal stand for all surface inside it. Running averages in eight bits drift and depend on "
      "the "
      "order in which samples come; integers do not."},
     {NULL, "e4-detail", "E4: level of detail",
      "What is lost by stopping at a depth: the distance of voxels from the surface, its area, and the volume it "
      "encloses."},
-    {NULL, "e5-stiffness", "E5: stiffness",
+    {NULL, "e5-conditioning", "E5: stiffness",
      "Thin triangles, coordinates far from the origin, and very different sizes are what float32 ways break on."},
     {"OpenCL and OpenGL side by side", "voxelize", "Front ends",
      "The same fragments by OpenCL alone and by OpenGL's rasterizer."},
@@ -42,7 +42,7 @@ static const section sections[] = {
      "shaders "
      "(gl-compute)."},
     {NULL, "share", "Sharing", "What it costs to bring OpenGL's list to OpenCL."},
-    {NULL, "filter", "Payload", "Colours, normals, materials and fill by the weights that were asked for."},
+    {NULL, "filter", "Payload", "Colors, normals, materials and fill by the weights that were asked for."},
     {NULL, "startup", "Start-up", "From the start of the process to its end, with the drivers' caches empty and full."},
     {"Only what the scene needs", "e6-leaving-out", "E6: leaving out",
      "Every buffer, pass and kernel that a request does not use is left out; this is what each costs."},
@@ -219,7 +219,7 @@ static void write_end(FILE *page)
 {
     fputs(
         "<section id=\"reading\">\n<h2>How to read this</h2>\n"
-        "<p>Every way has its colour and its mark, the same in all charts. Time runs to the right and error upwards, "
+        "<p>Every way has its color and its mark, the same in all charts. Time runs to the right and error upwards, "
         "both "
         "on logarithmic axes where they span decades; an error of nothing stands on the floor of its chart and is "
         "labelled 0. A ring marks a point of the Pareto front: no other point is both faster and better.</p>\n"

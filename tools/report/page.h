@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The page of a report: one HTML file that needs nothing else, and the short version in Markdown. */
-#ifndef SVOCL_PAGE_H
-#define SVOCL_PAGE_H
+#ifndef SVOCL_TOOLS_REPORT_PAGE_H
+#define SVOCL_TOOLS_REPORT_PAGE_H
 
 #include <stdio.h>
 

@@ -5,13 +5,13 @@
 #include <string.h>
 
 static const struct {
-    const char *way;
-    way_style style;
+    const char *method;
+    method_style style;
 } known[] = {
     {"exact integers, cl", {PALETTE_BLUE, MARKER_CIRCLE}},
     {"exact integers, gl-expand", {PALETTE_SKY, MARKER_CIRCLE}},
     {"exact integers, gl-hw", {PALETTE_SKY, MARKER_DIAMOND}},
-    {"float32 test, box-centred", {PALETTE_GREEN, MARKER_SQUARE}},
+    {"float32 test, box-centered", {PALETTE_GREEN, MARKER_SQUARE}},
     {"float32 test, world coordinates", {PALETTE_ORANGE, MARKER_DIAMOND}},
     {"expansion alone", {PALETTE_PURPLE, MARKER_UP}},
     {"4x multisampling", {PALETTE_VERMILLION, MARKER_DOWN}},
@@ -27,9 +27,9 @@ static const struct {
     {"RGBA8 running average", {PALETTE_VERMILLION, MARKER_DOWN}},
     {"float atomics", {PALETTE_ORANGE, MARKER_DIAMOND}},
     {"integers, uniform", {PALETTE_SKY, MARKER_SQUARE}},
-    {"integers, at the centre", {PALETTE_GREEN, MARKER_UP}},
+    {"integers, at the center", {PALETTE_GREEN, MARKER_UP}},
     {"integers, by area", {PALETTE_BLUE, MARKER_CIRCLE}},
-    {"distance of centres", {PALETTE_VERMILLION, MARKER_DOWN}},
+    {"distance of centers", {PALETTE_VERMILLION, MARKER_DOWN}},
     {"area by fill, error", {PALETTE_BLUE, MARKER_CIRCLE}},
     {"area by faces, error", {PALETTE_ORANGE, MARKER_DIAMOND}},
     {"volume, error", {PALETTE_GREEN, MARKER_SQUARE}},
@@ -38,16 +38,16 @@ static const struct {
     {"gl-compute", {PALETTE_ORANGE, MARKER_DIAMOND}},
 };
 
-way_style palette_of(const char *way, size_t position)
+method_style palette_of(const char *method, size_t position)
 {
     static const palette_marker markers[] = {MARKER_CIRCLE, MARKER_SQUARE, MARKER_UP, MARKER_DIAMOND, MARKER_DOWN};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
-        if (strcmp(known[i].way, way) == 0) {
+        if (strcmp(known[i].method, method) == 0) {
             return known[i].style;
         }
     }
-    return (way_style){(palette_color)(position % PALETTE_COLOR_COUNT),
-                       markers[position % (sizeof markers / sizeof markers[0])]};
+    return (method_style){(palette_color)(position % PALETTE_COLOR_COUNT),
+                          markers[position % (sizeof markers / sizeof markers[0])]};
 }
 
 uint32_t palette_rgb(palette_color color)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The colours and markers of ways: the same in every chart and legend. Okabe and Ito, "Color Universal Design", 2008. */
-#ifndef SVOCL_PALETTE_H
-#define SVOCL_PALETTE_H
+/* The colors and markers of ways: the same in every chart and legend. Okabe and Ito, "Color Universal Design", 2008. */
+#ifndef SVOCL_TOOLS_REPORT_PALETTE_H
+#define SVOCL_TOOLS_REPORT_PALETTE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* In the style sheet the colours are --way-0 to --way-7, in that order, once for light and once for dark. */
+/* In the style sheet the colors are --way-0 to --way-7, in that order, once for light and once for dark. */
 typedef enum palette_color {
     PALETTE_BLUE = 0,
     PALETTE_SKY,
@@ -28,13 +28,13 @@ typedef enum palette_marker {
     MARKER_DIAMOND = 13
 } palette_marker;
 
-typedef struct way_style {
+typedef struct method_style {
     palette_color color;
     palette_marker marker;
-} way_style;
+} method_style;
 
 /* Known names have their own; others one by their position among the curves. */
-way_style palette_of(const char *way, size_t position);
+method_style palette_of(const char *method, size_t position);
 
 uint32_t palette_rgb(palette_color color); /* 0xrrggbb, as gnuplot is told: the light one */
 const char *palette_marker_path(palette_marker marker); /* SVG path of about two units, its middle at 0,0 */

@@ -25,13 +25,13 @@ typedef struct view {
 
 static const view views[PICTURES_MAX] = {
     {"atrium", "atrium:17000", 10, 8, SVO_VIEW_SHADED, 1120, 700, 0.0f, "atrium",
-     "The atrium, shaded: colour and normal of each voxel, and one ray to the light."},
+     "The atrium, shaded: color and normal of each voxel, and one ray to the light."},
     {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_NORMAL, 520, 620, 0.0f, "normals",
      "The statue's filtered normals: x, y, z as red, green, blue."},
     {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_STEPS, 520, 620, 0.0f, "steps",
      "Cells that each ray looked into, from blue to red at 64."},
     {"statue:120000", "statue:40000", 11, 10, SVO_VIEW_LEVEL, 520, 620, 0.72f, "levels",
-     "The level at which each ray stopped, a colour each, from close by: where voxels are smaller than pixels, larger "
+     "The level at which each ray stopped, a color each, from close by: where voxels are smaller than pixels, larger "
      "nodes do."},
 };
 
@@ -85,7 +85,7 @@ static void approach(svo_camera *camera, float nearness)
     camera->vertical_fov = fminf(WIDEST_ANGLE, 2.0f * atanf(tanf(0.5f * camera->vertical_fov) / (1.0f - nearness)));
 }
 
-/* Lets the page's ground through where no ray met anything: the colour of the first pixel, but not of a sky. */
+/* Lets the page's ground through where no ray met anything: the color of the first pixel, but not of a sky. */
 static void cut_out(uint8_t *rgba, size_t pixel_count)
 {
     uint32_t ground = 0;

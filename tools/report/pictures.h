@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The pictures of a report: scenes built and drawn by the program, as PNG in memory. */
-#ifndef SVOCL_PICTURES_H
-#define SVOCL_PICTURES_H
+#ifndef SVOCL_TOOLS_REPORT_PICTURES_H
+#define SVOCL_TOOLS_REPORT_PICTURES_H
 
 #include "support/program.h"
 
@@ -19,7 +19,8 @@ typedef struct pictures {
     size_t count;
 } pictures;
 
-/* Opens a session of its own. A step of the progress bar per picture. Returns the exit code; on failure nothing is left. */
+/* Opens a session of its own. A step of the progress bar per picture. Returns the exit code; on failure nothing is
+   left. */
 int pictures_make(program *state, bool quick, pictures *out);
 void pictures_free(pictures *made);
 

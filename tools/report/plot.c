@@ -93,7 +93,7 @@ static const char *write_color(const char *text, FILE *page)
     const uint32_t color = red << 16 | green << 8 | blue;
     for (int i = 0; i < PALETTE_COLOR_COUNT; ++i) {
         if (palette_rgb((palette_color)i) == color) {
-            fprintf(page, "var(--way-%d)", i);
+            fprintf(page, "var(--method-%d)", i);
             return text + length;
         }
     }
@@ -106,7 +106,7 @@ static bool begins(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-/* One line of the picture with names and colours replaced. */
+/* One line of the picture with names and colors replaced. */
 static void write_line(const char *line, const char *name, FILE *page)
 {
     for (const char *text = line; *text != '\0';) {

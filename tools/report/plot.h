@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One chart: gnuplot in a child process draws it, and what it drew is made fit to stand in a page. */
-#ifndef SVOCL_PLOT_H
-#define SVOCL_PLOT_H
+#ifndef SVOCL_TOOLS_REPORT_PLOT_H
+#define SVOCL_TOOLS_REPORT_PLOT_H
 
 #include <stdio.h>
 
@@ -11,10 +11,11 @@
 int plot_check(program *state);
 
 /*
- * Writes the script's picture as an <svg class="chart"> to page: colours of the palette as variables of the style sheet,
- * black as the colour of the text around it, nothing that is looked for outside, and names that begin with name.
+ * Writes the script's picture as an <svg class="chart"> to page: colors of the palette as variables of the style sheet,
+ * black as the color of the text around it, nothing that is looked for outside, and names that begin with name.
  *
- * script: gnuplot commands behind "set terminal". label: what a reader is told who does not see it. Returns the exit code.
+ * script: gnuplot commands behind "set terminal". label: what a reader is told who does not see it. Returns the exit
+ * code.
  */
 int plot_draw(program *state, const char *script, const char *name, const char *label, unsigned width, unsigned height,
               FILE *page);

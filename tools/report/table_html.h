@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A table of results in a page: units in the head, figures aligned at their points, quartiles small beside medians. */
-#ifndef SVOCL_TABLE_HTML_H
-#define SVOCL_TABLE_HTML_H
+#ifndef SVOCL_TOOLS_REPORT_TABLE_HTML_H
+#define SVOCL_TOOLS_REPORT_TABLE_HTML_H
 
 #include <stdio.h>
 

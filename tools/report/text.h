@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Text of pages: characters that mean something there, bytes as letters, and figures as people read them. */
-#ifndef SVOCL_PAGE_TEXT_H
-#define SVOCL_PAGE_TEXT_H
+#ifndef SVOCL_TOOLS_REPORT_TEXT_H
+#define SVOCL_TOOLS_REPORT_TEXT_H
 
 #include <stddef.h>
 #include <stdio.h>
@@ -19,8 +19,8 @@ typedef struct text_name {
 } text_name;
 text_name text_make_name(const char *text);
 
-/* Three significant digits, more in front of the point; counts whole, with separators; powers of ten where the number is
-   very small or large. */
+/* Three significant digits, more in front of the point; counts whole, with separators; powers of ten where the number
+   is very small or large. */
 typedef struct text_number {
     char text[48];
 } text_number;

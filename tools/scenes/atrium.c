@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * atrium: an arcaded court of two storeys, cut open at the front and on the right like a doll's house. Metres; the court is
- * bounded by columns at x = -4.5 and 4.5 and z = -7.5, the walls stand at x = -8 and z = -11, and the roof leaves the court
- * open to the sky. The seed moves small things: tiles, cloths and leaves.
+ * atrium: an arcaded court of two storeys, cut open at the front and on the right like a doll's house. Metres; the
+ * court is bounded by columns at x = -4.5 and 4.5 and z = -7.5, the walls stand at x = -8 and z = -11, and the roof
+ * leaves the court open to the sky. The seed moves small things: tiles, cloths and leaves.
  */
 #include "furnishings.h"
 
@@ -24,7 +24,7 @@ static const vector3 marble_white = {0.97, 0.95, 0.91};
 
 /* ---- floors and walls ---- */
 
-/* A wheel of coloured stone around the fountain, a border, and a checkerboard elsewhere. Columns run along z. */
+/* A wheel of colored stone around the fountain, a border, and a checkerboard elsewhere. Columns run along z. */
 static vector3 floor_color(uint32_t seed, uint32_t column, uint32_t row)
 {
     const double x = row + 0.5 - 16;

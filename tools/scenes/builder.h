@@ -5,8 +5,8 @@
  * In counting mode nothing is stored and surface functions are not called: a scene is generated several times while its
  * detail is fitted to the asked count, and once for real.
  */
-#ifndef SCENES_BUILDER_H
-#define SCENES_BUILDER_H
+#ifndef SVOCL_TOOLS_SCENES_BUILDER_H
+#define SVOCL_TOOLS_SCENES_BUILDER_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -32,7 +32,7 @@ typedef struct scene_builder {
     bool out_of_memory; /* sticky: later calls do nothing */
 } scene_builder;
 
-/* One point of a surface: colour components are 0 .. 1 and stored as they are (sRGB). */
+/* One point of a surface: color components are 0 .. 1 and stored as they are (sRGB). */
 typedef struct surface_point {
     vector3 position;
     vector3 normal; /* unit length */
@@ -51,7 +51,7 @@ uint32_t builder_vertex(scene_builder *builder, const surface_point *point);
 void builder_triangle(scene_builder *builder, uint32_t a, uint32_t b, uint32_t c);
 /* Two triangles. */
 void builder_quad(scene_builder *builder, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
-/* Adds a material of a base colour, makes it current and returns its number. */
+/* Adds a material of a base color, makes it current and returns its number. */
 uint16_t builder_add_material(scene_builder *builder, vector3 base_color);
 /* Whether vertices should not be computed: counting, or out of memory. */
 bool builder_is_idle(const scene_builder *builder);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cornell: the box of Goral, Torrance, Greenberg, Battaile (SIGGRAPH 1984) as it is drawn since: red and green walls, two
- * boxes and, here, a sphere. The front is open. Its colours come from materials; the seed turns the boxes.
+ * cornell: the box of Goral, Torrance, Greenberg, Battaile (SIGGRAPH 1984) as it is drawn since: red and green walls,
+ * two boxes and, here, a sphere. The front is open. Its colors come from materials; the seed turns the boxes.
  */
 #include "parts.h"
 

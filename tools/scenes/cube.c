@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cube: the unit cube, every face n * n squares and a colour of its own; the seed turns the colours. */
+/* cube: the unit cube, every face n * n squares and a color of its own; the seed turns the colors. */
 #include "parts.h"
 
 void scene_cube(scene_builder *builder, const scene_request *request)

@@ -24,7 +24,7 @@ static double bell(random_stream *stream)
     return sum;
 }
 
-/* Two arms that wind once around the centre, denser and thicker inside. */
+/* Two arms that wind once around the center, denser and thicker inside. */
 static dust_grain arm_grain(random_stream *stream)
 {
     const double along = random_between(stream, 0, 1);
@@ -54,7 +54,7 @@ static dust_grain bulge_grain(random_stream *stream)
     return grain;
 }
 
-/* The middles of the dense cells lie half a cell off every coarser grid line around the centre. */
+/* The middles of the dense cells lie half a cell off every coarser grid line around the center. */
 static dust_grain dense_grain(random_stream *stream)
 {
     const double cell = 0x1p-13;

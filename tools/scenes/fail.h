@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One-line error messages of the scenes and their writers. */
-#ifndef SCENES_FAIL_H
-#define SCENES_FAIL_H
+#ifndef SVOCL_TOOLS_SCENES_FAIL_H
+#define SVOCL_TOOLS_SCENES_FAIL_H
 
 #include <stdarg.h>
 #include <stdio.h>

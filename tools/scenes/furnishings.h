@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What stands and hangs in the atrium; the building itself is in atrium.c. */
-#ifndef SCENES_FURNISHINGS_H
-#define SCENES_FURNISHINGS_H
+#ifndef SVOCL_TOOLS_SCENES_FURNISHINGS_H
+#define SVOCL_TOOLS_SCENES_FURNISHINGS_H
 
 #include "parts.h"
 
@@ -28,7 +28,7 @@ static inline uint32_t atrium_segments(const atrium *scene, double base, uint32_
     return detail_segments(base, scene->detail, least);
 }
 
-/* A cloth hanging from the middle of its upper edge, facing outwards; kind picks its colours. */
+/* A cloth hanging from the middle of its upper edge, facing outwards; kind picks its colors. */
 void furnish_banner(atrium *scene, vector3 top, vector3 outwards, uint32_t kind);
 /* A clay pot with long curved leaves. */
 void furnish_plant(atrium *scene, vector3 base, double scale);

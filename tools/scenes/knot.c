@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * knot: a tube around the (p, q) torus knot, closed and without a seam; the seed picks the knot and the phase of the
- * colours. The tube's frame is the gradient of the torus, which is smooth and closes on itself.
+ * colors. The tube's frame is the gradient of the torus, which is smooth and closes on itself.
  */
 #include "parts.h"
 
 typedef struct knot_shape {
     double p, q; /* turns around the axis and through the hole */
     double radius; /* of the tube */
-    double phase; /* of the colours, in turns */
+    double phase; /* of the colors, interleaved */
 } knot_shape;
 
 static vector3 knot_center(const knot_shape *shape, double u)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * needles: slivers from a hundred to a million times longer than wide, in every direction, in a ball: the hard case for
- * rasterizers, whose projected triangles cover pixels without covering their centres. Exactly the asked count.
+ * rasterizers, whose projected triangles cover pixels without covering their centers. Exactly the asked count.
  */
 #include "parts.h"
 

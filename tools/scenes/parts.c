@@ -72,7 +72,7 @@ void part_tiles(scene_builder *builder, const panel *flat, const tiling *tiles)
     }
 }
 
-/* Six faces of a box given by its centre and three half axes that form a right-handed frame. */
+/* Six faces of a box given by its center and three half axes that form a right-handed frame. */
 static void box_faces(scene_builder *builder, vector3 center, const vector3 axes[3], uint32_t cells, vector3 color)
 {
     for (int face = 0; face < 6; ++face) {
@@ -108,7 +108,7 @@ static const profile_point *clamped_point(const turned_body *body, int64_t index
     return &body->profile[index < 0 ? 0 : index > last ? last : index];
 }
 
-/* Catmull-Rom value and derivative of four neighbouring values. */
+/* Catmull-Rom value and derivative of four neighboring values. */
 static double spline(const double p[4], double t, double *slope)
 {
     const double a = -p[0] + 3 * p[1] - 3 * p[2] + p[3];

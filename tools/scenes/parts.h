@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts that scenes are put together from: curved patches, flat panels, boxes, turned bodies and spheres. */
-#ifndef SCENES_PARTS_H
-#define SCENES_PARTS_H
+#ifndef SVOCL_TOOLS_SCENES_PARTS_H
+#define SVOCL_TOOLS_SCENES_PARTS_H
 
 #include "builder.h"
 
@@ -24,9 +24,9 @@ typedef struct panel {
 } panel;
 void part_panel(scene_builder *builder, const panel *flat, uint32_t columns, uint32_t rows);
 
-/* The colour of one tile of a tiled panel. */
+/* The color of one tile of a tiled panel. */
 typedef vector3 (*tile_color)(uint32_t seed, uint32_t column, uint32_t row);
-/* Tiles of one colour each, so that colours do not run into each other; columns and rows count tiles. A tile has
+/* Tiles of one color each, so that colors do not run into each other; columns and rows count tiles. A tile has
    n * n quads, where n is the mean number of cells rounded up for some tiles and down for the others: so the count of
    triangles grows smoothly with it. */
 typedef struct tiling {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Marching tetrahedra (Doi and Koide, 1991) on the body-centred cubic lattice.
+ * Marching tetrahedra (Doi and Koide, 1991) on the body-centered cubic lattice.
  *
- * Nodes are the corners and the centres of cubic cells. Around each face between two neighbouring cells lie four
- * tetrahedra, each made of the two centres and one edge of the face; they fill space, are all congruent, and meet face
- * to face, so the surface cut out of them is closed and edge-manifold whatever the field does between the nodes. Vertices
- * lie on lattice edges and are shared through a hash table keyed by the edge's middle.
+ * Nodes are the corners and the centers of cubic cells. Around each face between two neighboring cells lie four
+ * tetrahedra, each made of the two centers and one edge of the face; they fill space, are all congruent, and meet face
+ * to face, so the surface cut out of them is closed and edge-manifold whatever the field does between the nodes.
+ * Vertices lie on lattice edges and are shared through a hash table keyed by the edge's middle.
  *
  * The lattice is walked in blocks, and a block is left out when the field at its middle is too far from zero for the
  * surface to reach it: so the work grows with the surface, not with the volume.
@@ -19,7 +19,7 @@
 #define BLOCK_NODES    (BLOCK_CELLS + 1)
 #define CELL_WIDTH_MAX 0.3
 
-/* A node in units of half a cell: corners have even coordinates, centres odd ones. */
+/* A node in units of half a cell: corners have even coordinates, centers odd ones. */
 typedef struct lattice_node {
     int32_t at[3];
     double value;
@@ -33,13 +33,13 @@ typedef struct edge_table {
     size_t used_count;
 } edge_table;
 
-typedef struct polygoniser {
+typedef struct polygonizer {
     scene_builder *builder;
     const implicit_solid *solid;
     vector3 origin; /* of the lattice */
     double cell_width;
     edge_table edges;
-} polygoniser;
+} polygonizer;
 
 typedef struct lattice_block {
     int32_t first_cell[3];
@@ -80,18 +80,18 @@ static bool edge_table_grow(edge_table *table)
     return true;
 }
 
-static vector3 node_position(const polygoniser *work, const int32_t at[3])
+static vector3 node_position(const polygonizer *work, const int32_t at[3])
 {
     const double half = 0.5 * work->cell_width;
     return vector_add(work->origin, vector(half * at[0], half * at[1], half * at[2]));
 }
 
-static double field_at(const polygoniser *work, vector3 position)
+static double field_at(const polygonizer *work, vector3 position)
 {
     return work->solid->field(work->solid->context, position);
 }
 
-static vector3 field_gradient(const polygoniser *work, vector3 p)
+static vector3 field_gradient(const polygonizer *work, vector3 p)
 {
     const double step = 0.25 * work->cell_width;
     return vector(field_at(work, vector(p.x + step, p.y, p.z)) - field_at(work, vector(p.x - step, p.y, p.z)),
@@ -100,7 +100,7 @@ static vector3 field_gradient(const polygoniser *work, vector3 p)
 }
 
 /* The vertex between two nodes of different sign. Kept off the nodes, so that no triangle shrinks to a point. */
-static surface_point crossing(const polygoniser *work, const lattice_node *inside, const lattice_node *outside)
+static surface_point crossing(const polygonizer *work, const lattice_node *inside, const lattice_node *outside)
 {
     const double t = clamp_to(inside->value / (inside->value - outside->value), 0.04, 0.96);
     surface_point point;
@@ -120,7 +120,7 @@ static uint64_t edge_key(const lattice_node *a, const lattice_node *b)
     return key + 1;
 }
 
-static uint32_t edge_vertex(polygoniser *work, const lattice_node *inside, const lattice_node *outside)
+static uint32_t edge_vertex(polygonizer *work, const lattice_node *inside, const lattice_node *outside)
 {
     edge_table *table = &work->edges;
     if (2 * table->used_count >= table->slot_count && !edge_table_grow(table)) {
@@ -151,7 +151,7 @@ static const tetrahedron_case cases[16] = {
 };
 
 /* nodes: a positively oriented tetrahedron. Triangles are counter-clockwise seen from outside. */
-static void emit_tetrahedron(polygoniser *work, const lattice_node *const nodes[4])
+static void emit_tetrahedron(polygonizer *work, const lattice_node *const nodes[4])
 {
     unsigned mask = 0;
     for (unsigned k = 0; k < 4; ++k) {
@@ -192,8 +192,8 @@ static lattice_node block_node(const lattice_block *block, const int32_t cell[3]
     return node;
 }
 
-/* The four tetrahedra around the face between a cell and its neighbour along axis. */
-static void emit_face(polygoniser *work, const lattice_block *block, const int32_t cell[3], int axis)
+/* The four tetrahedra around the face between a cell and its neighbor along axis. */
+static void emit_face(polygonizer *work, const lattice_block *block, const int32_t cell[3], int axis)
 {
     /* Counter-clockwise around the axis. */
     static const int32_t ring[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -219,7 +219,7 @@ static void emit_face(polygoniser *work, const lattice_block *block, const int32
     }
 }
 
-static bool block_may_cross(const polygoniser *work, const int32_t first_cell[3])
+static bool block_may_cross(const polygonizer *work, const int32_t first_cell[3])
 {
     int32_t middle[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -230,7 +230,7 @@ static bool block_may_cross(const polygoniser *work, const int32_t first_cell[3]
     return fabs(field_at(work, node_position(work, middle))) <= work->solid->steepness * reach;
 }
 
-static void evaluate_block(const polygoniser *work, lattice_block *block)
+static void evaluate_block(const polygonizer *work, lattice_block *block)
 {
     for (int32_t z = 0; z < BLOCK_NODES; ++z) {
         for (int32_t y = 0; y < BLOCK_NODES; ++y) {
@@ -245,7 +245,7 @@ static void evaluate_block(const polygoniser *work, lattice_block *block)
     }
 }
 
-static void polygonise_block(polygoniser *work, lattice_block *block)
+static void polygonize_block(polygonizer *work, lattice_block *block)
 {
     evaluate_block(work, block);
     for (int32_t z = 0; z < BLOCK_CELLS; ++z) {
@@ -260,9 +260,9 @@ static void polygonise_block(polygoniser *work, lattice_block *block)
     }
 }
 
-void polygonise(scene_builder *builder, const implicit_solid *solid, double cell_width)
+void polygonize(scene_builder *builder, const implicit_solid *solid, double cell_width)
 {
-    polygoniser work = {.builder = builder, .solid = solid, .cell_width = cell_width};
+    polygonizer work = {.builder = builder, .solid = solid, .cell_width = cell_width};
     /* The lattice's outermost half cell is not filled with tetrahedra: leave a cell around the box. */
     work.origin = vector_subtract(solid->low, vector(cell_width, cell_width, cell_width));
     const vector3 extent = vector_subtract(solid->high, work.origin);
@@ -277,7 +277,7 @@ void polygonise(scene_builder *builder, const implicit_solid *solid, double cell
                 const int32_t first_cell[3] = {x, y, z};
                 if (block_may_cross(&work, first_cell)) {
                     memcpy(block.first_cell, first_cell, sizeof first_cell);
-                    polygonise_block(&work, &block);
+                    polygonize_block(&work, &block);
                 }
             }
         }
@@ -286,7 +286,7 @@ void polygonise(scene_builder *builder, const implicit_solid *solid, double cell
     free(work.edges.vertices);
 }
 
-void polygonise_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles)
+void polygonize_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles)
 {
     /* The count grows with the inverse square of the cell width. Large counts are reached from a smaller one by that
        law, small ones by trying. */
@@ -297,7 +297,7 @@ void polygonise_to_count(scene_builder *builder, const implicit_solid *solid, ui
     double best_error = HUGE_VAL;
     for (int attempt = 0; attempt < 8 && best_error > 0.01 * trial; ++attempt) {
         scene_builder counter = {.counting = true};
-        polygonise(&counter, solid, cell_width);
+        polygonize(&counter, solid, cell_width);
         const double count = (double)counter.triangle_count;
         if (fabs(count - trial) < best_error) {
             best_error = fabs(count - trial);
@@ -305,5 +305,5 @@ void polygonise_to_count(scene_builder *builder, const implicit_solid *solid, ui
         }
         cell_width = clamp_to(cell_width * sqrt(count / trial), 0.5 * cell_width, CELL_WIDTH_MAX);
     }
-    polygonise(builder, solid, best_width * sqrt(trial / asked));
+    polygonize(builder, solid, best_width * sqrt(trial / asked));
 }

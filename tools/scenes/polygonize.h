@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* An implicit surface made into a closed triangle mesh. */
-#ifndef SCENES_POLYGONISE_H
-#define SCENES_POLYGONISE_H
+#ifndef SVOCL_TOOLS_SCENES_POLYGONIZE_H
+#define SVOCL_TOOLS_SCENES_POLYGONIZE_H
 
 #include "builder.h"
 
@@ -15,11 +15,11 @@ typedef struct implicit_solid {
 } implicit_solid;
 
 /*
- * Adds the surface, polygonised on a lattice of the given cell width. The mesh is closed, every edge has exactly two
+ * Adds the surface, polygonized on a lattice of the given cell width. The mesh is closed, every edge has exactly two
  * triangles, and normals are the field's gradient.
  */
-void polygonise(scene_builder *builder, const implicit_solid *solid, double cell_width);
+void polygonize(scene_builder *builder, const implicit_solid *solid, double cell_width);
 /* The same with the cell width that comes close to an asked count of triangles. */
-void polygonise_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles);
+void polygonize_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles);
 
 #endif

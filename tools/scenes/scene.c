@@ -22,15 +22,15 @@ typedef struct scene_kind {
 static const scene_kind kinds[] = {
     {{"atrium", "a two-storeyed arcaded court, cut open to the front: columns, arches, vaults, banners, plants", 70000},
      scene_atrium},
-    {{"statue", "a winged figure in a draped robe on a pedestal, polygonised from an implicit surface", 120000},
+    {{"statue", "a winged figure in a draped robe on a pedestal, polygonized from an implicit surface", 120000},
      scene_statue},
-    {{"knot", "a tube along a torus knot, coloured along its way", 40000}, scene_knot},
-    {{"terrain", "fractal mountains around a lake, coloured by height and slope", 100000}, scene_terrain},
+    {{"knot", "a tube along a torus knot, colored along its way", 40000}, scene_knot},
+    {{"terrain", "fractal mountains around a lake, colored by height and slope", 100000}, scene_terrain},
     {{"needles", "slivers a hundred to a million times longer than wide, in all directions", 20000}, scene_needles},
     {{"dust", "a spiral of triangles far below a voxel, many to a cell and very many to some cells", 200000},
      scene_dust},
     {{"cornell", "the Cornell box: red and green walls, two boxes, a sphere and a lamp", 5000}, scene_cornell},
-    {{"cube", "a cube with a colour to each face", 12}, scene_cube},
+    {{"cube", "a cube with a color to each face", 12}, scene_cube},
 };
 #define KIND_COUNT (sizeof kinds / sizeof kinds[0])
 

@@ -4,12 +4,12 @@
  *
  * A scene is a pure function of its name, the asked triangle count and the seed. Only integer arithmetic and correctly
  * rounded double operations take part, so the same request gives the same bytes on every machine and compiler. Scenes
- * have float positions, unit normals and RGBA8 colours per vertex and are indexed; y points up, +z to the viewer.
+ * have float positions, unit normals and RGBA8 colors per vertex and are indexed; y points up, +z to the viewer.
  *
  * Thread-safety: no state outside handles; any thread may use any function on handles of its own.
  */
-#ifndef SVOCL_SCENES_H
-#define SVOCL_SCENES_H
+#ifndef SVOCL_TOOLS_SCENES_SCENES_H
+#define SVOCL_TOOLS_SCENES_SCENES_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -47,13 +47,13 @@ void scene_destroy(scene **scene_handle); /* NULL and a pointer to NULL are allo
 const svo_mesh *scene_mesh(const scene *scene_handle); /* lives as long as the scene */
 
 /*
- * Writes a mesh by the suffix of path (any case): .obj, with vertex colours, normals and an .mtl of the same name beside
- * it when the mesh has materials, or .ply, binary little-endian with normals and colours, base colours multiplied in.
+ * Writes a mesh by the suffix of path (any case): .obj, with vertex colors, normals and an .mtl of the same name beside
+ * it when the mesh has materials, or .ply, binary little-endian with normals and colors, base colors multiplied in.
  * Everything goes to temporary names first and is renamed at the end: on failure nothing is left and old files stay.
  *
- * mesh: float positions, normals and colours present, no textures.
+ * mesh: float positions, normals and colors present, no textures.
  * Returns SVO_INVALID_ARGUMENT (another suffix), SVO_UNSUPPORTED (a mesh as above is not given, or a .ply of a mesh in
- * which triangles of different base colours share a vertex), SVO_FILE_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ * which triangles of different base colors share a vertex), SVO_FILE_ERROR, SVO_OUT_OF_HOST_MEMORY.
  */
 svo_status scene_write(const svo_mesh *mesh, const char *path, svo_message *message);
 

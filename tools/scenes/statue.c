@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * statue: a winged figure in a pleated robe on a round pedestal, after the Nike of Samothrace as far as a few dozen
- * distance functions go (Hart, "Sphere tracing", 1996; blending after Wyvill et al., 1986). The seed moves the arms, the
- * wings, the folds and the veins of the marble.
+ * distance functions go (Hart, "Sphere tracing", 1996; blending after Wyvill et al., 1986). The seed moves the arms,
+ * the wings, the folds and the veins of the marble.
  */
 #include "parts.h"
 #include "polygonize.h"
@@ -217,7 +217,7 @@ static vector3 pedestal_color(const statue_pose *pose, vector3 p)
     return band ? vector(0.86, 0.64, 0.25) : stone;
 }
 
-/* The colour of the part whose surface is nearest. */
+/* The color of the part whose surface is nearest. */
 static vector3 statue_color(const void *context, vector3 p)
 {
     const statue_pose *pose = context;
@@ -298,5 +298,5 @@ void scene_statue(scene_builder *builder, const scene_request *request)
         .high = vector(1.2371, 2.2717, 0.7919),
         .steepness = 3,
     };
-    polygonise_to_count(builder, &solid, request->triangles);
+    polygonize_to_count(builder, &solid, request->triangles);
 }

@@ -208,8 +208,8 @@ static void store_floats(uint8_t *bytes, const float values[3])
     }
 }
 
-/* Vertex colours times base colours, rounded half up as mesh.h says; NULL without memory. *shared: whether triangles of
-   different base colours share a vertex. */
+/* Vertex colors times base colors, rounded half up as mesh.h says; NULL without memory. *shared: whether triangles of
+   different base colors share a vertex. */
 static uint8_t *baked_colors(const svo_mesh *mesh, bool *shared)
 {
     const uint8_t **bases = calloc(mesh->vertex_count + 1, sizeof *bases);
@@ -263,12 +263,11 @@ static svo_status write_ply(const svo_mesh *mesh, const char *path, svo_message 
     bool shared = false;
     uint8_t *colors = baked_colors(mesh, &shared);
     if (colors == NULL) {
-        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for %zu colours",
-                          mesh->vertex_count);
+        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for %zu colors", mesh->vertex_count);
     }
     pending_file file = {NULL, NULL, NULL};
     svo_status status = shared ? scene_fail(message, SVO_UNSUPPORTED,
-                                            "scene_write: '%s': triangles of different base colours share a vertex, "
+                                            "scene_write: '%s': triangles of different base colors share a vertex, "
                                             "which a .ply file cannot say; write an .obj file",
                                             path)
                                : pending_open(&file, path, message);
@@ -299,7 +298,7 @@ svo_status scene_write(const svo_mesh *mesh, const char *path, svo_message *mess
     }
     if (mesh->positions == NULL || mesh->normals == NULL || mesh->colors == NULL || mesh->texture_count > 0) {
         return scene_fail(message, SVO_UNSUPPORTED,
-                          "scene_write: '%s': the mesh needs float positions, normals and colours and no textures",
+                          "scene_write: '%s': the mesh needs float positions, normals and colors and no textures",
                           path);
     }
     return is_obj ? write_obj(mesh, path, message) : write_ply(mesh, path, message);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cases whose trees are compared with the exact reference pair by pair: T1 scenes, T3 and T4 classes of triangles, T7 the
- * stiff scene, T8 garbage, T9 depths, T10 capacities.
+ * Cases whose trees are compared with the exact reference pair by pair: T1 scenes, T3 and T4 classes of triangles, T7
+ * the stiff scene, T8 garbage, T9 depths, T10 capacities.
  */
 #include <math.h>
 #include <stdio.h>
@@ -61,14 +61,14 @@ static void shape_at_origin(stress *run, stress_shape shape)
     }
     stress_end(run, &one);
     if (has_tree) {
-        stress_float_ways(run, one.name, &built);
+        stress_float_methods(run, one.name, &built);
         stress_tree_free(&built);
     }
     stress_mesh_free(&made);
 }
 
 /* A unit-sized mesh far away: the grid is fitted in double, so only the snap loses what the positions had lost. */
-static void shape_at_offset(stress *run, stress_shape shape, double offset, bool with_float_ways)
+static void shape_at_offset(stress *run, stress_shape shape, double offset, bool with_float_methods)
 {
     stress_case one = stress_begin("T4 %s at %.9g", stress_shape_name(shape), offset);
     const svo_plan_options plan_options = {.need = SVO_NEED_RAYS};
@@ -82,8 +82,8 @@ static void shape_at_offset(stress *run, stress_shape shape, double offset, bool
     if (stress_build(run, NULL, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one, &built)) {
         stress_compare(&made.mesh, &plan_options, &built, &one);
         stress_end(run, &one);
-        if (with_float_ways) {
-            stress_float_ways(run, one.name, &built);
+        if (with_float_methods) {
+            stress_float_methods(run, one.name, &built);
         }
         stress_tree_free(&built);
     } else {
@@ -102,9 +102,9 @@ static void offsets(stress *run)
 }
 
 /* One triangle across the grid beside very many of a voxel and of less, in a list that begins far too small. */
-static void stiff_scene(stress *run)
+static void ill_conditioned_scene(stress *run)
 {
-    stress_case one = stress_begin("T7 stiff scene");
+    stress_case one = stress_begin("T7 ill-conditioned scene");
     stress_mesh made;
     const size_t triangle_count = 1 + stress_amount(run, 1000, 20);
     if (!stress_mesh_create(STRESS_SMALL, run->seed, triangle_count, &made)) {
@@ -222,7 +222,7 @@ void stress_cases_builds(stress *run)
         shape_at_origin(run, (stress_shape)shape);
     }
     offsets(run);
-    stiff_scene(run);
+    ill_conditioned_scene(run);
     garbage(run, "own grid", &own_grid);
     garbage(run, "fitted grid", &(svo_plan_options){0});
     depths(run);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cases known without a reference: T2 closed forms, T5 the count law, T6 symmetry. */
+/* Cases known without a reference: T2 closed forms, T5 the fragment estimate, T6 symmetry. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +90,7 @@ static double expected_voxels(const double corners[9], double voxel)
 }
 
 /* How far the mean count per triangle is from the law, in standard errors. */
-static double standard_errors(const stress_tree *built, size_t triangle_count, double law)
+static double standard_errors(const stress_tree *built, size_t triangle_count, double estimate)
 {
     uint32_t *counts = calloc(triangle_count + 1, sizeof *counts);
     double mean = 0.0;
@@ -108,13 +108,13 @@ static double standard_errors(const stress_tree *built, size_t triangle_count, d
         variance += (counts[t] - mean) * (counts[t] - mean) / (double)(triangle_count - 1);
     }
     free(counts);
-    return fabs(mean - law) / sqrt(variance / (double)triangle_count);
+    return fabs(mean - estimate) / sqrt(variance / (double)triangle_count);
 }
 
-static void count_law(stress *run)
+static void fragment_estimate(stress *run)
 {
     static const double shape[9] = {0, 5000, 20000, 41000, 0, 33000, 17000, 52000, 0};
-    stress_case one = stress_begin("T5 count law");
+    stress_case one = stress_begin("T5 fragment estimate");
     one.unit = "standard errors";
     const size_t triangle_count = run->count < 8 ? stress_amount(run, 2500, 150) : 20000;
     const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = SVO_NEED_RAYS};
@@ -146,12 +146,12 @@ static void count_law(stress *run)
 
 /* The image of axis k is axis (turn + k or - k) mod 3, mirrored where the bit of mirror says so. */
 typedef struct symmetry {
-    unsigned turn, flip, mirror;
+    unsigned interleaved_method, flip, mirror;
 } symmetry;
 
 static unsigned image_axis(const symmetry *s, unsigned k)
 {
-    return s->flip != 0 ? (s->turn + 3 - k) % 3 : (s->turn + k) % 3;
+    return s->flip != 0 ? (s->interleaved_method + 3 - k) % 3 : (s->interleaved_method + k) % 3;
 }
 
 static void apply(const symmetry *s, const double *from, double *to, size_t vertex_count)
@@ -203,7 +203,8 @@ static void compare_image(const symmetry *s, const stress_tree *original, const 
     one->false_positives += difference.surplus_pairs;
     one->figure += (double)expected.count;
     if (difference.missed_pairs != 0 || difference.surplus_pairs != 0) {
-        stress_fail(one, "axes turned by %u, flipped %u, mirrored %u: another set", s->turn, s->flip, s->mirror);
+        stress_fail(one, "axes turned by %u, flipped %u, mirrored %u: another set", s->interleaved_method, s->flip,
+                    s->mirror);
     }
     oracle_pairs_free(&expected);
     oracle_pairs_free(&actual);
@@ -250,6 +251,6 @@ static void symmetries(stress *run)
 void stress_cases_forms(stress *run)
 {
     closed_forms(run);
-    count_law(run);
+    fragment_estimate(run);
     symmetries(run);
 }

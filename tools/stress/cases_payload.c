@@ -5,7 +5,7 @@
 
 #include "stress/stress.h"
 
-/* Sums of the colours below each node; channels, then the number of samples. */
+/* Sums of the colors below each node; channels, then the number of samples. */
 typedef uint64_t color_sum[5];
 
 static void add_leaves(const stress_tree *built, const stress_mesh *made, color_sum *sums)
@@ -61,7 +61,7 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
     free(sums);
 }
 
-/* Triangles of one shape inside voxels of depth 6, so that all weigh alike, each of one random colour. */
+/* Triangles of one shape inside voxels of depth 6, so that all weigh alike, each of one random color. */
 static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_mesh *out)
 {
     static const double shape[9] = {1000, 2000, 3000, 9000, 2500, 4000, 5000, 12000, 6000};

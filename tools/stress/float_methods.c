@@ -2,25 +2,25 @@
 /*
  * The two overlap tests in float32 and the walk over a tree's triangles.
  *
- * Schwarz and Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", 2010: a box meets a triangle when it meets
- * the plane and its three projections meet the projected triangle. Akenine-Moller, "Fast 3D Triangle-Box Overlap
- * Testing", 2001: thirteen separating axes after moving the box's centre to the origin.
+ * Schwarz and Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", 2010: a box meets a triangle when it
+ * meets the plane and its three projections meet the projected triangle. Akenine-Moller, "Fast 3D Triangle-Box Overlap
+ * Testing", 2001: thirteen separating axes after moving the box's center to the origin.
  */
 #include "stress/float_methods.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-const char *float_way_name(float_way way)
+const char *float_method_name(float_method method)
 {
-    static const char *const names[FLOAT_WAY_COUNT] = {"Schwarz-Seidel", "box-centred", "pixel centres", "4 samples",
-                                                       "expanded"};
-    return names[way];
+    static const char *const names[FLOAT_METHOD_COUNT] = {"Schwarz-Seidel", "box-centered", "pixel centers",
+                                                          "4 samples", "expanded"};
+    return names[method];
 }
 
-oracle_coverage float_way_coverage(float_way way)
+oracle_coverage float_method_coverage(float_method method)
 {
-    return way == FLOAT_PLANES || way == FLOAT_CENTRED ? ORACLE_CLOSED : ORACLE_HALF_OPEN;
+    return method == FLOAT_PLANES || method == FLOAT_CENTERED ? ORACLE_CLOSED : ORACLE_HALF_OPEN;
 }
 
 void float_list_add(float_list *list, const float_triangle *triangle, int x, int y, int z)
@@ -141,7 +141,7 @@ static bool is_apart(const float local[3][3], const float axis[3], float half)
     return least(a, b, c) > radius || most(a, b, c) < -radius;
 }
 
-static bool centred_meets(const float_triangle *t, const float corner[3])
+static bool centered_meets(const float_triangle *t, const float corner[3])
 {
     const float half = t->voxel * 0.5f;
     float local[3][3];
@@ -173,7 +173,7 @@ static bool centred_meets(const float_triangle *t, const float corner[3])
     return !is_apart(local, normal, half);
 }
 
-static void ask_boxes(float_way way, const float_triangle *t, float_list *list)
+static void ask_bvh(float_method method, const float_triangle *t, float_list *list)
 {
     float normal[3];
     normal_of(t, normal);
@@ -182,7 +182,7 @@ static void ask_boxes(float_way way, const float_triangle *t, float_list *list)
             for (int x = t->first[0]; x <= t->last[0]; ++x) {
                 const float corner[3] = {t->origin[0] + (float)x * t->voxel, t->origin[1] + (float)y * t->voxel,
                                          t->origin[2] + (float)z * t->voxel};
-                if (way == FLOAT_PLANES ? planes_meet(t, normal, corner) : centred_meets(t, corner)) {
+                if (method == FLOAT_PLANES ? planes_meet(t, normal, corner) : centered_meets(t, corner)) {
                     float_list_add(list, t, x, y, z);
                 }
             }
@@ -225,21 +225,21 @@ static void drop_doubles(oracle_pairs *pairs)
     pairs->count = kept;
 }
 
-void float_way_list(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,
-                    uint64_t end, float_list *list)
+void float_method_list(float_method method, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,
+                       uint64_t end, float_list *list)
 {
     for (uint64_t i = begin; i < end && !list->failed; ++i) {
         float_triangle triangle;
         fetch(info, arrays, i, &triangle);
-        if (way == FLOAT_PLANES || way == FLOAT_CENTRED) {
-            ask_boxes(way, &triangle, list);
+        if (method == FLOAT_PLANES || method == FLOAT_CENTERED) {
+            ask_bvh(method, &triangle, list);
         } else {
-            float_raster(way, &triangle, list);
+            float_raster(method, &triangle, list);
         }
     }
 }
 
-bool float_way_sort(float_list *list, oracle_pairs *out)
+bool float_method_sort(float_list *list, oracle_pairs *out)
 {
     const bool failed = list->failed;
     *out = (oracle_pairs){list->pairs, list->count};
@@ -252,9 +252,9 @@ bool float_way_sort(float_list *list, oracle_pairs *out)
     return true;
 }
 
-bool float_way_run(float_way way, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out)
+bool float_method_run(float_method method, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out)
 {
     float_list list = {0};
-    float_way_list(way, info, arrays, 0, info->list_triangle_count, &list);
-    return float_way_sort(&list, out);
+    float_method_list(method, info, arrays, 0, info->list_triangle_count, &list);
+    return float_method_sort(&list, out);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rasterized ways: a triangle is projected along its dominant axis, its pixels are found by the rules that Direct3D and
- * common hardware share, and depth is interpolated in float32. One voxel per covered pixel, or, expanded (Hasselgren,
- * Akenine-Moller and Ohlsson, "Conservative Rasterization", 2005), every voxel between the least and the largest depth.
+ * The rasterized ways: a triangle is projected along its dominant axis, its pixels are found by the rules that Direct3D
+ * and common hardware share, and depth is interpolated in float32. One voxel per covered pixel, or, expanded
+ * (Hasselgren, Akenine-Moller and Ohlsson, "Conservative Rasterization", 2005), every voxel between the least and the
+ * largest depth.
  */
 #include <math.h>
 
@@ -17,8 +18,8 @@ typedef struct projection {
     float slope_u, slope_v; /* of t over u and v; 0 where there is no area */
 } projection;
 
-/* Where coverage is asked, in 1/256 pixel from a pixel's corner; the first is the centre. */
-static const int centre[1][2] = {{128, 128}};
+/* Where coverage is asked, in 1/256 pixel from a pixel's corner; the first is the center. */
+static const int center[1][2] = {{128, 128}};
 static const int four_samples[4][2] = {{96, 32}, {224, 96}, {32, 160}, {160, 224}};
 
 static float doubled_area(const projection *p)
@@ -104,17 +105,17 @@ static bool covers_sample(const int64_t snapped[3][2], int64_t u, int64_t v)
     return true;
 }
 
-static bool covers(float_way way, const projection *p, int u, int v)
+static bool covers(float_method method, const projection *p, int u, int v)
 {
-    if (way == FLOAT_EXPANDED) {
+    if (method == FLOAT_EXPANDED) {
         return covers_expanded(p, u, v);
     }
     int64_t snapped[3][2];
     for (int i = 0; i < 6; ++i) {
         snapped[i / 2][i % 2] = (int64_t)rintf(p->corner[i / 2][i % 2] * SUBPIXELS);
     }
-    const int count = way == FLOAT_PIXELS ? 1 : 4;
-    const int(*samples)[2] = way == FLOAT_PIXELS ? centre : four_samples;
+    const int count = method == FLOAT_PIXELS ? 1 : 4;
+    const int(*samples)[2] = method == FLOAT_PIXELS ? center : four_samples;
     for (int i = 0; i < count; ++i) {
         if (covers_sample(snapped, (int64_t)u * SUBPIXELS + samples[i][0], (int64_t)v * SUBPIXELS + samples[i][1])) {
             return true;
@@ -128,13 +129,14 @@ static float clamp_to(float value, float low, float high)
     return fminf(fmaxf(value, low), high);
 }
 
-static void add_column(float_way way, const float_triangle *t, const projection *p, int u, int v, float_list *list)
+static void add_column(float_method method, const float_triangle *t, const projection *p, int u, int v,
+                       float_list *list)
 {
     const float low = fminf(p->corner[0][2], fminf(p->corner[1][2], p->corner[2][2]));
     const float high = fmaxf(p->corner[0][2], fmaxf(p->corner[1][2], p->corner[2][2]));
     const float at = p->corner[0][2] + p->slope_u * ((float)u + 0.5f - p->corner[0][0]) +
                      p->slope_v * ((float)v + 0.5f - p->corner[0][1]);
-    const float reach = way == FLOAT_EXPANDED ? 0.5f * (fabsf(p->slope_u) + fabsf(p->slope_v)) : 0.0f;
+    const float reach = method == FLOAT_EXPANDED ? 0.5f * (fabsf(p->slope_u) + fabsf(p->slope_v)) : 0.0f;
     const bool flat = !(fabsf(doubled_area(p)) > 0.0f); /* no plane: the whole range */
     const float from = flat ? low : clamp_to(at - reach, low, high);
     const float to = flat ? high : clamp_to(at + reach, low, high);
@@ -150,7 +152,7 @@ static void add_column(float_way way, const float_triangle *t, const projection 
     }
 }
 
-void float_raster(float_way way, const float_triangle *triangle, float_list *list)
+void float_raster(float_method method, const float_triangle *triangle, float_list *list)
 {
     projection p;
     project(triangle, &p);
@@ -159,8 +161,8 @@ void float_raster(float_way way, const float_triangle *triangle, float_list *lis
 
     for (int v = triangle->first[along_v]; v <= triangle->last[along_v]; ++v) {
         for (int u = triangle->first[along_u]; u <= triangle->last[along_u]; ++u) {
-            if (covers(way, &p, u, v)) {
-                add_column(way, triangle, &p, u, v, list);
+            if (covers(method, &p, u, v)) {
+                add_column(method, triangle, &p, u, v, list);
             }
         }
     }

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "stress/float_methods.h"
 #include "support/input.h"
 #include "support/snap_check.h"
-#include "stress/float_methods.h"
 #include "support/tree_check.h"
 
 size_t stress_amount(const stress *run, size_t per_count, size_t least)
@@ -24,7 +24,7 @@ unsigned stress_depth(const stress *run, unsigned depth, unsigned least)
 
 stress_case stress_begin(const char *format, ...)
 {
-    stress_case one = {.way = "svocl", .unit = "pairs", .judged = true, .passed = true};
+    stress_case one = {.method = "svocl", .unit = "pairs", .judged = true, .passed = true};
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(one.name, sizeof one.name, format, arguments);
@@ -132,18 +132,19 @@ void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_p
     }
 }
 
-static void float_case(stress *run, float_way way, const char *what, const stress_tree *built)
+static void float_case(stress *run, float_method method, const char *what, const stress_tree *built)
 {
     stress_case one = stress_begin("%s", what);
     const oracle_mesh mesh = {built->arrays.vertices, built->arrays.indices, built->arrays.triangle_ids,
                               (size_t)built->info.list_triangle_count};
-    const oracle_request request = {built->info.depth, built->info.snap_bits, float_way_coverage(way), ORACLE_SAT};
+    const oracle_request request = {built->info.depth, built->info.snap_bits, float_method_coverage(method),
+                                    ORACLE_SAT};
     oracle_pairs expected = {0};
     oracle_pairs actual = {0};
-    one.way = float_way_name(way);
+    one.method = float_method_name(method);
     one.judged = false;
     const double started_ms = input_now_ms();
-    bool good = float_way_run(way, &built->info, &built->arrays, &actual);
+    bool good = float_method_run(method, &built->info, &built->arrays, &actual);
     one.ms = input_now_ms() - started_ms;
     good = good && oracle_enumerate(&mesh, &request, &expected);
     if (good) {
@@ -160,9 +161,9 @@ static void float_case(stress *run, float_way way, const char *what, const stres
     oracle_pairs_free(&actual);
 }
 
-void stress_float_ways(stress *run, const char *what, const stress_tree *built)
+void stress_float_methods(stress *run, const char *what, const stress_tree *built)
 {
-    for (int way = 0; way < FLOAT_WAY_COUNT; ++way) {
-        float_case(run, (float_way)way, what, built);
+    for (int method = 0; method < FLOAT_METHOD_COUNT; ++method) {
+        float_case(run, (float_method)method, what, built);
     }
 }

@@ -3,18 +3,18 @@
  * What the cases of svocl stress share: the open session, one build with its comparison, and the list of results. Each
  * case goes through the whole pipeline on the user's device and driver, and is compared with the exact reference.
  */
-#ifndef SVOCL_STRESS_H
-#define SVOCL_STRESS_H
+#ifndef SVOCL_TOOLS_STRESS_STRESS_H
+#define SVOCL_TOOLS_STRESS_STRESS_H
 
+#include "stress/stress_mesh.h"
 #include "support/program.h"
 #include "support/session.h"
-#include "stress/stress_mesh.h"
 
 #define STRESS_NAME_BYTES 64
 
 typedef struct stress_case {
     char name[STRESS_NAME_BYTES]; /* the catalogue's row, then what is special */
-    const char *way; /* "svocl", or a float way: static */
+    const char *method; /* "svocl", or a float way: static */
     uint64_t false_negatives, false_positives; /* pairs that were missed, and that should not be there */
     double figure; /* how much was compared, or what was measured */
     const char *unit; /* of figure: static */
@@ -67,7 +67,7 @@ void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const s
 void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_plan_options *given, stress_case *one);
 
 /* The float ways on the triangles of a tree, one case each. what: the rest of the name. */
-void stress_float_ways(stress *run, const char *what, const stress_tree *built);
+void stress_float_methods(stress *run, const char *what, const stress_tree *built);
 
 /* The cases: by builds against the reference, by closed forms and symmetry, by payload and repetition. */
 void stress_cases_builds(stress *run);

@@ -45,8 +45,8 @@ static void make_thin(random_stream *random, int reach, int width, int corner[3]
     make_anywhere(random, reach, corner);
     const int along = (int)stress_random_below(random, 1025);
     for (int k = 0; k < 3; ++k) {
-        const int64_t way = (int64_t)(corner[1][k] - corner[0][k]) * along / 1024;
-        corner[2][k] = near(random, corner[0][k] + (int)way, width);
+        const int64_t method = (int64_t)(corner[1][k] - corner[0][k]) * along / 1024;
+        corner[2][k] = near(random, corner[0][k] + (int)method, width);
     }
 }
 

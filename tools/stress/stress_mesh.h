@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes of one class of triangles each, for the cases of svocl stress: the same numbers for the same seed everywhere. */
-#ifndef SVOCL_STRESS_MESH_H
-#define SVOCL_STRESS_MESH_H
+/* Meshes of one class of triangles each, for the cases of svocl stress: the same numbers for the same seed
+   everywhere. */
+#ifndef SVOCL_TOOLS_STRESS_STRESS_MESH_H
+#define SVOCL_TOOLS_STRESS_STRESS_MESH_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,7 +25,7 @@ typedef enum stress_shape {
 } stress_shape;
 const char *stress_shape_name(stress_shape shape);
 
-/* Positions and colours by malloc; three vertices of its own for each triangle. */
+/* Positions and colors by malloc; three vertices of its own for each triangle. */
 typedef struct stress_mesh {
     svo_mesh mesh;
     double *positions;
@@ -38,7 +39,7 @@ void stress_mesh_free(stress_mesh *made);
 
 /* position * factor + offset for every coordinate */
 void stress_mesh_move(stress_mesh *made, double factor, double offset);
-/* Triangles in another order, with their colours. */
+/* Triangles in another order, with their colors. */
 void stress_mesh_shuffle(stress_mesh *made, uint64_t seed);
 
 uint32_t stress_random_below(random_stream *random, uint32_t limit); /* 0 .. limit - 1 */

@@ -64,7 +64,7 @@ static void print_what_ran(const job *done)
     } else {
         table_cell(rows, "%s, %s", session_renderer(&done->opened), session_context(&done->opened));
     }
-    table_cell(rows, "ways");
+    table_cell(rows, "methods");
     table_cell(rows, "frontend %s, share %s, builder %s", result->report.frontend, result->report.share,
                result->report.builder);
     table_cell(rows, "%s", "");

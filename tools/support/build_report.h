@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a build did, as a table for people and as JSON for scripts. */
-#ifndef SVOCL_REPORT_H
-#define SVOCL_REPORT_H
+#ifndef SVOCL_TOOLS_SUPPORT_BUILD_REPORT_H
+#define SVOCL_TOOLS_SUPPORT_BUILD_REPORT_H
 
 #include "support/job.h"
 

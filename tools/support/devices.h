@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What the OpenCL half and the OpenGL half of svocl devices share. */
-#ifndef SVOCL_DEVICES_H
-#define SVOCL_DEVICES_H
+#ifndef SVOCL_TOOLS_SUPPORT_DEVICES_H
+#define SVOCL_TOOLS_SUPPORT_DEVICES_H
 
 #include "support/json.h"
 
 /* Adds a way of doing something and whether it works. reason: why not; "" if it works. */
-void devices_add_way(cJSON *array, const char *name, const char *reason);
+void devices_add_method(cJSON *array, const char *name, const char *reason);
 
 #endif

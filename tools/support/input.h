@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* INPUT of a command: a mesh file, a scene made on the fly, or a finished tree. */
-#ifndef SVOCL_INPUT_H
-#define SVOCL_INPUT_H
+#ifndef SVOCL_TOOLS_SUPPORT_INPUT_H
+#define SVOCL_TOOLS_SUPPORT_INPUT_H
 
 #include <stdbool.h>
 
-#include "support/program.h"
 #include "scenes/scenes.h"
+#include "support/program.h"
 #include "svocl/io.h"
 
 /* Triangles that the library refuses, by reason. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* From INPUT to a tree in memory, measured: what build, hash, verify and render share. */
-#ifndef SVOCL_JOB_H
-#define SVOCL_JOB_H
+#ifndef SVOCL_TOOLS_SUPPORT_JOB_H
+#define SVOCL_TOOLS_SUPPORT_JOB_H
 
 #include "support/input.h"
 #include "support/json.h"
@@ -26,8 +26,8 @@ typedef struct job {
 
 /*
  * Reads the input, opens the session and builds the tree --repeat times by the options, with the svo_need bits of need
- * instead of --need. Begins the progress bar; further_steps: how many the caller adds. Returns the exit code; on failure
- * nothing is left to release.
+ * instead of --need. Begins the progress bar; further_steps: how many the caller adds. Returns the exit code; on
+ * failure nothing is left to release.
  */
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 /* The same for an input that is a finished tree (input_is_tree), on the device then: loaded, not built. */

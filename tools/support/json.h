@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Figures as JSON on standard output or in a file. */
-#ifndef SVOCL_JSON_H
-#define SVOCL_JSON_H
+#ifndef SVOCL_TOOLS_SUPPORT_JSON_H
+#define SVOCL_TOOLS_SUPPORT_JSON_H
 
 #include <cjson/cJSON.h>
 #include <stdint.h>

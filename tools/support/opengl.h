@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All that the program has to do with OpenGL: a context with svocl::gl's front end in it, and what `svocl devices` says of
- * renderers. opengl.c and opengl_devices.c have it; opengl_none.c takes their place where svocl is built without svocl::gl.
+ * All that the program has to do with OpenGL: a context with svocl::gl's front end in it, and what `svocl devices` says
+ * of renderers. opengl.c and opengl_devices.c have it; opengl_none.c takes their place where svocl is built without
+ * svocl::gl.
  */
-#ifndef SVOCL_OPENGL_H
-#define SVOCL_OPENGL_H
+#ifndef SVOCL_TOOLS_SUPPORT_OPENGL_H
+#define SVOCL_TOOLS_SUPPORT_OPENGL_H
 
 #include "support/json.h"
 #include "support/program.h"
@@ -14,14 +15,14 @@ typedef struct opengl opengl;
 
 /* Whether the device might share with OpenGL, which then has to be opened first. Starts no OpenGL. */
 bool opengl_may_share(const svo_device *device);
-/* Opens a context by --context and --gl-device. NULL where that does not work, with the reason, which names the option that
-   was forced. */
+/* Opens a context by --context and --gl-device. NULL where that does not work, with the reason, which names the option
+   that was forced. */
 opengl *opengl_open(const options *given, svo_message *reason);
-/* The same device on an OpenCL context that shares with the context where the two can; NULL when there is none. It is to be
-   destroyed before opengl_close. */
+/* The same device on an OpenCL context that shares with the context where the two can; NULL when there is none. It is
+   to be destroyed before opengl_close. */
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options);
-/* The front end by --frontend and --share, for a device that outlives opengl_stop. False with the reason where it does not
-   work. */
+/* The front end by --frontend and --share, for a device that outlives opengl_stop. False with the reason where it does
+   not work. */
 bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason);
 void opengl_stop(opengl *opened); /* NULL and one that was not started are allowed */
 void opengl_close(opengl **opened); /* a pointer to NULL is allowed */

@@ -71,16 +71,17 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
         failure = program_words(svo_device_message(device));
     }
     for (svo_gl_raster raster = SVO_GL_RASTER_EXPAND; raster <= SVO_GL_RASTER_HW; ++raster) {
-        devices_add_way(frontends, svo_gl_raster_name(raster),
-                        failure != NULL ? failure : svo_gl_raster_reason(gl, raster));
+        devices_add_method(frontends, svo_gl_raster_name(raster),
+                           failure != NULL ? failure : svo_gl_raster_reason(gl, raster));
     }
-    for (svo_gl_share share = SVO_GL_SHARE_SHARING; share <= SVO_GL_SHARE_COPY; ++share) {
-        devices_add_way(shares, svo_gl_share_name(share), failure != NULL ? failure : svo_gl_share_reason(gl, share));
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
+        devices_add_method(shares, svo_gl_share_name(share),
+                           failure != NULL ? failure : svo_gl_share_reason(gl, share));
     }
     cJSON *builders = cJSON_AddArrayToObject(pair, "builders");
-    devices_add_way(builders, "cl", ""); /* these two whatever OpenGL does */
-    devices_add_way(builders, "sorted", "");
-    devices_add_way(builders, "gl-compute", failure != NULL ? failure : svo_gl_build_reason(gl, SVO_NEED_ALL));
+    devices_add_method(builders, "cl", ""); /* these two whatever OpenGL does */
+    devices_add_method(builders, "sorted", "");
+    devices_add_method(builders, "gl-compute", failure != NULL ? failure : svo_gl_build_reason(gl, SVO_NEED_ALL));
     svo_gl_destroy(&gl);
     svo_device_destroy(&joined);
     return pair;

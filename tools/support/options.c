@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/program.h"
 #include "scenes/scenes.h"
-#include "svocl/trace.h"
+#include "support/program.h"
 #include "support/table.h"
+#include "svocl/trace.h"
 
 typedef struct choice {
     const char *name;
@@ -40,7 +40,7 @@ static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO, false},
                                    {"gl-hw", OPTION_FRONTEND_GL_HW, false},
                                    {NULL, 0, false}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
-                                {"sharing", SVO_GL_SHARE_SHARING, false},
+                                {"interop", SVO_GL_SHARE_INTEROP, false},
                                 {"host", SVO_GL_SHARE_HOST, false},
                                 {"copy", SVO_GL_SHARE_COPY, false},
                                 {NULL, 0, false}};
@@ -54,7 +54,7 @@ static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
                                    {NULL, 0, false}};
 static const choice weights[] = {{"area", SVO_WEIGHTS_AREA, false},
                                  {"uniform", SVO_WEIGHTS_UNIFORM, false},
-                                 {"centre", SVO_WEIGHTS_CENTRE, false},
+                                 {"center", SVO_WEIGHTS_CENTER, false},
                                  {NULL, 0, false}};
 static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
                                   {"surfaceless", SVO_GL_SURFACELESS, false},
@@ -252,23 +252,23 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
-     "color,normal,rays,material,fill or none (colours and normals of the mesh)"},
+     "color,normal,rays,material,fill or none (colors and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, with --edge (fitted)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
     {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
-     "area, uniform, centre: what a triangle weighs in a mean (area)"},
-    {"frontend", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
+     "area, uniform, center: what a triangle weighs in a mean (area)"},
+    {"frontend", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
      "auto, cl, gl-expand, gl-hw (auto: by speed)"},
-    {"share", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(share), 0, 0, shares,
-     "auto, sharing, host, copy (auto)"},
+    {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,
+     "auto, interop, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders,
      "cl: from the root down; sorted: from the leaves up; gl-compute: by OpenGL (cl)"},
-    {"context", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
+    {"context", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
-    {"gl-device", '\0', OPTION_BUILD | OPTION_WAYS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
+    {"gl-device", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
      "which EGL device: its index, part of its name, or gpu (0)"},
     {"device", '\0', OPTION_DEVICE, "NAME", read_text, FIELD(device_name), 0, 0, NULL,
      "OpenCL device: part of its name, or P.D indices"},
@@ -312,7 +312,7 @@ static const rule rules[] = {
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash the nodes alone, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
-     "measure this beside it, in turns: embree (none)"},
+     "measure this beside it, interleaved: embree (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays of each set (1000000)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},

@@ -3,8 +3,8 @@
  * The command line: one parser and one list of options for all commands. A command says by groups which options it
  * takes; the same list writes the help.
  */
-#ifndef SVOCL_OPTIONS_H
-#define SVOCL_OPTIONS_H
+#ifndef SVOCL_TOOLS_SUPPORT_OPTIONS_H
+#define SVOCL_TOOLS_SUPPORT_OPTIONS_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -24,7 +24,7 @@ enum option_group {
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
     OPTION_RENDER_COMMAND = 256,
-    OPTION_WAYS = 512, /* front end, share path, context: how, whatever is built */
+    OPTION_METHODS = 512, /* front end, share path, context: how, whatever is built */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
     OPTION_BENCH_COMMAND = 2048, /* what is measured, against what */
     OPTION_TRACE_COMMAND = 4096, /* rays, camera */

@@ -3,8 +3,8 @@
  * Files the program writes itself: under a temporary name beside the final one, then renamed, so that a failure leaves
  * nothing behind and an old file stays as it was. A path that names a device or a pipe is written to directly.
  */
-#ifndef SVOCL_OUTPUT_H
-#define SVOCL_OUTPUT_H
+#ifndef SVOCL_TOOLS_SUPPORT_OUTPUT_H
+#define SVOCL_TOOLS_SUPPORT_OUTPUT_H
 
 #include <stdio.h>
 

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "svocl/build.h"
 #include "support/table.h"
+#include "svocl/build.h"
 
 /* "grid, voxelize, ..." */
 static svo_message stages_of(const svo_plan *plan)
@@ -35,7 +35,7 @@ static void print_request(const svo_plan *plan, const char *input)
     table_cell(rows, "%s, of which %s refused", figure_count(info.triangles).text,
                figure_count(info.refused_triangles).text);
     table_cell(rows, "fragments");
-    table_cell(rows, "about %s by the count law", figure_count((uint64_t)(info.expected_fragments + 0.5)).text);
+    table_cell(rows, "about %s by the fragment estimate", figure_count((uint64_t)(info.expected_fragments + 0.5)).text);
     table_cell(rows, "read later");
     table_cell(rows, "nodes; %s", figure_needs(info.need).text);
     table_cell(rows, "stages");
@@ -59,7 +59,7 @@ static void print_kernels(const svo_plan *plan, bool with_opengl)
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
             table_cell(rows, "%s", kernels.name);
-            table_cell(rows, "%s", kernels.keys[0] != '\0' ? kernels.keys + 1 : "no keys");
+            table_cell(rows, "%s", kernels.defines[0] != '\0' ? kernels.defines + 1 : "no keys");
         }
     }
     table_print(rows);
@@ -76,7 +76,7 @@ static void print_buffers(const svo_plan *plan)
         table_cell(rows, "%s", buffer.name);
         table_cell(rows, "%s", figure_bytes(buffer.bytes).text);
         table_cell(rows, "%s", svo_certainty_name(buffer.certainty));
-        table_cell(rows, "%s", buffer.stays != 0 ? "tree" : "scratch");
+        table_cell(rows, "%s", buffer.persistent != 0 ? "tree" : "scratch");
     }
     table_cell(rows, "peak");
     table_cell(rows, "%s", figure_bytes(svo_plan_peak_bytes(plan)).text);
@@ -124,7 +124,7 @@ static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
         }
         cJSON *entry = cJSON_CreateObject();
         json_add_text(entry, "name", kernels.name);
-        json_add_text(entry, "keys", kernels.keys[0] != '\0' ? kernels.keys + 1 : "");
+        json_add_text(entry, "defines", kernels.defines[0] != '\0' ? kernels.defines + 1 : "");
         cJSON_AddItemToArray(array, entry);
     }
 }
@@ -139,7 +139,7 @@ static void add_buffers(cJSON *document, const svo_plan *plan)
         json_add_text(entry, "name", buffer.name);
         json_add_count(entry, "bytes", buffer.bytes);
         json_add_text(entry, "certainty", svo_certainty_name(buffer.certainty));
-        cJSON_AddBoolToObject(entry, "stays", buffer.stays != 0);
+        cJSON_AddBoolToObject(entry, "persistent", buffer.persistent != 0);
         cJSON_AddItemToArray(array, entry);
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a build is going to do, before it does it: as tables for people and as JSON for scripts. */
-#ifndef SVOCL_PLAN_REPORT_H
-#define SVOCL_PLAN_REPORT_H
+#ifndef SVOCL_TOOLS_SUPPORT_PLAN_REPORT_H
+#define SVOCL_TOOLS_SUPPORT_PLAN_REPORT_H
 
 #include <stdbool.h>
 

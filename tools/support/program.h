@@ -5,8 +5,8 @@
  * Functions of the program that can fail print their own line through program_fail and return the exit code, 0 for
  * success; callers pass it on.
  */
-#ifndef SVOCL_PROGRAM_H
-#define SVOCL_PROGRAM_H
+#ifndef SVOCL_TOOLS_SUPPORT_PROGRAM_H
+#define SVOCL_TOOLS_SUPPORT_PROGRAM_H
 
 #include "support/options.h"
 #include "support/progress.h"

@@ -5,8 +5,8 @@
  *
  * Every function allows NULL and then does nothing, which is what there is without a terminal.
  */
-#ifndef SVOCL_PROGRESS_H
-#define SVOCL_PROGRESS_H
+#ifndef SVOCL_TOOLS_SUPPORT_PROGRESS_H
+#define SVOCL_TOOLS_SUPPORT_PROGRESS_H
 
 #include <stdbool.h>
 

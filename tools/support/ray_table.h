@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays from a CSV file or a camera, and hits into a CSV file. */
-#ifndef SVOCL_RAY_TABLE_H
-#define SVOCL_RAY_TABLE_H
+#ifndef SVOCL_TOOLS_SUPPORT_RAY_TABLE_H
+#define SVOCL_TOOLS_SUPPORT_RAY_TABLE_H
 
 #include "support/output.h"
 #include "svocl/svocl.h"
@@ -11,8 +11,8 @@ typedef struct ray_table {
     size_t count;
 } ray_table;
 
-/* Lines ox,oy,oz,dx,dy,dz; a first line that does not begin with a number is a heading, empty lines do not count. A line
-   that is something else is an error, which names it. Returns the exit code. */
+/* Lines ox,oy,oz,dx,dy,dz; a first line that does not begin with a number is a heading, empty lines do not count. A
+   line that is something else is an error, which names it. Returns the exit code. */
 int ray_table_read(program *state, const char *path, ray_table *out);
 
 /* One ray through the middle of each pixel, row by row from the upper left corner. Returns the exit code. */

@@ -103,8 +103,8 @@ static int use_opengl(program *state, session *opened, const char *reason)
     return use(opened, opengl_frontend(opened->gl));
 }
 
-/* Which front end is used is left open, but once anything is made of the device it cannot join OpenGL any more: so where it
-   might, OpenGL is opened first. */
+/* Which front end is used is left open, but once anything is made of the device it cannot join OpenGL any more: so
+   where it might, OpenGL is opened first. */
 static int leave_open(program *state, session *opened)
 {
     if (opengl_may_share(opened->device)) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What commands that compute have open: an OpenCL device with a profiling queue and, for those that build, a front end. One
- * of OpenGL brings its context along; without one no OpenGL is started.
+ * What commands that compute have open: an OpenCL device with a profiling queue and, for those that build, a front end.
+ * One of OpenGL brings its context along; without one no OpenGL is started.
  */
-#ifndef SVOCL_SESSION_H
-#define SVOCL_SESSION_H
+#ifndef SVOCL_TOOLS_SUPPORT_SESSION_H
+#define SVOCL_TOOLS_SUPPORT_SESSION_H
 
 #include "support/opengl.h"
 #include "support/program.h"
@@ -23,8 +23,8 @@ typedef struct session {
 int session_open_device(program *state, session *opened);
 /* The same, and the front end where --frontend, --share or --context name one; else it is left to be chosen. */
 int session_open(program *state, session *opened);
-/* Device, queue and the front end of OpenCL alone, and OpenGL beside it wherever there is one, on an OpenCL context that
-   shares with it where the two can; gl is NULL without one, and the reason says why. No front end is chosen. */
+/* Device, queue and the front end of OpenCL alone, and OpenGL beside it wherever there is one, on an OpenCL context
+   that shares with it where the two can; gl is NULL without one, and the reason says why. No front end is chosen. */
 int session_open_both(program *state, session *opened);
 /* Chooses the front end that should be fastest for the plan, unless there is one. */
 void session_choose(program *state, session *opened, const svo_plan *plan);

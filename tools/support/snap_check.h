@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Whether the tree's grid and snapped vertices are what the reference makes of the same mesh. */
-#ifndef SVOCL_SNAP_CHECK_H
-#define SVOCL_SNAP_CHECK_H
+#ifndef SVOCL_TOOLS_SUPPORT_SNAP_CHECK_H
+#define SVOCL_TOOLS_SUPPORT_SNAP_CHECK_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -4,8 +4,8 @@
  * On a terminal long cells of the last column are wrapped to its width, and headings are bold unless it has asked for
  * plain text (NO_COLOR, TERM=dumb); a file or a pipe gets one line per row.
  */
-#ifndef SVOCL_TABLE_H
-#define SVOCL_TABLE_H
+#ifndef SVOCL_TOOLS_SUPPORT_TABLE_H
+#define SVOCL_TOOLS_SUPPORT_TABLE_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -14,7 +14,8 @@ typedef struct table table;
 
 #define TABLE_COLUMNS_MAX 24U
 
-/* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL when out of memory, which the other functions allow. */
+/* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL when out of memory, which the other
+   functions allow. */
 table *table_create(const char *alignment);
 
 /* The next cell, row by row. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A tree with leaf lists against the exact reference: its snapped triangles are voxelized again, by tests/oracle. */
-#ifndef SVOCL_TREE_CHECK_H
-#define SVOCL_TREE_CHECK_H
+#ifndef SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
+#define SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
 
 #include "reference/oracle.h"
 #include "svocl/tree.h"
@@ -19,8 +19,8 @@ typedef struct tree_differences {
 bool tree_check(const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found);
 bool tree_check_is_exact(const tree_differences *found);
 
-/* The tree's voxel-triangle pairs out of its masks and leaf lists, sorted; leaves without any triangle are only counted.
-   Released by oracle_pairs_free. Returns false as tree_check. */
+/* The tree's voxel-triangle pairs out of its masks and leaf lists, sorted; leaves without any triangle are only
+   counted. Released by oracle_pairs_free. Returns false as tree_check. */
 bool tree_check_list_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out,
                            uint64_t *empty_leaf_count);
 

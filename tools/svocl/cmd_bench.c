@@ -3,11 +3,11 @@
 #include <string.h>
 
 #include "bench/bench.h"
-#include "svocl/commands.h"
 #include "errors/bench_errors.h"
 #include "support/json.h"
 #include "support/output.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 void command_bench_print_subjects(void)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl build: a mesh becomes a tree, a file and a table of what it took. */
-#include "svocl/commands.h"
+#include "support/build_report.h"
 #include "support/output.h"
 #include "support/plan_report.h"
-#include "support/build_report.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 static int save(program *state, const svo_tree *tree)
 {

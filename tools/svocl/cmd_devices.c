@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "svocl/commands.h"
 #include "support/devices.h"
 #include "support/opengl.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 #define PLATFORMS_MAX 16
 #define DEVICES_MAX   32 /* per platform and in all */
@@ -49,13 +49,13 @@ static const char *device_type_name(cl_device_id device)
 }
 
 /* reason: "" if it works. */
-void devices_add_way(cJSON *array, const char *name, const char *reason)
+void devices_add_method(cJSON *array, const char *name, const char *reason)
 {
-    cJSON *way = cJSON_CreateObject();
-    json_add_text(way, "name", name);
-    cJSON_AddBoolToObject(way, "works", reason[0] == '\0');
-    json_add_text(way, "reason", reason);
-    cJSON_AddItemToArray(array, way);
+    cJSON *method = cJSON_CreateObject();
+    json_add_text(method, "name", name);
+    cJSON_AddBoolToObject(method, "works", reason[0] == '\0');
+    json_add_text(method, "reason", reason);
+    cJSON_AddItemToArray(array, method);
 }
 
 /* What works without OpenGL. */
@@ -64,7 +64,7 @@ static void add_frontends(cJSON *object, svo_device *device)
     svo_frontend *frontend = NULL;
     cJSON *frontends = cJSON_AddArrayToObject(object, "frontends");
     const bool made = svo_frontend_create_cl(device, &frontend) == SVO_OK;
-    devices_add_way(frontends, "cl", made ? "" : program_words(svo_device_message(device)));
+    devices_add_method(frontends, "cl", made ? "" : program_words(svo_device_message(device)));
     svo_frontend_destroy(&frontend);
 }
 
@@ -172,13 +172,13 @@ static bool works(const cJSON *object)
     return cJSON_IsTrue(cJSON_GetObjectItem(object, "works"));
 }
 
-static void print_ways(table *rows, const cJSON *ways)
+static void print_methods(table *rows, const cJSON *methods)
 {
-    const cJSON *way = NULL;
-    cJSON_ArrayForEach(way, ways)
+    const cJSON *method = NULL;
+    cJSON_ArrayForEach(method, methods)
     {
-        table_cell(rows, "%s", text_of(way, "name"));
-        table_cell(rows, "%s%s", works(way) ? "works" : "no: ", text_of(way, "reason"));
+        table_cell(rows, "%s", text_of(method, "name"));
+        table_cell(rows, "%s%s", works(method) ? "works" : "no: ", text_of(method, "reason"));
     }
 }
 
@@ -208,7 +208,7 @@ static void print_devices(const cJSON *platform, int platform_index)
         table_cell(rows, "%s, %u compute units, %s memory, %s per buffer", text_of(device, "type"),
                    (unsigned)count_of(device, "compute_units"), figure_bytes(count_of(device, "memory_bytes")).text,
                    figure_bytes(count_of(device, "max_allocation_bytes")).text);
-        print_ways(rows, cJSON_GetObjectItem(device, "frontends"));
+        print_methods(rows, cJSON_GetObjectItem(device, "frontends"));
         if (!works(device)) {
             table_cell(rows, "%s", "");
             table_cell(rows, "cannot be used: %s", text_of(device, "reason"));
@@ -265,7 +265,7 @@ static bool is_alike(const cJSON *a, const cJSON *b)
     return true;
 }
 
-/* One table for neighbours that are alike: contexts of one renderer differ in nothing else. */
+/* One table for neighbors that are alike: contexts of one renderer differ in nothing else. */
 static void print_pairs(const cJSON *document)
 {
     const cJSON *first = cJSON_GetArrayItem(cJSON_GetObjectItem(document, "pairs"), 0);
@@ -279,8 +279,8 @@ static void print_pairs(const cJSON *document)
             table_cell(rows, "%s %u: %s", text_of(pair, "context"), (unsigned)count_of(pair, "device_index"),
                        text_of(pair, "renderer"));
         }
-        print_ways(rows, cJSON_GetObjectItem(first, "frontends"));
-        print_ways(rows, cJSON_GetObjectItem(first, "shares"));
+        print_methods(rows, cJSON_GetObjectItem(first, "frontends"));
+        print_methods(rows, cJSON_GetObjectItem(first, "shares"));
         print_builders(rows, cJSON_GetObjectItem(first, "builders"));
         table_print(rows);
         first = pair;

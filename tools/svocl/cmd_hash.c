@@ -2,8 +2,8 @@
 /* svocl hash: the hash of a tree, alone on the last line. */
 #include <stdio.h>
 
-#include "svocl/commands.h"
 #include "support/job.h"
+#include "svocl/commands.h"
 
 /* done: NULL where a file was hashed and nothing ran. */
 static int print_hash(program *state, const svo_tree *tree, const job *done)

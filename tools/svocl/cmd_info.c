@@ -5,10 +5,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "svocl/commands.h"
 #include "support/input.h"
 #include "support/json.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 typedef struct file_facts {
     svo_tree_info info;
@@ -65,7 +65,7 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "edge");
     table_cell(rows, "%.9g, snapped to %u bits, snap error %.3g", info->edge, info->snap_bits, info->snap_error);
     table_cell(rows, "holds");
-    table_cell(rows, "nodes%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colours" : "",
+    table_cell(rows, "nodes%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colors" : "",
                (info->need & SVO_NEED_NORMAL) != 0 ? ", normals" : "",
                (info->need & SVO_NEED_MATERIAL) != 0 ? ", materials" : "",
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",

@@ -3,10 +3,10 @@
 #include <stb/stb_image_write.h>
 #include <stdlib.h>
 
-#include "svocl/commands.h"
 #include "support/job.h"
 #include "support/output.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 static void write_bytes(void *user, void *bytes, int byte_count)
 {

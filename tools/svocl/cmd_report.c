@@ -7,13 +7,13 @@
 #include <time.h>
 
 #include "bench/bench.h"
-#include "svocl/commands.h"
-#include "support/json.h"
-#include "support/output.h"
 #include "report/page.h"
 #include "report/plot.h"
 #include "report/text.h"
+#include "support/json.h"
+#include "support/output.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 #define PATH_BYTES     4096
 #define FILE_BYTES_MAX ((size_t)64 << 20)

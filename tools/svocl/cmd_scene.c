@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "svocl/commands.h"
+#include "scenes/scenes.h"
 #include "support/json.h"
 #include "support/output.h"
-#include "scenes/scenes.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 static int list_scenes(program *state)
 {

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "svocl/commands.h"
-#include "support/json.h"
 #include "stress/stress.h"
+#include "support/json.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 static size_t count_failed(const stress *run)
 {
@@ -31,7 +31,7 @@ static void print_case(table *rows, const stress_case *one)
 {
     const bool whole = strcmp(one->unit, "standard errors") != 0;
     table_cell(rows, "%s", one->name);
-    table_cell(rows, "%s", one->way);
+    table_cell(rows, "%s", one->method);
     table_cell(rows, "%s", figure_count(one->false_negatives).text);
     table_cell(rows, "%s", figure_count(one->false_positives).text);
     if (whole) {
@@ -53,7 +53,7 @@ static void print_cases(const stress *run)
                   svo_device_name(run->opened.device), svo_frontend_name(run->opened.frontend),
                   session_renderer(&run->opened), run->seed);
     table *rows = table_create("llrrrlrl");
-    static const char *const titles[] = {"case", "way", "missed", "surplus", "figure", "", "time", "verdict"};
+    static const char *const titles[] = {"case", "method", "missed", "surplus", "figure", "", "time", "verdict"};
     for (size_t i = 0; i < sizeof titles / sizeof titles[0]; ++i) {
         table_cell(rows, "%s", titles[i]);
     }
@@ -67,7 +67,7 @@ static void print_cases(const stress *run)
         }
     }
     table_line("The float32 ways are shown, not judged. They run on the host, with the sampling rules of rasterizers;");
-    table_line("Schwarz-Seidel and box-centred aim at closed voxels, the others at half-open ones.");
+    table_line("Schwarz-Seidel and box-centered aim at closed voxels, the others at half-open ones.");
     table_line("%zu of %zu cases passed", count_judged(run) - count_failed(run), count_judged(run));
 }
 
@@ -85,7 +85,7 @@ static cJSON *to_json(const stress *run)
         const stress_case *one = &run->cases[i];
         cJSON *object = cJSON_CreateObject();
         json_add_text(object, "name", one->name);
-        json_add_text(object, "way", one->way);
+        json_add_text(object, "method", one->method);
         json_add_count(object, "false_negatives", one->false_negatives);
         json_add_count(object, "false_positives", one->false_positives);
         cJSON_AddNumberToObject(object, "figure", one->figure);
@@ -131,7 +131,7 @@ int command_stress(program *state)
     }
     session_choose_opengl(state, &run.opened);
     program_begin_progress(state, 3);
-    progress_step(state->progress, "closed forms, count law, symmetry");
+    progress_step(state->progress, "closed forms, fragment estimate, symmetry");
     stress_cases_forms(&run);
     progress_step(state->progress, "trees against the reference");
     stress_cases_builds(&run);

@@ -2,11 +2,11 @@
 /* svocl trace: rays from a file or a camera against the triangles of a tree, hits into a file. */
 #include <stdlib.h>
 
-#include "svocl/commands.h"
 #include "support/job.h"
 #include "support/output.h"
 #include "support/ray_table.h"
 #include "support/table.h"
+#include "svocl/commands.h"
 
 static int write_hits(program *state, const svo_hit *hits, size_t count)
 {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl verify: a tree against the exact reference (tests/oracle), voxel by voxel, pair by pair and vertex by vertex. */
+/* svocl verify: a tree against the exact reference (tests/oracle), voxel by voxel, pair by pair and vertex by
+   vertex. */
 #include <inttypes.h>
 
-#include "svocl/commands.h"
 #include "support/build_report.h"
 #include "support/snap_check.h"
 #include "support/table.h"
 #include "support/tree_check.h"
+#include "svocl/commands.h"
 
 /* Everything that must be 0, and how much was compared. */
 typedef struct verdict {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The commands, one file each. Each returns the exit code, and has printed one line if it is not 0. */
-#ifndef SVOCL_COMMANDS_H
-#define SVOCL_COMMANDS_H
+#ifndef SVOCL_TOOLS_SVOCL_COMMANDS_H
+#define SVOCL_TOOLS_SVOCL_COMMANDS_H
 
 #include "support/program.h"
 

@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "svocl/commands.h"
 #include "scenes/scenes.h"
+#include "support/table.h"
+#include "svocl/commands.h"
 #include "svocl/io.h"
 #include "svocl/version.h"
-#include "support/table.h"
 
 #define BUILDS (OPTION_DEVICE | OPTION_BUILD | OPTION_JSON)
 
@@ -28,7 +28,7 @@ static const command commands[] = {
      "Draws the octree of a mesh or of a .svo file into a PNG picture."},
     {"trace", command_trace, BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND, "INPUT", true,
      "Traces rays from a file or a camera against the triangles of a mesh or of a .svo file."},
-    {"stress", command_stress, OPTION_DEVICE | OPTION_WAYS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
+    {"stress", command_stress, OPTION_DEVICE | OPTION_METHODS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
      "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
     {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
      "Measures times and errors, SUBJECT by subject or all; bench --help lists them."},

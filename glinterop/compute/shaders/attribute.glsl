@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a triangle contributes to a voxel: its weight, and its colour and normal at one of its points.
+ * What a triangle contributes to a voxel: its weight, and its color and normal at one of its points.
  * kernels/attribute.clh in GLSL, number by number; the part of a triangle inside a voxel (kernels/clip.clh) is one
  * text for both. The keys are the same. Needs 64-bit integers.
  *
- * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colours
+ * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colors
  * (RGBA8, one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v
  * (two words, 65536 = 1); what the mesh lacks is left out.
  */
@@ -48,7 +48,7 @@ ivec3 svo_equal_weights()
     return ivec3(SVO_WEIGHT_ONE - 2 * (SVO_WEIGHT_ONE / 3), SVO_WEIGHT_ONE / 3, SVO_WEIGHT_ONE / 3);
 }
 
-#if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTRE)
+#if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTER)
 
 /* A triangle's corners u, v, t from the voxel's minimum corner, in grid units; t is its axis. */
 void svo_load_corners(uint triangle, uint axis, ivec3 origin, out int corners[9])
@@ -136,7 +136,7 @@ svo_share svo_pair_share(uint triangle, svo_code code)
     if (!svo_triangle_is_flat(record)) {
         share.corners = svo_corner_weights(corners, part.u, part.v, params.voxel_log2);
     }
-#elif defined(SVO_WEIGHTS_CENTRE)
+#elif defined(SVO_WEIGHTS_CENTER)
     svo_triangle_record record = records[triangle];
     if (!svo_triangle_is_flat(record)) {
         int corners[9];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload, bottom up: mean colour, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
+ * The payload, bottom up: mean color, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
  *
  *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
  *                       payload and the node's sums. For lists of one chunk, and leaves of not too many triangles
@@ -10,8 +10,8 @@
  *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and
  *                       its own sums
  *
- * Launch: one invocation per node or fragment. Sums of a node lie together: weight, colour (four words), normal
- * (three), 64 bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbours share a word:
+ * Launch: one invocation per node or fragment. Sums of a node lie together: weight, color (four words), normal
+ * (three), 64 bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbors share a word:
  * their arrays hold zeros at first, and each number is added by an atomicOr.
  */
 #ifdef SVO_K_FILTER
@@ -54,7 +54,7 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
     return a;
 }
 
-/* 64-bit words of a node's sums, and of the parts before colour and normal. */
+/* 64-bit words of a node's sums, and of the parts before color and normal. */
 #ifdef SVO_COLOR
 #define SVO_NORMAL_SUM 5u
 #else

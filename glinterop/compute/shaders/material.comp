@@ -9,7 +9,7 @@
  *   (compute.glsl)
  *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries to the place of the first
  *
- * Materials are 16-bit numbers, of which neighbours share a word: their array holds zeros at first, and each number is
+ * Materials are 16-bit numbers, of which neighbors share a word: their array holds zeros at first, and each number is
  * added by an atomicOr.
  */
 #define SVO_ENTRY_SHIFT 48
@@ -130,7 +130,7 @@ void svo_put(bool forth, uint index, uint64_t entry)
     }
 }
 
-/* Merges two neighbouring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries
+/* Merges two neighboring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries
    of one material are added up before they are written. */
 void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 {

@@ -3,7 +3,8 @@
  * One column of voxels of one triangle: finds the voxels that the exact test lets pass, and appends a fragment (Morton
  * code, triangle) for each. They are consecutive, since the triangle is convex.
  *
- * The list's counter counts on when the chunk is full, so that the exact need is known; nothing is written past the end.
+ * The list's counter counts on when the chunk is full, so that the exact need is known; nothing is written past the
+ * end.
  */
 layout(std430, binding = 3) buffer Counters
 {

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fetches a triangle and places what is to be rasterized for it, so that every pixel whose column of voxels the triangle
- * can touch is covered:
+ * Fetches a triangle and places what is to be rasterized for it, so that every pixel whose column of voxels the
+ * triangle can touch is covered:
  *
  *   SVO_POINT  the one pixel (GL_POINTS)
- *   bounds     needles, triangles without area, those that reach outside: a right triangle around the bounding rectangle,
+ *   bounds     needles, triangles without area, those that reach outside: a right triangle around the bounding
+ *   rectangle,
  *              or around the band along the longest edge where that is thinner: a needle costs what it is long
  *   otherwise  the triangle with its edges moved outwards by SVO_REACH pixels along each axis, after Hasselgren,
  *              Akenine-Moller and Ohlsson, "Conservative Rasterization", GPU Gems 2, 2005
  *
- * Three vertices per item (one for points), pulled from storage blocks; everything the fragment shader needs travels flat.
- * SVO_REACH is half a pixel (none where the hardware rasterizes conservatively) and a margin of 1/16 pixel (none where the
- * hardware does so before it snaps). The margin covers the rounding of positions to the rasterizer's sub-pixel grid (1/256
- * pixel or coarser) and of the float arithmetic here: positions are below 2^14 pixels and exact to 2^-9.
+ * Three vertices per item (one for points), pulled from storage blocks; everything the fragment shader needs travels
+ * flat. SVO_REACH is half a pixel (none where the hardware rasterizes conservatively) and a margin of 1/16 pixel (none
+ * where the hardware does so before it snaps). The margin covers the rounding of positions to the rasterizer's
+ * sub-pixel grid (1/256 pixel or coarser) and of the float arithmetic here: positions are below 2^14 pixels and exact
+ * to 2^-9.
  */
 layout(std430, binding = 0) readonly buffer Vertices
 {
@@ -47,12 +49,12 @@ vec2 expand(vec2 a, vec2 b, vec2 c)
 {
     vec2 n = vec2(b.y - a.y, a.x - b.x);
     vec2 m = vec2(c.y - b.y, b.x - c.x);
-    float turn = n.x * m.y - n.y * m.x;
-    float side = turn < 0.0 ? -1.0 : 1.0;
+    float interleaved_method = n.x * m.y - n.y * m.x;
+    float side = interleaved_method < 0.0 ? -1.0 : 1.0;
     float reach = side * SVO_REACH;
     float n_reach = reach * (abs(n.x) + abs(n.y));
     float m_reach = reach * (abs(m.x) + abs(m.y));
-    return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / turn;
+    return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / interleaved_method;
 }
 
 vec2 longer(vec2 a, vec2 b)
@@ -60,11 +62,12 @@ vec2 longer(vec2 a, vec2 b)
     return max(abs(a.x), abs(a.y)) < max(abs(b.x), abs(b.y)) ? b : a;
 }
 
-/* A corner of the triangle around all pixels that a-b-c touches: (0, 0), (2, 0) and (0, 2) of its bounding rectangle or of
-   the band, which is the rectangle sheared along the longest edge. size: of the rectangle. All in pixels.
+/* A corner of the triangle around all pixels that a-b-c touches: (0, 0), (2, 0) and (0, 2) of its bounding rectangle or
+   of the band, which is the rectangle sheared along the longest edge. size: of the rectangle. All in pixels.
 
-   The centre of a pixel that is touched is at most half a pixel off along both axes, so at most one off the band's line. A
-   quarter is left for the sub-pixel grid, and 2^-19 of the largest coordinate for float arithmetic, here and in clipping. */
+   The center of a pixel that is touched is at most half a pixel off along both axes, so at most one off the band's
+   line. A quarter is left for the sub-pixel grid, and 2^-19 of the largest coordinate for float arithmetic, here and in
+   clipping. */
 vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
 {
     vec2 edge = longer(longer(b - a, c - b), a - c);
@@ -75,8 +78,8 @@ vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
     edge = steep ? edge.yx : edge;
     size = steep ? size.yx : size;
 
-    vec2 farthest = max(abs(a), max(abs(b), abs(c)));
-    float reach = 1.25 + max(farthest.x, farthest.y) * 1.9073486e-6;
+    vec2 max_distance = max(abs(a), max(abs(b), abs(c)));
+    float reach = 1.25 + max(max_distance.x, max_distance.y) * 1.9073486e-6;
     float slope = edge.x != 0.0 ? edge.y / edge.x : 0.0;
     vec3 above = vec3(a.y - slope * a.x, b.y - slope * b.x, c.y - slope * c.x);
     float low = min(above.x, min(above.y, above.z)) - reach;
@@ -111,9 +114,9 @@ void main()
     ivec3 first = clamp((min(a, min(b, c)) - (1 - open)) >> voxel_log2, ivec3(0), limit);
     ivec3 last = clamp(max(a, max(b, c)) >> voxel_log2, ivec3(0), limit) - first;
     ivec3 base = first << voxel_log2;
-    svo_point local[3] = svo_point[3](turn(a - base, axis), turn(b - base, axis), turn(c - base, axis));
-    svo_point start = turn(first, axis);
-    svo_point extent = turn(last, axis);
+    svo_point local[3] = svo_point[3](interleaved_method(a - base, axis), interleaved_method(b - base, axis), interleaved_method(c - base, axis));
+    svo_point start = interleaved_method(first, axis);
+    svo_point extent = interleaved_method(last, axis);
 
     corner_a = ivec4(local[0].u, local[0].v, local[0].t, int(axis));
     corner_b = ivec4(local[1].u, local[1].v, local[1].t, int(item.triangle));

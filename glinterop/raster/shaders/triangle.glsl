@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the vertex and fragment shaders of the raster front end share: the snapped mesh as storage blocks, and the turn of
- * the axes that puts a triangle's axis of projection last.
+ * What the vertex and fragment shaders of the raster front end share: the snapped mesh as storage blocks, and the turn
+ * of the axes that puts a triangle's axis of projection last.
  *
  *   axis 2: (u, v, t) = (x, y, z)     axis 0: (y, z, x)     axis 1: (z, x, y)
  *
- * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel), open (1 where a voxel's far
- * faces belong to its neighbours, 0 where coverage is closed), view_origin (the first pixel of this viewport).
+ * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel), open (1 where a voxel's
+ * far faces belong to its neighbors, 0 where coverage is closed), view_origin (the first pixel of this viewport).
  */
 uniform int depth;
 uniform int voxel_log2;
@@ -19,7 +19,7 @@ int turned(ivec3 p, uint axis, int k)
     return p[(int(axis) + 1 + k) % 3];
 }
 
-svo_point turn(ivec3 p, uint axis)
+svo_point interleaved_method(ivec3 p, uint axis)
 {
     return svo_make_point(turned(p, axis, 0), turned(p, axis, 1), turned(p, axis, 2));
 }
