@@ -14,6 +14,25 @@
 #define SVO_I_SHARED_BEGIN _Pragma("GCC visibility push(default)")
 #define SVO_I_SHARED_END   _Pragma("GCC visibility pop")
 
+/*
+ * The two ways to pass a failure on; tools/dev check finds others. A function that owns nothing returns it. A function
+ * that has something to release declares "svo_status status = SVO_OK;" first and ends in one label "cleanup:".
+ */
+#define SVO_I_TRY(call)                          \
+    do {                                         \
+        const svo_status svo_i_status_ = (call); \
+        if (svo_i_status_ != SVO_OK) {           \
+            return svo_i_status_;                \
+        }                                        \
+    } while (0)
+#define SVO_I_TRY_CLEANUP(call) \
+    do {                        \
+        status = (call);        \
+        if (status != SVO_OK) { \
+            goto cleanup;       \
+        }                       \
+    } while (0)
+
 SVO_I_SHARED_BEGIN
 
 /* Writes one line (cut to fit, always terminated) and returns status, so that "return svo_i_fail(...)" reads well.
