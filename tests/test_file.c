@@ -25,7 +25,7 @@
 #include <xxhash.h>
 
 #include "core/tree.h"
-#include "io/file.h"
+#include "io/file_format.h"
 #include "svocl/io.h"
 #include "svocl/plan.h"
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The last step of loading a .svo file: every link, list entry and index of the arrays is where a build would put
-   it. */
+/* The last step of loading a .svo file: node links, lists and indices must be such as a build makes them. */
+#include "io/file_check.h"
+
 #include <inttypes.h>
 
 #include "core/message.h"
 #include "core/tree.h"
-#include "io/file.h"
 #include "svocl/plan.h"
 
-#define SNAPPED_MAX (1 << 29) /* vertices of accepted triangles lie below this (lib/grid.c) */
+#define SNAPPED_MAX (1 << 29) /* coordinates of accepted triangles lie below this (lib/plan/grid.c) */
 
 typedef struct check {
     const svo_tree_info *info;
@@ -27,8 +27,8 @@ static uint32_t count_bits(uint8_t mask)
 }
 
 /*
- * Breadth-first without gaps: a node's children begin where those of the node before it end, so first_child is a
- * running sum over the whole tree, and at the end of each level it must have arrived at the header's next level.
+ * Nodes are in breadth-first order without gaps: a node's children begin where those of the node before it end. So
+ * first_child is a running sum over the whole tree, and at the end of a level it equals the header's level_begin.
  */
 static svo_status check_nodes(const check *job)
 {
@@ -88,14 +88,13 @@ static svo_status check_lists(const check *job)
                           "%s: the lists are %" PRIu32 " .. %" PRIu32 ", 0 .. %" PRIu64 " expected", job->name,
                           list_begin[0], list_begin[leaf_count], job->info->list_count);
     }
-    svo_status status = SVO_OK;
-    for (uint64_t leaf = 0; leaf < leaf_count && status == SVO_OK; ++leaf) {
-        status = check_leaf(job, leaf);
+    for (uint64_t leaf = 0; leaf < leaf_count; ++leaf) {
+        SVO_I_TRY(check_leaf(job, leaf));
     }
-    return status;
+    return SVO_OK;
 }
 
-/* Only vertices that a triangle uses need to be in range: others may be leftovers of refused triangles. */
+/* Only vertices that a triangle uses must be in range; others may belong to refused triangles. */
 static svo_status check_corner(const check *job, uint64_t corner)
 {
     const uint32_t vertex = job->arrays.indices[corner];
@@ -119,10 +118,7 @@ static svo_status check_geometry(const check *job)
 {
     const svo_tree_info *info = job->info;
     for (uint64_t corner = 0; corner < 3 * info->list_triangle_count; ++corner) {
-        const svo_status status = check_corner(job, corner);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(check_corner(job, corner));
     }
     for (uint64_t i = 0; i < info->list_triangle_count; ++i) {
         const uint32_t id = job->arrays.triangle_ids[i];
@@ -139,12 +135,10 @@ svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, sv
 {
     check job = {.info = &tree->info, .name = name, .message = message};
     svo_tree_get_arrays(tree, &job.arrays);
-    svo_status status = check_nodes(&job);
-    if (status == SVO_OK && (job.info->need & SVO_NEED_RAYS) != 0) {
-        status = check_lists(&job);
-        if (status == SVO_OK) {
-            status = check_geometry(&job);
-        }
+    SVO_I_TRY(check_nodes(&job));
+    if ((job.info->need & SVO_NEED_RAYS) == 0) {
+        return SVO_OK;
     }
-    return status;
+    SVO_I_TRY(check_lists(&job));
+    return check_geometry(&job);
 }

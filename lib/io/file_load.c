@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * .svo files to trees. Nothing in a file is believed: the header's lengths are checked against the file before anything
- * is allocated, every byte is under a checksum, and file_check.c walks the finished arrays.
+ * .svo files to trees. Files are not trusted: lengths are checked against the file before anything is allocated, a
+ * checksum covers every byte, and file_check.c verifies the structure of the finished arrays.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -19,10 +19,11 @@
 
 #include "core/message.h"
 #include "core/tree.h"
-#include "io/file.h"
+#include "io/file_check.h"
+#include "io/file_format.h"
 #include "svocl/plan.h"
 
-/* A zstd block is at least 4 bytes long and gives at most 128 KiB: no honest chunk promises more. */
+/* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
 #define ZSTD_BLOCK_STORED_BYTES_MIN 4
 #define ZSTD_BLOCK_PLAIN_BYTES_MAX  ((uint64_t)128 * 1024)
 
@@ -48,7 +49,7 @@ static svo_status damaged(const load_state *state, const char *format, ...)
     return svo_i_fail(state->message, SVO_FILE_DAMAGED, "%s: %s", state->name, detail.text);
 }
 
-/* Copies bytes that are known to lie inside the file. */
+/* Copies bytes that the caller has checked to lie inside the file. */
 static svo_status read_at(const load_state *state, uint64_t offset, void *out, size_t byte_count)
 {
     if (state->memory != NULL) {
@@ -74,15 +75,12 @@ static svo_status read_at(const load_state *state, uint64_t offset, void *out, s
     return SVO_OK;
 }
 
-/* The part of the header that says whether this is a whole .svo file of a known version. */
+/* Checks that this is a complete .svo file of a known version. */
 static svo_status read_identity(load_state *state)
 {
     file_header *header = &state->head.header;
     const size_t there_bytes = state->file_bytes < sizeof *header ? (size_t)state->file_bytes : sizeof *header;
-    const svo_status status = read_at(state, 0, header, there_bytes);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(read_at(state, 0, header, there_bytes));
     const size_t magic_bytes = there_bytes < FILE_MAGIC_BYTES ? there_bytes : FILE_MAGIC_BYTES;
     if (magic_bytes == 0 || memcmp(header->magic, FILE_MAGIC, magic_bytes) != 0) {
         return damaged(state, "not a .svo file");
@@ -116,10 +114,7 @@ static svo_status read_chunk_table(load_state *state)
     if (header->header_bytes != head_bytes || head_bytes > state->file_bytes) {
         return damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes, head_bytes);
     }
-    const svo_status status = read_at(state, sizeof *header, state->head.chunks, table_bytes);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(read_at(state, sizeof *header, state->head.chunks, table_bytes));
     const uint64_t hash = XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, head_bytes - FILE_HASH_BEGIN);
     if (hash != header->header_hash) {
         return damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash, header->header_hash);
@@ -220,7 +215,7 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->leaf_count = info->node_count - info->inner_count;
 }
 
-/* Where a chunk lies and how it is packed; its length against the counts comes later. */
+/* A chunk's place and codec; check_chunk_length compares its length with the counts. */
 static svo_status check_chunk_place(const load_state *state, const file_chunk *chunk, uint64_t offset)
 {
     const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
@@ -293,13 +288,8 @@ static svo_status check_chunk_table(load_state *state)
             return damaged(state, "chunk %" PRIu32 ": kind is %" PRIu32 ", %" PRIu32 " (%s) expected", chunk_index - 1,
                            chunk->kind, i, array);
         }
-        svo_status status = check_chunk_place(state, chunk, offset);
-        if (status == SVO_OK) {
-            status = check_chunk_length(state, chunk);
-        }
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(check_chunk_place(state, chunk, offset));
+        SVO_I_TRY(check_chunk_length(state, chunk));
         offset += chunk->stored_bytes;
     }
     if (chunk_index != header->chunk_count) {
@@ -322,25 +312,25 @@ static svo_status unpack_chunk(const load_state *state, const file_chunk *chunk,
 {
     const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
     const size_t stored_bytes = (size_t)chunk->stored_bytes;
+    svo_status status = SVO_OK;
+    size_t got = 0;
     void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
     if (packed == NULL) {
         return out_of_memory(state, array, chunk->stored_bytes);
     }
-    svo_status status = read_at(state, chunk->offset, packed, stored_bytes);
-    if (status == SVO_OK) {
-        const size_t got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
-        if (ZSTD_isError(got)) {
-            status = damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
-        } else if (got != chunk->plain_bytes) {
-            status =
-                damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got, chunk->plain_bytes);
-        }
+    SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
+    got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
+    if (ZSTD_isError(got)) {
+        status = damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
+    } else if (got != chunk->plain_bytes) {
+        status = damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got, chunk->plain_bytes);
     }
+cleanup:
     free(packed);
     return status;
 }
 
-/* One chunk into tree->host, which owns it from the allocation on. */
+/* Reads one chunk into tree->host, which owns the array as soon as it is allocated. */
 static svo_status load_chunk(load_state *state, const file_chunk *chunk)
 {
     const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
@@ -349,18 +339,14 @@ static svo_status load_chunk(load_state *state, const file_chunk *chunk)
     }
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
     void *plain = NULL;
-    svo_status status = SVO_OK;
     if (plain_bytes > 0) {
         plain = malloc(plain_bytes);
         if (plain == NULL) {
             return out_of_memory(state, array, chunk->plain_bytes);
         }
         state->tree->host[chunk->kind] = plain;
-        status = chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, plain)
-                                                 : read_at(state, chunk->offset, plain, plain_bytes);
-    }
-    if (status != SVO_OK) {
-        return status;
+        SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, plain)
+                                                  : read_at(state, chunk->offset, plain, plain_bytes));
     }
     const uint64_t hash = XXH3_64bits(plain != NULL ? plain : "", plain_bytes);
     if (hash != chunk->hash) {
@@ -373,44 +359,32 @@ static svo_status load_chunk(load_state *state, const file_chunk *chunk)
 
 static svo_status load_chunks(load_state *state)
 {
-    svo_status status = check_chunk_table(state);
-    for (uint32_t i = 0; i < state->head.header.chunk_count && status == SVO_OK; ++i) {
-        status = load_chunk(state, &state->head.chunks[i]);
+    SVO_I_TRY(check_chunk_table(state));
+    for (uint32_t i = 0; i < state->head.header.chunk_count; ++i) {
+        SVO_I_TRY(load_chunk(state, &state->head.chunks[i]));
     }
-    if (status == SVO_OK) {
-        state->tree->downloaded = true;
-        status = svo_i_file_check_structure(state->tree, state->name, state->message);
-    }
-    return status;
+    state->tree->downloaded = true;
+    return svo_i_file_check_structure(state->tree, state->name, state->message);
 }
 
 static svo_status load(load_state *state, svo_tree **out)
 {
-    svo_status status = read_identity(state);
-    if (status == SVO_OK) {
-        status = read_chunk_table(state);
-    }
-    if (status == SVO_OK) {
-        status = check_values(state);
-    }
-    if (status == SVO_OK) {
-        status = check_levels(state);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY(read_identity(state));
+    SVO_I_TRY(read_chunk_table(state));
+    SVO_I_TRY(check_values(state));
+    SVO_I_TRY(check_levels(state));
     state->tree = svo_i_tree_new();
     if (state->tree == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
     }
     fill_info(&state->tree->info, &state->head.header);
-    status = load_chunks(state);
-    if (status != SVO_OK) {
-        svo_tree_destroy(&state->tree);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(load_chunks(state));
     *out = state->tree;
-    return SVO_OK;
+    state->tree = NULL;
+cleanup:
+    svo_tree_destroy(&state->tree);
+    return status;
 }
 
 svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
@@ -419,7 +393,7 @@ svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
     }
     load_state state = {.name = path, .message = message};
-    /* Not blocking, so that a pipe's name is refused instead of waited for. */
+    /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
     state.file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (state.file < 0) {
         return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Trees to .svo files. The arrays go out chunk by chunk to a temporary file beside the target, the header last, when
- * lengths and checksums are known; only a complete and flushed file gets the target's name.
+ * Trees to .svo files. Chunks are written to a temporary file beside the target; the header follows when their lengths
+ * and checksums are known. A complete and flushed file is then renamed to the target.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -18,7 +18,7 @@
 
 #include "core/message.h"
 #include "core/tree.h"
-#include "io/file.h"
+#include "io/file_format.h"
 
 #define COMPRESSION_LEVEL 3
 #define NAME_ATTEMPTS     1000
@@ -55,7 +55,7 @@ static svo_status write_at(const save_state *state, uint64_t offset, const void 
     return SVO_OK;
 }
 
-/* Writes one array compressed if that makes it smaller; *stored_bytes is its length in the file, 0 if it did not. */
+/* Writes an array compressed if that is smaller. *stored_bytes: its length in the file; 0: nothing was written. */
 static svo_status write_compressed(const save_state *state, uint64_t offset, const void *plain, size_t plain_bytes,
                                    uint64_t *stored_bytes)
 {
@@ -94,10 +94,10 @@ static svo_status write_chunk(const save_state *state, uint64_t offset, file_chu
     chunk->plain_bytes = plain_bytes;
     chunk->hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
     if (state->compress && plain_bytes > 0) {
-        const svo_status status = write_compressed(state, offset, plain, plain_bytes, &chunk->stored_bytes);
-        if (status != SVO_OK || chunk->stored_bytes > 0) {
+        SVO_I_TRY(write_compressed(state, offset, plain, plain_bytes, &chunk->stored_bytes));
+        if (chunk->stored_bytes > 0) {
             chunk->codec = FILE_CODEC_ZSTD;
-            return status;
+            return SVO_OK;
         }
     }
     chunk->codec = FILE_CODEC_STORED;
@@ -142,10 +142,7 @@ static svo_status write_tree(save_state *state)
         }
         file_chunk *chunk = &state->head.chunks[chunk_index++];
         chunk->kind = i;
-        const svo_status status = write_chunk(state, offset, chunk);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(write_chunk(state, offset, chunk));
         offset += chunk->stored_bytes;
     }
     header->file_bytes = offset;
@@ -175,8 +172,8 @@ static svo_status open_temporary(save_state *state, char **temporary)
     return SVO_OK;
 }
 
-/* Makes the rename itself durable. A directory that cannot be opened or synchronized is not an error: the file is whole
-   and has its name, and some file systems refuse. */
+/* Makes the rename durable. Failure is ignored: the file is complete and has its name, and some file systems cannot
+   synchronize directories. */
 static void sync_directory(const char *path)
 {
     char *directory = strdup(path);
@@ -210,24 +207,21 @@ static svo_status flush_and_close(save_state *state)
 
 static svo_status save_by_rename(save_state *state)
 {
+    svo_status status = SVO_OK;
     char *temporary = NULL;
-    svo_status status = open_temporary(state, &temporary);
-    if (temporary == NULL) {
-        return status;
-    }
-    status = write_tree(state);
-    if (status == SVO_OK) {
-        status = flush_and_close(state);
-    }
-    if (status == SVO_OK && rename(temporary, state->path) != 0) {
+    SVO_I_TRY(open_temporary(state, &temporary));
+    SVO_I_TRY_CLEANUP(write_tree(state));
+    SVO_I_TRY_CLEANUP(flush_and_close(state));
+    if (rename(temporary, state->path) != 0) {
         status = fail_errno(state, "cannot be written");
+        goto cleanup;
     }
+    sync_directory(state->path);
+cleanup:
     if (state->file >= 0) {
         close(state->file);
     }
-    if (status == SVO_OK) {
-        sync_directory(state->path);
-    } else {
+    if (status != SVO_OK) {
         (void)unlink(temporary);
     }
     free(temporary);
@@ -249,7 +243,7 @@ svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_
     }
     struct stat entry;
     if (stat(path, &entry) == 0 && !S_ISREG(entry.st_mode)) {
-        /* A rename would replace a device or a pipe by a file. */
+        /* The rename would replace a device or a pipe. */
         return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: not a regular file", path);
     }
     save_state state = {.tree = tree,

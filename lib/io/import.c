@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mesh files, the caller's side: checks the arguments and the file, lets a child process read it (import_process.c),
- * checks the answer (import_stream.c) and keeps it. The child's side is import_child.c.
+ * Mesh files, in the calling process: checks the arguments and the file, has a child process read it
+ * (import_process.c) and parses the child's answer (import_stream.c). import_child.c runs in the child.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -19,7 +19,7 @@
 #define DEFAULT_TIME_SECONDS  120
 #define DEFAULT_CHILD_PROGRAM "/proc/self/exe"
 
-/* What the caller would blame a library for, but the system knows better: missing, a directory, not permitted. */
+/* Errors for which the system has a better message than a reader: missing, a directory, no permission. */
 static svo_status check_file(const char *path, svo_message *message)
 {
     const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -59,13 +59,9 @@ static svo_status check_arguments(const char *path, const svo_import_options *op
 svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log, void *log_user,
                            svo_import **out, svo_message *message)
 {
-    svo_status status = check_arguments(path, options, out, message);
-    if (status == SVO_OK) {
-        status = check_file(path, message);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_arguments(path, options, out, message));
+    SVO_I_TRY(check_file(path, message));
     svo_import_options filled = {.struct_size = sizeof filled};
     if (options != NULL) {
         filled = *options;
@@ -77,16 +73,13 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
     if (import == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
     }
-    status = svo_i_import_run_child(path, &filled, import, message);
-    if (status == SVO_OK) {
-        status = svo_i_stream_parse(import, path, log, log_user, message);
-    }
-    if (status != SVO_OK) {
-        svo_import_destroy(&import);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, import, message));
+    SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, log, log_user, message));
     *out = import;
-    return SVO_OK;
+    import = NULL;
+cleanup:
+    svo_import_destroy(&import);
+    return status;
 }
 
 const svo_mesh *svo_import_mesh(const svo_import *import)

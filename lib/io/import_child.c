@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child: limits itself, reads the file with assimp and writes what it found to its parent. Anything may go
- * wrong from here on: assimp 5.2.5 crashes, hangs or asks for all memory on some broken files.
+ * The import child: sets its own resource limits, reads the file with assimp and writes the mesh to its parent. On some
+ * broken files assimp 5.2.5 crashes, hangs or allocates without end; here that ends this process alone.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <assimp/cimport.h>
@@ -19,7 +19,7 @@
 #include "io/import_scene.h"
 #include "io/import_stream.h"
 
-/* The address sanitizer reserves terabytes of address space: no limit on that can be set beside it. */
+/* The address sanitizer reserves terabytes of address space, so that space cannot be limited beside it. */
 #if defined(__SANITIZE_ADDRESS__)
 #define LIMIT_ADDRESS_SPACE 0
 #elif defined(__has_feature)
@@ -31,10 +31,10 @@
 #define LIMIT_ADDRESS_SPACE 1
 #endif
 
-/* Failing to set a limit is no reason not to read: the parent still has its clock. */
-static void limit_oneself(uint64_t memory_bytes, uint64_t seconds)
+/* A limit that cannot be set is no error: the parent's timeout still holds. */
+static void set_limits(uint64_t memory_bytes, uint64_t seconds)
 {
-    /* 1 and not 0: a core that goes to a pipe is written at 0, and 1 is below any file's minimum. */
+    /* 1 and not 0: with 0 the kernel still pipes a core to a handler, and 1 is too small for any core file. */
     const struct rlimit core = {.rlim_cur = 1, .rlim_max = 1};
     (void)setrlimit(RLIMIT_CORE, &core);
     const struct rlimit processor = {.rlim_cur = seconds, .rlim_max = seconds + 1};
@@ -45,7 +45,7 @@ static void limit_oneself(uint64_t memory_bytes, uint64_t seconds)
     }
 }
 
-/* No step that moves, joins or removes: what the file says is what gets voxelized. */
+/* No post-processing that moves, joins or removes geometry: the file's triangles are voxelized as they are. */
 static const struct aiScene *read_scene(const char *path)
 {
     struct aiPropertyStore *properties = aiCreatePropertyStore();
@@ -103,7 +103,7 @@ int svo_import_child_main(int argc, char **argv, int *exit_code)
     }
     const uint64_t memory_bytes = strtoull(argv[3], NULL, 10);
     const uint64_t seconds = strtoull(argv[4], NULL, 10);
-    limit_oneself(memory_bytes, seconds);
+    set_limits(memory_bytes, seconds);
     *exit_code = read_and_send(argv[2], memory_bytes);
     return 1;
 }

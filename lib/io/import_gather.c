@@ -14,7 +14,7 @@
 
 #define EMPTY            UINT32_MAX
 #define FIRST_CAPACITY   ((size_t)1024)
-#define SEND_BLOCK_COUNT 4096 /* vertices whose fields are put side by side at a time */
+#define SEND_BLOCK_COUNT 4096 /* vertices per block that is written */
 
 static_assert(sizeof(gather_vertex) == 36, "a vertex is compared as bytes and must have no padding");
 
@@ -38,7 +38,7 @@ static bool reserve(void **array, size_t count, size_t *capacity, size_t element
     return true;
 }
 
-/* As bytes and not as numbers: -0 and 0 are different, a NaN is the same as itself. */
+/* Compared as bytes: -0 and 0 differ, a NaN equals itself. */
 static bool is_same(const gather_vertex *a, const gather_vertex *b)
 {
     return memcmp((const uint8_t *)a, (const uint8_t *)b, sizeof *a) == 0;

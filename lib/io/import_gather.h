@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh as an import child gathers it: triangles over distinct vertices. A vertex is what a triangle's corner says
- * in all its attributes; corners that say the same, bit for bit, share one. (Most formats give every triangle its own
- * three corners, which would triple what is sent, snapped and uploaded later. assimp's own joining is not used: it
- * takes positions for the same that are merely close.)
+ * The mesh that an import child gathers: triangles over distinct vertices. Corners that are equal in all attributes,
+ * bit for bit, share a vertex. (Most formats give every triangle three corners of its own, which would triple what is
+ * sent, snapped and uploaded. assimp's own joining also merges positions that are merely close.)
  */
 #ifndef SVO_LIB_IO_IMPORT_GATHER_H
 #define SVO_LIB_IO_IMPORT_GATHER_H
@@ -37,7 +36,7 @@ typedef struct gather {
 
 #define GATHER_NO_VERTEX UINT32_MAX
 
-/* They return false when memory or 32-bit indices run out. */
+/* These return false when memory or 32-bit indices run out. */
 bool svo_i_gather_vertex(gather *mesh, const gather_vertex *vertex, uint32_t *index);
 bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t material);
 bool svo_i_gather_material(gather *mesh, const svo_material *material); /* the new one is the last */

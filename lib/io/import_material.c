@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Materials in the import child. Of all that assimp knows about a material only its diffuse (or base) color and that
- * color's texture matter here.
+ * Materials in the import child: the diffuse or base color, and that color's texture. Other properties are ignored.
  */
 #include "io/import_material.h"
 
@@ -10,7 +9,7 @@
 
 #include "io/import_stream.h"
 
-#define DEFAULT_GREY 0.6f /* assimp's color for materials that no file asked for */
+#define DEFAULT_GRAY 0.6f /* of assimp's default material */
 
 uint8_t svo_i_import_color_byte(float value)
 {
@@ -34,8 +33,8 @@ static svo_wrap wrap_of(enum aiTextureMapMode mode)
 }
 
 /*
- * Scale and offset as files give them (glTF's KHR_texture_transform, for one). assimp has a step that applies them, but
- * 5.2.5's is at odds with what its glTF reader writes: it scales about the center.
+ * Scale and offset from the file, such as glTF's KHR_texture_transform. assimp 5.2.5 has a step that applies them, but
+ * that step scales about the center, which contradicts what assimp's glTF reader stores.
  */
 static bool read_uv_transform(const texture_list *textures, const struct aiMaterial *source, enum aiTextureType type,
                               texture_use *use)
@@ -49,7 +48,8 @@ static bool read_uv_transform(const texture_list *textures, const struct aiMater
     use->offset[0] = transform.mTranslation.x;
     use->offset[1] = transform.mTranslation.y;
     return transform.mRotation == 0 ||
-           svo_i_stream_text(textures->stream, STREAM_WARNING, "a material turns its texture, which is left out") == 0;
+           svo_i_stream_text(textures->stream, STREAM_WARNING,
+                             "a material rotates its texture; the rotation is ignored") == 0;
 }
 
 static bool add_texture(texture_list *textures, const struct aiMaterial *source, svo_material *material,
@@ -71,13 +71,13 @@ static bool add_texture(texture_list *textures, const struct aiMaterial *source,
     return true;
 }
 
-/* assimp invents a gray material where the file has none: that is no color of the mesh. */
-static bool is_invented(const struct aiMaterial *source, const struct aiColor4D *color)
+/* assimp adds a gray material where the file has none; it is no color of the mesh. */
+static bool is_assimp_default(const struct aiMaterial *source, const struct aiColor4D *color)
 {
     struct aiString name = {0};
     (void)aiGetMaterialString(source, AI_MATKEY_NAME, &name);
-    return (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0) && color->r == DEFAULT_GREY &&
-           color->g == DEFAULT_GREY && color->b == DEFAULT_GREY;
+    return (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0) && color->r == DEFAULT_GRAY &&
+           color->g == DEFAULT_GRAY && color->b == DEFAULT_GRAY;
 }
 
 static struct aiColor4D base_color(const struct aiMaterial *source)
@@ -88,7 +88,7 @@ static struct aiColor4D base_color(const struct aiMaterial *source)
     if (aiGetMaterialColor(source, AI_MATKEY_COLOR_DIFFUSE, &color) != aiReturn_SUCCESS) {
         color = base;
     }
-    if (is_invented(source, &color)) {
+    if (is_assimp_default(source, &color)) {
         return white;
     }
     /* Where there is a base color (glTF), its alpha is the opacity already. */

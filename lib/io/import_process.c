@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child's life as its parent sees it: started with a pipe and nothing else, read until the pipe closes or
- * the time is over, then buried. Crash, hang and flood all end in a status here.
+ * The import child, seen by its parent: started with one pipe, read until the pipe closes or the time limit passes,
+ * then waited for or killed. A crash, a hang or endless output becomes a status.
  */
-#define _GNU_SOURCE /* pipe2: no moment in which another thread's child could inherit the pipe */
+#define _GNU_SOURCE /* pipe2: no other thread's child can inherit the pipe */
 #include "io/import_process.h"
 
 #include <errno.h>
@@ -24,7 +24,7 @@
 #include "io/import_stream.h"
 
 #define FIRST_READ_BYTES ((size_t)1 << 20)
-#define NOT_STARTED_CODE 127 /* posix_spawn's, where it notices too late that the program cannot be run */
+#define NOT_STARTED_CODE 127 /* posix_spawn's exit code where exec fails in the child */
 
 typedef struct import_child {
     const char *path;
@@ -35,7 +35,7 @@ typedef struct import_child {
     int stream;
 } import_child;
 
-/* The parent's environment and one mark; the caller frees the array, not the strings. */
+/* The parent's environment and IMPORT_CHILD_ENVIRONMENT; the caller frees the array, not the strings. */
 static char **child_environment(void)
 {
     static char mark[] = IMPORT_CHILD_ENVIRONMENT "=1";
@@ -55,7 +55,7 @@ static char **child_environment(void)
     return environment;
 }
 
-/* The child starts with default signals, none blocked, whatever the caller's program did to its own. */
+/* The child starts with default signal handlers and none blocked, whatever the calling program has set. */
 static int fill_attributes(posix_spawnattr_t *attributes)
 {
     sigset_t none, all;
@@ -152,7 +152,7 @@ static int remaining_ms(const import_child *child)
     return left_ms < 1e6 ? (int)left_ms + 1 : 1000000;
 }
 
-/* Room for at least one more byte; the answer may be as large as the child's address space, never larger. */
+/* Room for at least one more byte, up to the child's memory limit. */
 static svo_status make_room(const import_child *child, svo_import *import, size_t *capacity)
 {
     if (import->byte_count < *capacity) {
@@ -184,12 +184,9 @@ static svo_status collect(const import_child *child, svo_import *import)
             return too_slow(child);
         }
         if (poll(&wait_for, 1, left_ms) <= 0) {
-            continue; /* interrupted, or the deadline: seen above */
+            continue; /* interrupted, or the deadline, which is checked above */
         }
-        const svo_status status = make_room(child, import, &capacity);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(make_room(child, import, &capacity));
         const ssize_t got = read(child->stream, import->bytes + import->byte_count, capacity - import->byte_count);
         if (got == 0) {
             return SVO_OK;
@@ -197,14 +194,14 @@ static svo_status collect(const import_child *child, svo_import *import)
         if (got > 0) {
             import->byte_count += (size_t)got;
         } else if (errno != EINTR) {
-            return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader cannot be heard: %s", child->path,
-                              strerror(errno));
+            return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader's pipe cannot be read: %s",
+                              child->path, strerror(errno));
         }
     }
 }
 
-/* Waits for the end of a child that has closed its pipe. *known is false where the caller's program reaps its children
-   itself and took the exit code. */
+/* Waits for a child that has closed its pipe to end. *known is false where the calling program reaps its children
+   itself, so that the exit code is lost. */
 static svo_status wait_for_end(const import_child *child, int *exit_state, bool *known)
 {
     for (;;) {
@@ -225,7 +222,7 @@ static svo_status wait_for_end(const import_child *child, int *exit_state, bool 
     }
 }
 
-static svo_status judge_end(const import_child *child, int exit_state, const svo_import *import)
+static svo_status check_exit(const import_child *child, int exit_state, const svo_import *import)
 {
     if (WIFSIGNALED(exit_state)) {
         const int signal_number = WTERMSIG(exit_state);
@@ -236,7 +233,7 @@ static svo_status judge_end(const import_child *child, int exit_state, const svo
                           signal_number == SIGKILL ? "was killed" : "crashed", signal_number);
     }
     if (import->byte_count > 0) {
-        return SVO_OK; /* its answer says what went wrong, if anything did */
+        return SVO_OK; /* a failure is in its answer */
     }
     if (WEXITSTATUS(exit_state) == NOT_STARTED_CODE) {
         return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started", child->path,
@@ -262,20 +259,21 @@ svo_status svo_i_import_run_child(const char *path, const svo_import_options *op
                           .deadline_ms = svo_i_now_ms() + 1e3 * options->time_limit_seconds,
                           .process = -1,
                           .stream = -1};
-    svo_status status = start(&child);
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_status status = SVO_OK;
     int exit_state = 0;
     bool known = false;
-    status = collect(&child, import);
-    if (status == SVO_OK) {
-        status = wait_for_end(&child, &exit_state, &known);
+    bool ended = false;
+    SVO_I_TRY(start(&child));
+    SVO_I_TRY_CLEANUP(collect(&child, import));
+    SVO_I_TRY_CLEANUP(wait_for_end(&child, &exit_state, &known));
+    ended = true;
+    if (known) {
+        status = check_exit(&child, exit_state, import);
     }
+cleanup:
     close(child.stream);
-    if (status != SVO_OK) {
+    if (!ended) {
         kill_and_reap(&child);
-        return status;
     }
-    return known ? judge_end(&child, exit_state, import) : SVO_OK;
+    return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The walk over assimp's scene: node transforms are applied, attributes that only some meshes have are filled up, and
- * every triangle is gathered, degenerate ones too: they are geometry here.
+ * Traverses assimp's scene: applies node transforms, fills in attributes that only some meshes have, and gathers every
+ * triangle. Degenerate triangles are kept, since they touch voxels as well.
  */
 #include "io/import_scene.h"
 
@@ -11,7 +11,7 @@
 #include "io/import_material.h"
 #include "io/import_stream.h"
 
-#define NODE_DEPTH_MAX 1000 /* deeper is a damaged file; keeps the recursion within any stack */
+#define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX
 
 static const char out_of_memory[] = "out of memory";
@@ -21,18 +21,18 @@ typedef struct transform {
     double linear[3][3];
     double offset[3];
     double normal[3][3]; /* the inverse transpose up to a positive factor */
-    bool is_identity; /* coordinates pass untouched, bit for bit */
-    bool mirrors; /* turns triangles inside out, so their corners are listed the other way round */
+    bool is_identity; /* coordinates are copied bit for bit */
+    bool mirrors; /* reverses the winding, so corners are listed in the opposite order */
 } transform;
 
-/* What is decided about each of the scene's meshes before any triangle is read. */
+/* What is known of a mesh of the scene before its triangles are read. */
 typedef struct mesh_plan {
     uint16_t material;
     const struct aiVector3D *uvs; /* the channel its texture wants; NULL: untextured */
     texture_use use;
 } mesh_plan;
 
-typedef struct walk {
+typedef struct scene_reader {
     const struct aiScene *scene;
     const char *path;
     int stream;
@@ -40,7 +40,7 @@ typedef struct walk {
     mesh_plan *plans;
     const char *failure;
     size_t polygon_count; /* left over by assimp's triangulation */
-} walk;
+} scene_reader;
 
 /* Transforms */
 
@@ -106,11 +106,12 @@ static void apply(const double linear[3][3], const double offset[3], const struc
 
 /* Vertices and triangles */
 
-static gather_vertex make_vertex(const walk *state, const transform *t, unsigned mesh_index, unsigned vertex_index)
+static gather_vertex make_vertex(const scene_reader *reader, const transform *t, unsigned mesh_index,
+                                 unsigned vertex_index)
 {
     static const double no_offset[3] = {0};
-    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
-    const mesh_plan *plan = &state->plans[mesh_index];
+    const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
+    const mesh_plan *plan = &reader->plans[mesh_index];
     gather_vertex vertex = {.color = {255, 255, 255, 255}};
     const struct aiVector3D *position = &source->mVertices[vertex_index];
     if (t->is_identity) {
@@ -142,73 +143,74 @@ static gather_vertex make_vertex(const walk *state, const transform *t, unsigned
     return vertex;
 }
 
-/* The output index of a mesh's vertex, gathered at its first use. known: per vertex, GATHER_NO_VERTEX before that. */
-static bool corner_index(walk *state, const transform *t, unsigned mesh_index, unsigned vertex_index, uint32_t *known)
+/* Gathers a vertex at its first use. known: per vertex of the mesh its index, GATHER_NO_VERTEX before that. */
+static bool corner_index(scene_reader *reader, const transform *t, unsigned mesh_index, unsigned vertex_index,
+                         uint32_t *known)
 {
     if (known[vertex_index] != GATHER_NO_VERTEX) {
         return true;
     }
-    const gather_vertex vertex = make_vertex(state, t, mesh_index, vertex_index);
-    return svo_i_gather_vertex(state->mesh, &vertex, &known[vertex_index]);
+    const gather_vertex vertex = make_vertex(reader, t, mesh_index, vertex_index);
+    return svo_i_gather_vertex(reader->mesh, &vertex, &known[vertex_index]);
 }
 
-static bool gather_face(walk *state, const transform *t, unsigned mesh_index, const struct aiFace *face,
+static bool gather_face(scene_reader *reader, const transform *t, unsigned mesh_index, const struct aiFace *face,
                         uint32_t *known)
 {
-    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
     if (face->mNumIndices != 3) {
-        state->polygon_count += face->mNumIndices > 3 ? 1 : 0; /* fewer: a point or a line, not a triangle */
+        reader->polygon_count += face->mNumIndices > 3 ? 1 : 0; /* fewer: a point or a line, not a triangle */
         return true;
     }
     uint32_t corners[3] = {GATHER_NO_VERTEX, GATHER_NO_VERTEX, GATHER_NO_VERTEX};
     for (int i = 0; i < 3; ++i) {
         const unsigned vertex_index = face->mIndices[t->mirrors && i > 0 ? 3 - i : i];
         if (vertex_index < source->mNumVertices) {
-            if (!corner_index(state, t, mesh_index, vertex_index, known)) {
+            if (!corner_index(reader, t, mesh_index, vertex_index, known)) {
                 return false;
             }
             corners[i] = known[vertex_index];
         }
     }
-    return svo_i_gather_triangle(state->mesh, corners, state->plans[mesh_index].material);
+    return svo_i_gather_triangle(reader->mesh, corners, reader->plans[mesh_index].material);
 }
 
-static bool gather_mesh(walk *state, const transform *t, unsigned mesh_index)
+static bool gather_mesh(scene_reader *reader, const transform *t, unsigned mesh_index)
 {
-    if (mesh_index >= state->scene->mNumMeshes) {
-        state->failure = "a node names a mesh that does not exist";
+    if (mesh_index >= reader->scene->mNumMeshes) {
+        reader->failure = "a node names a mesh that does not exist";
         return false;
     }
-    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
+    const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
     uint32_t *known = malloc(((size_t)source->mNumVertices + 1) * sizeof *known);
     bool done = known != NULL;
     for (unsigned i = 0; done && i < source->mNumVertices; ++i) {
         known[i] = GATHER_NO_VERTEX;
     }
     for (unsigned i = 0; done && i < source->mNumFaces; ++i) {
-        done = gather_face(state, t, mesh_index, &source->mFaces[i], known);
+        done = gather_face(reader, t, mesh_index, &source->mFaces[i], known);
     }
     free(known);
     if (!done) {
-        state->failure = out_of_memory;
+        reader->failure = out_of_memory;
     }
     return done;
 }
 
-static bool gather_node(walk *state, const struct aiNode *node, const transform *parent, int depth)
+static bool gather_node(scene_reader *reader, const struct aiNode *node, const transform *parent, int depth)
 {
     if (depth > NODE_DEPTH_MAX) {
-        state->failure = "its nodes are nested more than 1000 deep";
+        reader->failure = "its nodes are nested more than 1000 deep";
         return false;
     }
     const transform t = combine(parent, &node->mTransformation);
     for (unsigned i = 0; i < node->mNumMeshes; ++i) {
-        if (!gather_mesh(state, &t, node->mMeshes[i])) {
+        if (!gather_mesh(reader, &t, node->mMeshes[i])) {
             return false;
         }
     }
     for (unsigned i = 0; i < node->mNumChildren; ++i) {
-        if (!gather_node(state, node->mChildren[i], &t, depth + 1)) {
+        if (!gather_node(reader, node->mChildren[i], &t, depth + 1)) {
             return false;
         }
     }
@@ -227,50 +229,50 @@ static bool has_uv_channel(const struct aiMesh *source)
     return false;
 }
 
-/* What became of one of assimp's materials. */
+/* The gathered materials made from one of assimp's. */
 typedef struct material_entry {
-    uint32_t index[2]; /* without and with its texture; UINT32_MAX: not met yet */
+    uint32_t index[2]; /* without and with its texture; UINT32_MAX: not made yet */
     texture_use use;
 } material_entry;
 
-/* Makes the material, with or without its texture, where no mesh before has done so. */
-static bool meet_material(walk *state, texture_list *textures, material_entry *entry, unsigned source_index,
-                          bool textured)
+/* Gathers the material, with or without its texture, unless an earlier mesh did. */
+static bool add_material(scene_reader *reader, texture_list *textures, material_entry *entry, unsigned source_index,
+                         bool textured)
 {
     svo_material material;
     texture_use use;
     if (entry->index[textured] != UINT32_MAX) {
         return true;
     }
-    if (state->mesh->material_count == MATERIALS_MAX) {
-        state->failure = "it has more than 65535 materials";
+    if (reader->mesh->material_count == MATERIALS_MAX) {
+        reader->failure = "it has more than 65535 materials";
         return false;
     }
-    if (!svo_i_import_material(textures, state->scene->mMaterials[source_index], textured, &material, &use) ||
-        !svo_i_gather_material(state->mesh, &material)) {
+    if (!svo_i_import_material(textures, reader->scene->mMaterials[source_index], textured, &material, &use) ||
+        !svo_i_gather_material(reader->mesh, &material)) {
         return false;
     }
-    entry->index[textured] = (uint32_t)(state->mesh->material_count - 1);
+    entry->index[textured] = (uint32_t)(reader->mesh->material_count - 1);
     if (textured) {
         entry->use = use;
     }
     return true;
 }
 
-static bool plan_mesh(walk *state, texture_list *textures, material_entry *entries, unsigned mesh_index)
+static bool plan_mesh(scene_reader *reader, texture_list *textures, material_entry *entries, unsigned mesh_index)
 {
-    const struct aiMesh *source = state->scene->mMeshes[mesh_index];
-    gather *mesh = state->mesh;
-    mesh_plan *plan = &state->plans[mesh_index];
+    const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
+    gather *mesh = reader->mesh;
+    mesh_plan *plan = &reader->plans[mesh_index];
     mesh->has_normals = mesh->has_normals || source->mNormals != NULL;
     mesh->has_colors = mesh->has_colors || source->mColors[0] != NULL;
-    if (source->mMaterialIndex >= state->scene->mNumMaterials) {
-        state->failure = "a mesh names a material that does not exist";
+    if (source->mMaterialIndex >= reader->scene->mNumMaterials) {
+        reader->failure = "a mesh names a material that does not exist";
         return false;
     }
     material_entry *entry = &entries[source->mMaterialIndex];
     const bool textured = has_uv_channel(source);
-    if (!meet_material(state, textures, entry, source->mMaterialIndex, textured)) {
+    if (!add_material(reader, textures, entry, source->mMaterialIndex, textured)) {
         return false;
     }
     plan->material = (uint16_t)entry->index[textured];
@@ -284,23 +286,23 @@ static bool plan_mesh(walk *state, texture_list *textures, material_entry *entri
     return true;
 }
 
-static bool plan_meshes(walk *state, texture_list *textures)
+static bool plan_meshes(scene_reader *reader, texture_list *textures)
 {
-    const struct aiScene *scene = state->scene;
+    const struct aiScene *scene = reader->scene;
     material_entry *entries = malloc(((size_t)scene->mNumMaterials + 1) * sizeof *entries);
-    state->plans = calloc((size_t)scene->mNumMeshes + 1, sizeof *state->plans);
-    bool done = entries != NULL && state->plans != NULL;
+    reader->plans = calloc((size_t)scene->mNumMeshes + 1, sizeof *reader->plans);
+    bool done = entries != NULL && reader->plans != NULL;
     for (unsigned i = 0; done && i < scene->mNumMaterials; ++i) {
         entries[i] = (material_entry){.index = {UINT32_MAX, UINT32_MAX}};
     }
     for (unsigned i = 0; done && i < scene->mNumMeshes; ++i) {
-        done = plan_mesh(state, textures, entries, i);
+        done = plan_mesh(reader, textures, entries, i);
     }
     free(entries);
     return done;
 }
 
-/* A mesh that is white all over has no material worth a byte of payload. */
+/* If all materials are plain white, the mesh is stored without any. */
 static void drop_plain_materials(gather *mesh)
 {
     static const svo_material plain = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
@@ -317,22 +319,22 @@ const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *p
     if (scene->mRootNode == NULL) {
         return "no triangles";
     }
-    walk state = {.scene = scene, .path = path, .stream = stream, .mesh = mesh};
+    scene_reader reader = {.scene = scene, .path = path, .stream = stream, .mesh = mesh};
     texture_list textures = {.scene = scene, .mesh_path = path, .stream = stream};
     const transform world = identity();
-    if (plan_meshes(&state, &textures) && gather_node(&state, scene->mRootNode, &world, 0)) {
+    if (plan_meshes(&reader, &textures) && gather_node(&reader, scene->mRootNode, &world, 0)) {
         if (mesh->triangle_count == 0) {
-            state.failure = "no triangles";
+            reader.failure = "no triangles";
         }
-        if (state.polygon_count > 0) {
+        if (reader.polygon_count > 0) {
             (void)svo_i_stream_text(stream, STREAM_WARNING, "%zu polygons could not be triangulated and are left out",
-                                    state.polygon_count);
+                                    reader.polygon_count);
         }
         drop_plain_materials(mesh);
-    } else if (state.failure == NULL) {
-        state.failure = out_of_memory;
+    } else if (reader.failure == NULL) {
+        reader.failure = out_of_memory;
     }
     svo_i_texture_list_free(&textures);
-    free(state.plans);
-    return state.failure;
+    free(reader.plans);
+    return reader.failure;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The answer of an import child, written frame by frame and read with suspicion. */
+/* The answer of an import child: written frame by frame; parsed without trust in its bytes. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/import_stream.h"
 
@@ -86,7 +86,7 @@ static svo_status malformed(const parse_state *state, const char *what)
     return svo_i_fail(state->message, SVO_IMPORT_FAILED, "%s: the reader's answer is damaged: %s", state->path, what);
 }
 
-/* The child's words on one line, without control characters that would act on a terminal. */
+/* The child's text on one line, without control characters that a terminal would obey. */
 static void copy_text(svo_message *text, const uint8_t *payload, size_t payload_bytes)
 {
     const size_t length = payload_bytes < sizeof text->text ? payload_bytes : sizeof text->text - 1;
@@ -185,16 +185,13 @@ static svo_status take_frames(parse_state *state)
             return malformed(state, "it ends too early");
         }
         const size_t payload_bytes = (size_t)frame.payload_bytes;
-        const svo_status status = take_frame(state, (stream_kind)frame.kind, bytes + offset, payload_bytes);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(take_frame(state, (stream_kind)frame.kind, bytes + offset, payload_bytes));
         offset += payload_bytes + padding_of(frame.payload_bytes);
     }
     return offset == byte_count ? SVO_OK : malformed(state, "something follows its end");
 }
 
-/* Whether an array, if it came, has element_count elements. */
+/* Whether an array, if present, has element_count elements. */
 static bool length_fits(const parse_state *state, stream_kind kind, size_t element_count, size_t element_bytes)
 {
     return state->payload[kind] == NULL || (state->payload_bytes[kind] % element_bytes == 0 &&
@@ -244,7 +241,7 @@ static svo_status check_materials(const parse_state *state)
     return SVO_OK;
 }
 
-/* Payloads begin at multiples of 8 bytes from an allocation, so that they can be read as arrays where they are. */
+/* Payloads begin at multiples of 8 bytes in an allocation, so they are aligned as arrays. */
 static void fill_mesh(const parse_state *state)
 {
     svo_mesh *mesh = &state->import->mesh;
@@ -267,13 +264,8 @@ svo_status svo_i_stream_parse(svo_import *import, const char *path, svo_log_call
         memcmp(import->bytes, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
         return malformed(&state, "it is not from an import child of this version");
     }
-    svo_status status = take_frames(&state);
-    if (status == SVO_OK) {
-        status = check_lengths(&state);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(take_frames(&state));
+    SVO_I_TRY(check_lengths(&state));
     fill_mesh(&state);
     return check_materials(&state);
 }

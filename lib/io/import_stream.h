@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an import child says to its parent through a pipe: a greeting, then frames, each a header and a payload padded
- * to
- * 8 bytes. The parent keeps the bytes as they came and points into them; it believes none of them before
- * svo_i_stream_parse has checked them, since a reader gone wrong may have written anything.
+ * What an import child writes to its parent's pipe: a greeting, then frames, each a header and a payload padded to
+ * 8 bytes. The parent keeps the bytes and points into them. It uses none of them before svo_i_stream_parse has checked
+ * them, since a corrupted reader may have written anything.
  */
 #ifndef SVO_LIB_IO_IMPORT_STREAM_H
 #define SVO_LIB_IO_IMPORT_STREAM_H
@@ -13,7 +12,7 @@
 
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp1\n" /* changes with the frames below: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp1\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 
@@ -28,7 +27,7 @@ typedef enum stream_kind {
     STREAM_UVS, /* 2 floats per vertex */
     STREAM_INDICES, /* 3 uint32_t per triangle */
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
-    STREAM_END, /* empty: everything was said */
+    STREAM_END, /* empty: the answer is complete */
     STREAM_KIND_COUNT
 } stream_kind;
 

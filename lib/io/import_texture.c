@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Textures in the import child: found beside or inside the mesh file, decoded, sent. Images are decoded here and not by
- * the parent, since they come from strangers just as meshes do.
+ * Textures in the import child: found beside or inside the mesh file, decoded and sent. Images are as untrusted as
+ * meshes, so the child decodes them and not the parent.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "io/import_texture.h"
@@ -15,14 +15,14 @@
 
 #include "io/import_stream.h"
 
-/* Private to this file, used or not: the program that links the library may have a stb_image of its own. */
+/* Static: a program that links the library may have its own stb_image. */
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_MAX_DIMENSIONS STREAM_TEXTURE_SIDE_MAX
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
 
-/* A path relative to the mesh's folder, whichever system's separators it has; NULL: no memory. */
+/* The path relative to the mesh's folder, with either system's separators; NULL: no memory. */
 static char *resolve_path(const char *mesh_path, const char *texture_path)
 {
     const char *slash = strrchr(mesh_path, '/');
@@ -43,7 +43,7 @@ static char *resolve_path(const char *mesh_path, const char *texture_path)
     return path;
 }
 
-/* Pixels by malloc with their size, or NULL and what is wrong. */
+/* Pixels from malloc and their size, or NULL and the reason. */
 static uint8_t *decode_file(const char *path, int *width, int *height, const char **trouble)
 {
     struct stat entry;
@@ -88,7 +88,7 @@ static uint8_t *decode_embedded(const struct aiTexture *texture, int *width, int
     return pixels;
 }
 
-/* The image inside the mesh file that a material means: by "*" and its number, or by its name; NULL: none. */
+/* The image inside the mesh file that a material names, by "*" and an index or by file name; NULL: none. */
 static const struct aiTexture *find_embedded(const struct aiScene *scene, const char *texture_path)
 {
     if (texture_path[0] == '*') {

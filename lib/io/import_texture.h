@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The textures an import child has met. */
+/* The textures that an import child has sent. */
 #ifndef SVO_LIB_IO_IMPORT_TEXTURE_H
 #define SVO_LIB_IO_IMPORT_TEXTURE_H
 
@@ -10,11 +10,11 @@
 
 #include "svocl/io.h"
 
-/* One image with its wrapping, found, sent to the parent and numbered; or looked for in vain, once. */
+/* An image with its wrapping. Each is decoded and sent once, also where that fails. */
 typedef struct texture_entry {
-    char *path; /* as the material says it */
+    char *path; /* as the material has it */
     svo_wrap wrap_u, wrap_v;
-    uint32_t index; /* SVO_NO_TEXTURE: it cannot be read */
+    uint32_t index; /* SVO_NO_TEXTURE: it could not be read */
 } texture_entry;
 
 typedef struct texture_list {
@@ -27,8 +27,8 @@ typedef struct texture_list {
 } texture_list;
 
 /*
- * The number of the texture a material names; *index is SVO_NO_TEXTURE if it cannot be read.
- * Sends the image when it is new, or a warning. Returns false when memory runs out or the parent is gone.
+ * The index of the texture that a material names; *index is SVO_NO_TEXTURE if it cannot be read.
+ * Sends a new image, or a warning. Returns false when memory runs out or the parent has closed the pipe.
  */
 bool svo_i_import_texture(texture_list *textures, const char *path, svo_wrap wrap_u, svo_wrap wrap_v, uint32_t *index);
 void svo_i_texture_list_free(texture_list *textures);

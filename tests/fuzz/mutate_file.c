@@ -12,7 +12,7 @@
 #include <zstd.h>
 
 #include "fuzz.h"
-#include "io/file.h"
+#include "io/file_format.h"
 
 #define PLAIN_BYTES_MAX ((size_t)1 << 20)
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The .svo format as structs, shared by file_save.c and file_load.c. io.h has it byte by byte; the offsets are asserted
- * here. Both hosts and files are little-endian, so a struct is its bytes.
+ * The .svo format as structs, for file_save.c and file_load.c. io.h documents it byte by byte; the assertions below
+ * keep the two equal. Hosts and files are little-endian, so a struct in memory is its bytes in the file.
  */
-#ifndef SVO_LIB_IO_FILE_H
-#define SVO_LIB_IO_FILE_H
+#ifndef SVO_LIB_IO_FILE_FORMAT_H
+#define SVO_LIB_IO_FILE_FORMAT_H
 
 #include <assert.h>
 #include <stddef.h>
@@ -70,11 +70,5 @@ static_assert(offsetof(file_header, level_begin) == 128, "io.h: level_begin");
 static_assert(sizeof(file_header) == 200, "io.h: header");
 static_assert(sizeof(file_chunk) == 40, "io.h: chunk entry");
 static_assert(offsetof(file_head, chunks) == 200, "io.h: chunk table");
-
-/*
- * Checks the arrays of a tree whose counts already agree with its header: node links, lists and geometry.
- * name: the file's, for the message. Returns SVO_FILE_DAMAGED with what is wrong and where.
- */
-svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message);
 
 #endif
