@@ -2,13 +2,12 @@
 /*
  * The nearest triangle to each point of a buffer.
  *
- * Depth first through the BVH (lib/boxes.c), each time into the nearest box that is left and can still hold
- * something nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor
- * Queries", 1995). Boxes are measured in float and taken a margin nearer than they are, triangles in double where the
- * device has it.
+ * Traverses the BVH (lib/rays/bvh.c) depth first, the nearest box first, and skips boxes that cannot hold anything
+ * nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor Queries",
+ * 1995). Distances to boxes are float, less a margin; distances to triangles are double where the device has it.
  *
- * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree, writes one record per
- * point. No atomics, no local memory.
+ * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree and the points; writes one
+ * record per point. No atomics, no local memory.
  */
 #include "svocl/layout.h"
 
@@ -17,9 +16,9 @@
 typedef struct svo_nearest_search {
     svo_real4 point; /* grid units */
     float4 point_f;
-    float margin; /* grid units that float may be off */
-    float limit; /* grid units: cells from here on hold nothing better */
-    float distance; /* world, rounded: of the best so far, else the farthest that counts */
+    float margin; /* grid units: the error bound of float */
+    float limit; /* grid units: boxes beyond hold nothing nearer */
+    float distance; /* world units, rounded: of the best so far, else max_distance */
     uint id; /* SVO_NO_TRIANGLE: none yet */
     svo_real4 nearest; /* relative to the point, grid units */
     uint leaves;
@@ -30,7 +29,7 @@ static svo_real svo_dot3(svo_real4 a, svo_real4 b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* The nearest point to the zero point on the segment from a to b. */
+/* The point nearest to the origin on the segment from a to b. */
 static svo_real4 svo_nearest_on_segment(svo_real4 a, svo_real4 b)
 {
     const svo_real4 edge = b - a;
@@ -45,8 +44,8 @@ static svo_real4 svo_nearer(svo_real4 a, svo_real4 b)
     return svo_dot3(b, b) < svo_dot3(a, a) ? b : a;
 }
 
-/* The nearest point to the zero point on the triangle: the foot of its plane where that is inside, else on an edge.
-   Segments and points are all edge. */
+/* The point nearest to the origin on the triangle: the projection onto its plane if that is inside, else a point of an
+   edge. Segments and points have edges alone. */
 static svo_real4 svo_nearest_on_triangle(svo_real4 a, svo_real4 b, svo_real4 c)
 {
     const svo_real4 u = b - a;

@@ -10,7 +10,8 @@
 
 #include "rays/voxels.clh"
 
-/* How much of a small hemisphere above the point is free of voxels, nearer ones counting more. 0 .. 1. */
+/* Ambient occlusion by four short rays: how open the hemisphere above the point is, nearer voxels counting more. 0 ..
+   1. */
 static float svo_cast_openness(const svo_cast_tree *tree, float3 point, float3 normal, float range)
 {
     const float3 helper = fabs(normal.y) < 0.7f ? (float3)(0.0f, 1.0f, 0.0f) : (float3)(1.0f, 0.0f, 0.0f);
@@ -43,9 +44,9 @@ static float3 svo_params_vector(__constant const float *values)
     return (float3)(values[0], values[1], values[2]);
 }
 
-/* The node's own normal where it has a clear one, else that of the face; never away from the eye. Sheets have two
-   sides: a normal that looks well away is turned around. One that only leans away belongs to a silhouette and is laid
-   across the ray, so that what it carries stays outside the surface. */
+/* The node's normal where it is long enough, else the face's; never pointing away from the eye. Sheets have two sides,
+   so a normal that points clearly away is negated. One that points slightly away belongs to a silhouette; it is made
+   perpendicular to the ray, so that points offset along it stay outside the surface. */
 static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __global const short *normals)
 {
     const float towards = hit->axis == 0 ? direction.x : hit->axis == 1 ? direction.y : direction.z;
@@ -67,7 +68,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
     return away > 0.0f ? normalize(normal - away * direction) : normal;
 }
 
-/* Stored colors are taken as squares of light: close to sRGB and cheap. */
+/* Stored colors are squared to linear light: close to sRGB and cheap. */
 static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *colors)
 {
 #ifdef SVO_COLOR
@@ -80,7 +81,7 @@ static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *col
 #endif
 }
 
-/* The light that falls on a point of a surface: sky, and the sun unless something is in its way. */
+/* The light that reaches a point of a surface: the sky's, and the sun's unless it is occluded. */
 static float3 svo_cast_light(const svo_cast_tree *tree, float3 point, float3 normal, float node_width,
                              __constant const svo_cast_params *params)
 {
@@ -102,7 +103,7 @@ static float3 svo_cast_light(const svo_cast_tree *tree, float3 point, float3 nor
     return ambient + fmax(direct, 0.0f) * (float3)(1.05f, 0.98f, 0.86f);
 }
 
-/* The light of a pixel's last sample, for the next one to share: it costs most of a picture. */
+/* The light of a pixel's last sample, reused by the next one: light is most of a picture's cost. */
 typedef struct svo_cast_lit {
     float3 point;
     float3 normal; /* zero before the first */
@@ -115,7 +116,7 @@ static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray,
 {
     const float3 normal = svo_cast_normal(hit, ray->direction, normals);
     const float node_width = (float)(1u << (tree->depth - hit->level));
-    /* Off the staircase of voxels, so that a surface does not shade itself. */
+    /* Offset from the voxels' steps, so that a surface does not occlude itself. */
     const float3 point =
         ray->origin + ray->direction * (hit->distance - 0.5f * node_width) + normal * (1.75f * node_width);
     const float3 step = point - lit->point;
@@ -129,7 +130,7 @@ static float3 svo_cast_shade(const svo_cast_tree *tree, const svo_cast_ray *ray,
 
 static uint svo_pack_color(float3 light)
 {
-    /* Highlights roll off instead of clipping hard; the square root undoes the squares of svo_cast_albedo. */
+    /* Highlights are compressed, not clipped; the square root inverts the squares of svo_cast_albedo. */
     const float3 soft = light / (1.0f + 0.12f * light * light);
     const uint3 bytes = convert_uint3(sqrt(clamp(soft, (float3)(0.0f), (float3)(1.0f))) * 255.0f + 0.5f);
     return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays from a buffer, hits into a buffer: the batch side of rays.clh. Reads the tree, writes one record per ray;
- * -DSVO_COUNT_HITS counts all hits. No atomics, no local memory.
+ * Rays from a buffer, hits into a buffer: the batch interface of rays.clh. Defines: SVO_COUNT_HITS: count all hits;
+ * SVO_RAY_STREAMS: for CPUs.
  *
- * On GPUs a work-item takes one ray; while it waits, other work-items have their turn. On CPUs, with -DSVO_RAY_STREAMS,
- * a work-item takes all rays of its group, as packets (ray_packet.clh) and in streams (ray_stream.clh). The hits are
- * the same.
+ * On GPUs a work-item traces one ray, and other work-items hide its latency. On CPUs a work-item traces all rays of its
+ * group, as packets (ray_packet.clh) and streams (ray_stream.clh). The hits are the same.
  *
  * Launch: one group per SVO_GROUP_ITEMS rays, one dimension, of SVO_GROUP_ITEMS / SVO_RAYS_PER_ITEM work-items.
+ * Reads the tree and the rays; writes one record per ray. No atomics, no local memory.
  */
 #include "svocl/layout.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of what rays find, one ray per pixel, without light: normals, depths, steps of the walk, levels, triangles.
+ * Pictures of what rays find, one ray per pixel, without lighting: normals, depths, traversal steps, levels, triangles.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
  * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word per pixel. No atomics, no local memory.
@@ -9,7 +9,7 @@
 
 #include "rays/rays.clh"
 
-/* Where a step count is as hot as colors get. */
+/* The step count that the last color stands for. */
 #define SVO_STEPS_HOT 64.0f
 
 static uint svo_view_pack(float3 color)
@@ -27,8 +27,7 @@ static float3 svo_view_heat(float value)
     return max((float3)(1.0f) - away * away, (float3)(0.05f, 0.03f, 0.20f));
 }
 
-/* A color of its own for every number: the bits well mixed (a multiplicative hash after Knuth, "Sorting and
-   Searching"). */
+/* A color for each number, by a multiplicative hash (Knuth, "The Art of Computer Programming", volume 3, 6.4). */
 static float3 svo_view_mixed(uint number)
 {
     uint mixed = (number + 1u) * 2654435769u;
@@ -43,7 +42,7 @@ static float3 svo_view_vector(__constant const float *values)
     return (float3)(values[0], values[1], values[2]);
 }
 
-/* How much of the way through the grid's surroundings the hit is: near ones bright. */
+/* The hit's distance relative to the grid's bounding sphere: near hits are bright. */
 static float svo_view_nearness(float3 eye, float distance, float cells)
 {
     const float middle = length(eye - 0.5f * cells);

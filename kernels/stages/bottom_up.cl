@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Nodes from sorted fragments, from the leaves up: the other way to build what subdivide.cl builds from the root down
- * (as in Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012, but level by
- * level).
+ * Nodes from sorted fragments, from the leaves up: builds the same nodes as subdivide.cl (as in Karras, "Maximizing
+ * Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012, but level by level).
  *
- *   svo_k_bottom_up_count   per fragment: on which levels it is the first of its node. Once; from its sums follow all
- *   levels'
- *                        sizes, and with them every node's place, before the first node is made
+ *   svo_k_bottom_up_count   per fragment, once: the levels on which it is the first of its node. The sums give all
+ *                           levels' sizes, and so every node's place before the first node is made
  *   svo_k_bottom_up_flags   per entry of a level's codes: 1 where another node of the level above begins
- *   scan.cl              exclusive sums of the flags: the nodes' indices (svo_k_scan_lists_*)
+ *   scan.cl                 exclusive sums of the flags: the nodes' indices (svo_k_scan_lists_*)
  *   svo_k_bottom_up_leaves  per fragment: its leaf, and the leaves' codes
  *   svo_k_bottom_up_nodes   per child: its parent's code, mask and first child
- *   svo_k_bottom_up_lists   per fragment: leaf lists, packed as they come
+ *   svo_k_bottom_up_lists   per fragment: leaf lists, packed in the order of the fragments
  *
- * Codes of a level are sorted, so nodes come out in Morton order, and children of one parent lie side by side.
- * Launch: one work-item per fragment or child. Atomics: counters of a level's nodes, sums only.
+ * Invariant: codes of a level are sorted, so nodes come out in Morton order and the children of a parent are adjacent.
+ * Launch: one work-item per fragment or child, rounded up to whole groups.
+ * Atomics: svo_k_bottom_up_count adds to one counter per level; sums do not depend on the order.
  */
 #include "shared/fragment.clh"
 
@@ -41,9 +40,9 @@ static void svo_bottom_up_store(__global uint *codes, size_t index, svo_code cod
 #endif
 }
 
-/* Counts the fragment on the level on which it parts from the one before: it begins a node there and on all below.
-   counts: one per level, 0 at first, and behind them the number of fragments that none can be, which a driver made of
-   nothing; scratch: as much, for the group's own sums. */
+/* Counts the fragment on the first level on which its node differs from that of the fragment before it: there and on
+   all levels below it begins a node. counts: one per level, 0 at first, then the number of impossible fragments, such
+   as a faulty driver writes. scratch: as many, for the group's sums. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_bottom_up_count(__global const uint *fragments, volatile __global uint *counts, svo_bottom_up_params params,
                       volatile __local uint *scratch)
@@ -75,7 +74,8 @@ svo_k_bottom_up_count(__global const uint *fragments, volatile __global uint *co
     }
 }
 
-/* shift: how far up the next level is: 0 from fragments to leaves, 3 from a level to the one above. */
+/* Whether a node of the next level begins here. params.shift: code bits between the two: 0 from fragments to leaves, 3
+   from a level to the one above. */
 static bool svo_bottom_up_begins(__global const uint *codes, uint index, svo_bottom_up_params params)
 {
     return index == 0u || svo_bottom_up_code(codes, index, params) >> params.shift !=
@@ -91,7 +91,7 @@ svo_k_bottom_up_flags(__global const uint *codes, __global uint *flags, svo_bott
     }
 }
 
-/* before: flags before each fragment. */
+/* before: the sum of the flags before each fragment. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_bottom_up_leaves(__global const uint *fragments, __global const uint *before, __global uint *cursors,
                        __global uint *codes, svo_bottom_up_params params)
@@ -107,8 +107,8 @@ svo_k_bottom_up_leaves(__global const uint *fragments, __global const uint *befo
     }
 }
 
-/* Leaf lists are the triangles as they come; list may be NULL where only their ranges are wanted. params.node_begin:
-   the first leaf, params.child_begin: how many there are. */
+/* Leaf lists are the sorted fragments' triangles. list: NULL where only the ranges are needed. params.node_begin: the
+   first leaf, params.child_begin: the number of leaves. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_bottom_up_lists(__global const uint *fragments, __global const uint *cursors, __global uint *list_begin,
                       __global uint *list, svo_bottom_up_params params)

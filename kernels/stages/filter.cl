@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload, bottom up: mean color, mean normal and fill of every node, in integers.
+ * The payload, from the leaves up: mean color, mean normal and fill of every node, in integers.
  *
- *   svo_k_gather_level  per node of the deepest inner level: walks its leaves' linked lists, sums up what each triangle
- *                       contributes to the voxel, writes the leaves' payload and the node's sums. For lists of one
+ *   svo_k_gather_level  per node of the deepest inner level: traverses its leaves' linked lists, sums each triangle's
+ *                       contribution to the voxel, writes the leaves' payload and the node's sums. For lists of one
  *                       chunk
- *   svo_k_gather        per leaf of a chunk: the same, but into sums of the leaf, on top of those of earlier chunks
- *   svo_k_filter        per node of a level, from the deepest one not done yet up: writes its children's payload and
- *   its
- *                       own sums
+ *   svo_k_gather        per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
+ *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
+ *                       sums
  *
- * Sums are 64-bit, travel up unrounded, and each node rounds once, half up; so the result depends neither on the order
- * of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a tree's
- * weights add up to less than 2^46, which leaves room for the sums.
+ * Invariant: sums are 64-bit and are passed up unrounded; each node rounds once, half up. So the result depends neither
+ * on the order of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a
+ * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
- * Launch: one work-item per node or leaf. No atomics: a node's sums are written by one work-item.
- * Buffers: sums of one level each, weights (ulong), color (4 ulong a node), normal (3 long a node).
+ * Launch: one work-item per node or leaf, rounded up to whole groups. No atomics: one work-item writes a node's sums.
+ * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
@@ -23,7 +22,7 @@
 
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
-/* What a node's sums are added up in. */
+/* The sums of a node. */
 typedef struct svo_sums {
     ulong weight;
 #ifdef SVO_COLOR
@@ -78,7 +77,7 @@ SVO_FUNCTION svo_sums svo_join_sums(svo_sums a, svo_sums b)
     return a;
 }
 
-/* weights: NULL where no level above reads the sums. */
+/* weights: NULL where no level above needs the sums. */
 static void svo_store_sums(svo_sums sums, uint node, __global ulong *weights, __global ulong *colors,
                            __global long *normals)
 {
@@ -133,7 +132,7 @@ static ushort svo_fill_of(ulong weight, uint shift)
 
 #endif
 
-/* What the kernels write of every node; NULL what the variant does not. */
+/* The payload arrays that are written; NULL where a variant has none. */
 typedef struct svo_payload {
     __global uint *colors;
     __global short *normals;
@@ -158,7 +157,7 @@ static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uin
 #endif
 }
 
-/* No level above writes the root's payload: whoever sums up the root does. */
+/* There is no level above to write the root's payload, so the work-item that sums up the root writes it. */
 static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
 {
     if (node == 0u && sums.weight != 0) {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Links the fragments of each leaf into a list (Yang et al., "Real-Time Concurrent Linked List Construction on the
- * GPU", 2010). heads[k] is the first fragment of leaf k plus one, 0 for none; a fragment's next one takes the place of
- * its cursor, which nothing needs any more. Lists never leave their chunk.
+ * GPU", 2010). heads[k] is the first fragment of leaf k plus one, 0 for none. A fragment's link replaces its cursor,
+ * which no later stage reads. Lists never leave their chunk.
  *
- * Launch: one work-item per fragment of a chunk. Atomics: one exchange per fragment is the whole protocol, since lists
- * are only read after the kernel. The order inside a list differs from run to run; sums over it do not.
+ * Launch: one work-item per fragment of a chunk, rounded up to whole groups. Reads and writes cursors and heads.
+ * Atomics: one exchange per fragment suffices, since lists are only read after the launch. The order inside a list
+ * differs from run to run; sums over it do not.
  */
 #include "shared/state.clh"
 

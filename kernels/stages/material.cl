@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The material of every node: of all the triangles in it, the one that weighs most; of equals the smaller.
+ * The material of every node: the one of largest weight over the triangles in it; of equal weights the smaller
+ * material.
  *
  *   svo_k_material_scatter  per fragment: (material, weight) into its leaf's range of entries, in any order
  *   svo_k_material_leaves   per leaf: sorts its entries by material and adds up those of one material
- *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight sorted runs that lie one
- *   after
- *                           the other, to the place of the first
+ *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight adjacent sorted runs, in
+ *                           place of the first
  *
  * An entry is a material and a sum of weights in one word, so that words sort by material:
  *
  *   63        48 47                     0
  *   [ material ][ weight, below 2^47     ]
  *
- * Entries of a node are its materials, each once and ascending, however many triangles there are: levels never grow,
- * and no result depends on the order of the fragments. Sorting is near-linear: a run of sums is no longer than there
- * are materials.
+ * Invariant: the entries of a node are its materials, each once and ascending. So levels never grow, and no result
+ * depends on the order of the fragments. Sorting is near-linear: a run of sums is no longer than the number of
+ * materials.
  *
- * Launch: one work-item per fragment, leaf or node. Atomics: a counter per leaf hands out each slot once.
+ * Launch: one work-item per fragment, leaf or node, rounded up to whole groups. Reads the fragments, their cursors and
+ * the surface; writes entries and materials. Atomics: a counter per leaf hands out each slot once.
  */
 #include "shared/state.clh"
 #include "stages/attribute.clh"
@@ -33,7 +34,7 @@ static uint svo_entry_material(ulong entry)
     return (uint)(entry >> SVO_ENTRY_SHIFT);
 }
 
-/* Puts an entry behind those written so far, or adds it to the last one if that has its material. Returns the end. */
+/* Appends an entry, or adds its weight to the last one if that has its material. Returns the new end. */
 static uint svo_put_entry(__global ulong *entries, uint begin, uint end, ulong entry)
 {
     if (end > begin && svo_entry_material(entries[end - 1u]) == svo_entry_material(entry)) {
@@ -74,7 +75,7 @@ svo_k_material_scatter(__global const uint *fragments, __global const uint *curs
     }
 }
 
-/* Merges two neighboring runs of up to width slots each, of which unused ones hold SVO_NO_ENTRY, into one. */
+/* Merges two adjacent runs, whose unused slots hold SVO_NO_ENTRY, into one. */
 static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint begin, uint middle, uint end)
 {
     uint a = begin;
@@ -96,7 +97,8 @@ static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint 
     }
 }
 
-/* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy. */
+/* Bottom-up merge sort, alternating between entries and spare; after an odd number of passes the result is copied back.
+   */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __global ulong *entries,
                       __global ulong *spare, __global ushort *materials, __global const svo_build_state *state,

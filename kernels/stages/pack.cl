@@ -2,17 +2,17 @@
 /*
  * Packs the leaf lists: contiguous ranges of triangles, ascending inside a leaf.
  *
- *   svo_k_count       per fragment: lengths
+ *   svo_k_count       per fragment: the lengths
  *   scan.cl           per leaf: where its range begins
  *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0)
- *   svo_k_sort_short  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries (with the gaps of Ciura, "Best Increments
- *   for the
- *                     Average Case of Shellsort", 2001); longer ones are put on a list
- *   svo_k_sort_long   per long leaf, one work-group: stable radix sort by four bits a pass, between list and spare
+ *   svo_k_sort_short  per leaf: Shell sort of up to SVO_SHORT_LIST_MAX entries, with the gaps of Ciura, "Best
+ *                     Increments for the Average Case of Shellsort", 2001; longer leaves are appended to long_leaves
+ *   svo_k_sort_long   per long leaf, one work-group: stable radix sort, four bits a pass, between list and spare
  *
- * All is linear in the fragments, whatever the distribution: a leaf may hold a million triangles. Triangles are
- * distinct inside a leaf, so the result does not depend on the order of the fragments.
- * Atomics: counters only; a slot of a range is handed out once.
+ * The cost is linear in the fragments whatever their distribution; a leaf may hold a million triangles. Invariant:
+ * triangles are distinct inside a leaf, so the result does not depend on the order of the fragments.
+ * Launch: one work-item per fragment or leaf, rounded up to whole groups; svo_k_sort_long as it says below.
+ * Atomics: counters only; each slot of a range is handed out once.
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
@@ -50,7 +50,7 @@ svo_k_scatter(__global const uint *fragments, __global const uint *cursors, vola
 #define SVO_SORT_GAPS 6
 __constant uint svo_gaps[SVO_SORT_GAPS] = {132, 57, 23, 10, 4, 1};
 
-/* Entries that are a multiple of gap apart, in order. */
+/* Insertion sort of the entries that lie a multiple of gap apart. */
 static void svo_sort_gap(__global uint *list, uint begin, uint end, uint gap)
 {
     for (uint i = begin + gap; i < end; ++i) {
@@ -109,7 +109,7 @@ static void svo_scan_digits(__local uint *counts, __local uint *scratch)
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/* One stable pass over length entries by the digit at shift. Each item owns a contiguous strip. */
+/* One stable pass over length entries by the digit at shift. Each work-item owns a contiguous strip. */
 static void svo_radix_pass(__global const uint *from, __global uint *to, uint length, uint shift, __local uint *counts,
                            __local uint *scratch)
 {
@@ -132,9 +132,8 @@ static void svo_radix_pass(__global const uint *from, __global uint *to, uint le
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 }
 
-/* Launch: any number of groups; they share out the long leaves. digit_passes is even, so the result ends up in list.
-   counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS. They are arguments and not arrays of the kernel
-   because PoCL 3.1 puts such arrays in static storage here, shared by its threads. */
+/* Launch: any number of groups, among which the long leaves are divided. digit_passes is even, so the result ends up in
+   list. counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS; arguments, see group.clh. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_long(__global const uint *list_begin, __global uint *list, __global uint *spare,
                 __global const uint *long_leaves, __global const svo_build_state *state, svo_filter_params params,

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Exclusive sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their Applications",
- * 1990). No look-back and no spinning, since work-groups may run one after the other.
+ * Exclusive prefix sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their
+ * Applications", 1990). There is no look-back and no spinning, since work-groups may run one after the other.
  *
- *   reduce   SVO_SCAN_GROUPS groups, each sums a contiguous range of whole tiles into its partial
- *   partials one group: exclusive sum of the partials, and what follows from the total
- *   add      the groups of reduce again: exclusive sums inside the range, on top of the group's partial
+ *   reduce    SVO_SCAN_GROUPS groups; each sums a contiguous range of whole tiles into its partial
+ *   partials  one group: exclusive sum of the partials, and what follows from the total
+ *   add       the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
- * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. Two kinds of elements: the bit counts of a
- * level's child masks (subdivision), and the lengths of the leaf lists (packing). Local memory, SVO_GROUP_ITEMS words,
- * comes as an
- * argument: PoCL 3.1 may put a local array that a kernel declares itself in static storage, shared by its threads.
+ * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. There are two kinds of elements: the bit counts
+ * of a level's child masks (subdivision), and the lengths of leaf lists (packing, sorting).
+ * Launch: as above, in groups of SVO_GROUP_ITEMS. No atomics. Local memory, SVO_GROUP_ITEMS words, is an argument, see
+ * group.clh.
  */
 #include "shared/group.clh"
 #include "shared/state.clh"
@@ -98,7 +98,8 @@ static uint svo_scan_partials(__global uint *partials, uint base, __local uint *
     for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
         partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
     }
-    /* Nothing here needs it; without it the compiler of rusticl 25.0 crashes on the store of the total that follows. */
+    /* Not needed for correctness: without it the compiler of rusticl 25.0 crashes on the store of the total that
+       follows. */
     barrier(CLK_GLOBAL_MEM_FENCE);
     return total;
 }
@@ -122,7 +123,7 @@ svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __
     }
 }
 
-/* The total is the number of nodes of the next level but one boundary: where the level below the children begins. */
+/* The total is the number of children, so the level after theirs begins at child_begin + total. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params,
                           __local uint *scratch)

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sorts the fragment list for the builder that works from the leaves up: a stable radix sort by digits of SVO_SORT_BITS
- * bits, the least significant first (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish,
- * Harris and Garland, "Designing Efficient Sorting Algorithms for Manycore GPUs", 2009.
+ * Sorts the fragment list for the bottom-up builder: a stable least-significant-digit radix sort with digits of
+ * SVO_SORT_BITS bits (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish, Harris and
+ * Garland, "Designing Efficient Sorting Algorithms for Manycore GPUs", 2009.
  *
- *   svo_k_sort_count    per block of the list: how often each digit occurs; digit by digit, so that the sums before an
- *                       entry are what comes before that digit of that block
+ *   svo_k_sort_count    per block of the list: how often each digit occurs, stored digit by digit, so that the prefix
+ *                       sum at an entry counts what precedes that digit of that block
  *   scan.cl             exclusive sums of those counts (svo_k_scan_lists_*)
- *   svo_k_sort_scatter  per block: its fragments in their order to where their digits go
+ *   svo_k_sort_scatter  per block: moves its fragments, in order, to where their digits belong
  *
- * Launch: SVO_SORT_BLOCKS groups. A group owns a block, each item a strip of it, so that order is kept. No atomics.
- * Local memory is an argument, see scan.cl.
+ * Launch: SVO_SORT_BLOCKS groups. A group owns a block and each work-item a strip of it, which keeps the sort stable.
+ * Reads one list and writes the other. No atomics. Local memory is an argument, see group.clh.
  */
 #include "shared/fragment.clh"
 

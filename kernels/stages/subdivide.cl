@@ -1,34 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Subdivision, top down, level by level (after Crassin and Green, "Octree-Based Sparse Voxelization Using the GPU
- * Hardware Rasterizer", 2012, but with a scan for an allocator, which makes the order of the nodes canonical).
+ * Subdivision: nodes from the root down, level by level (after Crassin and Green, "Octree-Based Sparse Voxelization
+ * Using the GPU Hardware Rasterizer", 2012, but nodes are allocated by a prefix sum, which makes their order
+ * canonical).
  *
- *   svo_k_take_count  once: how many fragments there are, where the host does not know
- *   svo_k_mark     once: every fragment marks its octant in the root
- *   scan.cl        per level: the exclusive sum of the masks' bit counts gives first_child and the next level's size
- *   svo_k_descend  per level: every fragment moves its cursor to the child and marks its octant there
+ *   svo_k_take_count  once, in enqueued builds: the number of fragments
+ *   svo_k_mark        once: every fragment marks its octant in the root
+ *   scan.cl           per level: the prefix sum of the masks' bit counts gives first_child and the next level's size
+ *   svo_k_descend     per level: every fragment moves its cursor to the child and marks its octant there
  *
  * Launch: one work-item per fragment of a chunk, rounded up to whole groups.
- * Atomics: a mask only gains bits, so a bit that is seen set is set, and atomic_or for a missing one is enough. A mask
- * is complete, and may be read for good, once the launch that marks its level has ended. Four masks share a 32-bit
- * word, byte k of the word is the mask of node 4 w + k:
+ * Reads the fragments and first_child; writes masks, cursors and state->overflow.
+ * Atomics: atomic_or sets mask bits. Bits are never cleared, so a bit that is read as set needs no atomic. A mask is
+ * final once the launch that marks its level has ended. Four masks share a 32-bit word; byte k of word w is the mask of
+ * node 4 w + k:
  *
  *   31      24 23      16 15       8 7        0
  *   [ node 3 ] [ node 2 ] [ node 1 ] [ node 0 ]
  *
  * Invariant: after descending from a level, each cursor is the index, in the whole tree, of the fragment's node on the
- * level below. When a level's nodes did not fit, state->overflow is set and nothing more is written. The list comes
- * from
- * drivers: a fragment that none can be is noticed in the first pass and sets it too, and nothing is done by it. (All
- * who set it write the same word.)
+ * level below. When the nodes of a level do not fit, state->overflow is set and later launches write nothing. The list
+ * may come from a driver, so the first pass also rejects impossible fragments that way. (All work-items that set it
+ * there write the same word.)
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
 
 #ifdef SVO_LEVELS
 
-/* A word to which others may be adding bits. OpenCL C 1.2 has no atomic load, but a device that has atomics on aligned
-   words reads them whole; the detour by an atomic operation, which costs ten times as much, is for race detectors. */
+/* A word in which other work-items may be setting bits. OpenCL C 1.2 has no atomic load, but a device with atomics on
+   aligned words reads them whole. SVO_ATOMIC_READS, ten times as expensive, is for race detectors. */
 static uint svo_read_masks(volatile __global uint *word)
 {
 #ifdef SVO_ATOMIC_READS
@@ -47,7 +48,8 @@ static void svo_mark(volatile __global uint *masks, uint node, uint octant)
     }
 }
 
-/* Launch: one work-item, in builds whose list the host has not counted. counter: low word, high word. */
+/* Launch: one group, of which one work-item works; in builds whose fragments the host has not counted. counter: low
+   word, high word. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_take_count(__global const uint *counter, __global svo_build_state *state, svo_subdivide_params params)
 {

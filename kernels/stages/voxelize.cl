@@ -1,39 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Voxelization: triangles become fragments. Each triangle is projected along the axis of its normal's largest component
- * and its columns of voxels are walked; in a column the plane gives the few voxels to look at, and the exact test of
- * overlap.clh decides. What the raster front end does with a rasterizer (glinterop/shaders), here in one pass of
- * OpenCL.
+ * Voxelization: triangles become fragments. Each triangle is projected along the axis of its normal's largest
+ * component. For each column of voxels in the projection the plane bounds the candidates, and the exact test of
+ * overlap.clh decides. Does in one pass of OpenCL what the raster front end does with a rasterizer (glinterop/raster).
  *
  *   svo_k_voxelize  one draw of the layout: each work-item finds its fragments and notes them by columns in local
- *   memory,
- *                   the group reserves room for all of them at once, each work-item writes its own
+ *                   memory, the group reserves space for all of them at once, and each work-item writes its own
  *
- * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles that have more
- * than SVO_TILE_COLUMNS columns; the first kind passes over those, so that no work-item has more work than one tile.
- * Reads vertices, indices, items, tiles; writes the chunk's fragments from the start, and its counter.
- * Atomics: one atomic_add per group on the counter, a second one where its low word wraps, so that fragments are
- * counted to the end, in 64 bits, however few of them fit. Nothing is written past the capacity.
- * Invariant: which fragments come out does not depend on the launch; their order does.
+ * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than
+ * SVO_TILE_COLUMNS columns. The first kind skips those triangles, so no work-item handles more than one tile's columns.
+ * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, and its counter.
+ * Atomics: one atomic_add per group on the counter's low word, and one atomic_inc on the high word when that wraps. All
+ * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity.
+ * Invariant: the set of fragments does not depend on the launch; their order does.
  *
- * Keys: SVO_NARROW, SVO_WIDE, neither: the class of the triangles (overlap.clh); SVO_THIN; SVO_CODE48.
+ * Defines: SVO_NARROW, SVO_WIDE or neither: the class of the triangles (overlap.clh); SVO_NO_TEST: triangles inside one
+ * voxel; SVO_THIN; SVO_CODE48.
  *
- * A note is the run of voxels of one column, from the corner of the work-item's columns and the triangle's first voxel:
+ * A note is the run of voxels of one column, relative to the corner of the work-item's columns and the triangle's first
+ * voxel:
  *
  *   31       28 27               12 11     6 5      0
  *   [ length ] [ first voxel on t ] [   v   ] [   u   ]
  *
  * A column of a triangle has at most four voxels, since no component of its normal is larger than the one along t (or,
- * without a normal, no extent shorter).
+ * without a normal, no extent is shorter).
  */
 #include "shared/fragment.clh"
 #include "shared/group.clh"
 #include "shared/overlap.clh"
 
-/* Notes of neighboring work-items lie in different banks. */
+/* Odd, so that notes of neighboring work-items lie in different banks of local memory. */
 #define SVO_NOTES_STRIDE (SVO_TILE_COLUMNS + 1)
 
-/* A triangle, turned so that t is its axis of projection (overlap.clh). */
+/* A triangle, permuted so that t is its axis of projection (overlap.clh). */
 typedef struct svo_placed {
     svo_point a, b, c; /* grid units, from the corner of the first voxel */
     svo_point first; /* its first voxel */
@@ -42,13 +42,13 @@ typedef struct svo_placed {
     uint triangle;
 } svo_placed;
 
-/* Columns of voxels of the grid, up to the ends without them; empty where an end is not above its begin. */
+/* A rectangle of voxel columns, the ends exclusive; empty where an end is not above its begin. */
 typedef struct svo_window {
     int u, v;
     int end_u, end_v;
 } svo_window;
 
-/* What of a triangle its fragments are made from, besides the notes. */
+/* What fragments are made from, besides the notes. */
 typedef struct svo_source {
     svo_point corner; /* the voxel the notes count from */
     uint axis;
@@ -173,8 +173,8 @@ SVO_FUNCTION uint2 svo_scan_columns(svo_placed placed, svo_window window, svo_vo
 
 #endif
 
-/* The same for whatever is to be done: nothing for an empty window, and for one of more columns than a tile has, whose
-   triangle is left to its tiles. */
+/* The same for any window: finds nothing in an empty one, and in one with more columns than a tile, whose triangle its
+   tiles cover. */
 SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
 {
     const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
@@ -194,7 +194,7 @@ SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_p
 #endif
 }
 
-/* Room for the group's fragments; returns the slot of this work-item's first. */
+/* Reserves slots for the group's fragments; returns the slot of this work-item's first. */
 SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *scratch)
 {
     uint total;
@@ -210,7 +210,7 @@ SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *
     return scratch[0] + before;
 }
 
-/* Writes the fragments of the notes, as far as they fit. */
+/* Writes the fragments of the notes, up to the capacity. */
 SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
                             uint slot, uint capacity)
 {
