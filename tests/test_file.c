@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is saved as .svo loads again as the same tree, and nothing else loads: every flipped byte, every truncation and
- * every broken structure is refused with words that say what is wrong; a failed save leaves nothing behind.
+ * A saved .svo file loads as the same tree. Every flipped byte, truncation and broken structure is refused with a
+ * message that names it. A failed save leaves no file behind.
  */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes come in as their files say: positions bit for bit, node transforms, normals, colors, texture coordinates and
- * textures, from OBJ, PLY, STL and glTF files made here. And whatever happens to the reading process ends in one line.
+ * Meshes are imported as their files define them: positions bit for bit, node transforms, normals, colors, texture
+ * coordinates and textures, from OBJ, PLY, STL and glTF files made here. Any failure of the reading process becomes a
+ * status and one line of message.
  */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>

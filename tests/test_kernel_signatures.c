@@ -155,10 +155,10 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
                              build_callback done, void *user);
 cl_kernel __real_clCreateKernel(cl_program program, const char *name, cl_int *error);
 cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error);
-cl_int __real_clReleaseKernel(cl_kernel kernel);
-cl_int __wrap_clReleaseKernel(cl_kernel kernel);
-cl_int __real_clSetKernelArg(cl_kernel kernel, cl_uint index, size_t bytes, const void *value);
-cl_int __wrap_clSetKernelArg(cl_kernel kernel, cl_uint index, size_t bytes, const void *value);
+cl_int __real_clReleaseKernel(cl_kernel handle);
+cl_int __wrap_clReleaseKernel(cl_kernel handle);
+cl_int __real_clSetKernelArg(cl_kernel handle, cl_uint index, size_t bytes, const void *value);
+cl_int __wrap_clSetKernelArg(cl_kernel handle, cl_uint index, size_t bytes, const void *value);
 cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
                                      const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
                                      cl_event *event);

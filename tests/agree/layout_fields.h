@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every record of svocl/layout.h and every field, in order, for whoever defines the macros before including this:
+ * Every record of svocl/layout.h and every field, in order, for a file that defines these macros first:
  *
  *   RECORD(record, items, first)   begins a record; first: its first word
  *   SCALAR(record, items, field)   one number
  *   ARRAY(record, items, field)    several
  *
- * items is what an array of such records is called. Included by C, and put into the text of a kernel and of a shader.
+ * items: the name of an array of such records. Included by C, and embedded into the text of a kernel and a shader.
  */
 RECORD(svo_draw_item, draw_item_items, triangle)
 SCALAR(svo_draw_item, draw_item_items, triangle)

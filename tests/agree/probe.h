@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* probe.clh in C: probe.c is compiled once for each of its variants, which cannot live in one translation unit. */
+/* probe.clh in C: probe.c is compiled once per variant, since a translation unit can hold only one. */
 #ifndef SVOCL_TESTS_AGREE_PROBE_H
 #define SVOCL_TESTS_AGREE_PROBE_H
 

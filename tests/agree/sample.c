@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Making the records: a triangle in grid units by kind, a voxel near it, then the library's turn and shift. */
+/* Makes a triangle in grid units by kind and a voxel near it, then permutes and translates both as the library does. */
 #include "sample.h"
 
 #define GRID_UNITS   (1 << 20)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the fuzz targets share: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and the way a target
- * says that the library broke a promise. replay.c calls the same entry with kept inputs, as an ordinary test.
+ * Shared by the fuzz targets: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and how a target reports
+ * a violated promise. replay.c calls the same entry points with stored inputs, as an ordinary test.
  */
 #ifndef SVOCL_TESTS_FUZZ_FUZZ_H
 #define SVOCL_TESTS_FUZZ_FUZZ_H

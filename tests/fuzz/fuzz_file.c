@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: any bytes as a .svo file. Either they are refused with one line that says why, or the tree is well
- * formed: every array is as long as the header says, the masks are a tree, every list entry and index is in range.
+ * Fuzz target: arbitrary bytes as a .svo file. Either they are refused with a message of one line, or the tree is well
+ * formed: array lengths match the header, the masks form a tree, every list entry and index is in range.
  */
 #include <string.h>
 
@@ -56,7 +56,7 @@ static void read_arrays(const svo_tree_info *info, const svo_tree_arrays *arrays
     }
 }
 
-/* The masks describe a tree of that depth, by a walk that shares no code with the reader. */
+/* Whether the masks describe a tree of that depth, by a traversal that shares no code with the reader. */
 static void check_masks(const svo_tree_info *info, const svo_tree_arrays *arrays)
 {
     REQUIRE(info->depth >= SVO_DEPTH_MIN && info->depth <= SVO_DEPTH_MAX);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: any arrays as a mesh, with any options, into svo_plan_create, and cuts of the resulting plan. Either a
- * status and one line of words, or a plan that keeps what plan.h promises: every triangle is kept, refused or outside
- * as the definition says, snapped as the reference snaps, and in a class whose arithmetic holds it. No OpenCL is used:
- * a plan takes of the device only the place for messages.
+ * Fuzz target: arbitrary arrays as a mesh, with arbitrary options, for svo_plan_create, and chunkings of the plan. The
+ * result is either a status with a message of one line, or a plan that keeps plan.h's promises: every triangle is kept,
+ * refused or outside as defined there, snapped as the reference does, and in a class whose arithmetic can represent it.
+ * OpenCL is not used: of the device a plan needs only the place for messages.
  */
 #include <float.h>
 #include <math.h>

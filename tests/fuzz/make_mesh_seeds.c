@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the seeds of fuzz_mesh into a folder: small meshes that between them use every array and option, so that a
- * fuzzer starts from inputs that mean something. seeds/README.md says when to run it.
+ * Writes the seeds of fuzz_mesh into a folder: small meshes that together use every array and option, so that a fuzzer
+ * starts from meaningful inputs. seeds/README.md says when to run it.
  */
 #include <math.h>
 #include <string.h>

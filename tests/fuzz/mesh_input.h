@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bytes to a mesh: how an input of fuzz_mesh says what svo_plan_create is given. Every input means something; what it
- * is too short for is zero. Arrays are allocated in exactly the size that the mesh's counts promise, so that a
- * sanitizer sees the first element read behind one.
+ * Bytes to a mesh: how an input of fuzz_mesh encodes svo_plan_create's arguments. Every input is valid; fields beyond
+ * its end are zero. Arrays are allocated in exactly the size that the mesh's counts require, so that a sanitizer
+ * detects a read past their end.
  */
 #ifndef SVOCL_TESTS_FUZZ_MESH_INPUT_H
 #define SVOCL_TESTS_FUZZ_MESH_INPUT_H

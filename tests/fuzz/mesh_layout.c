@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk that is within its
- * limit, however often chunks turned out too small.
+ * Chunkings of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk within its limit,
+ * however often chunks were too small.
  */
 #include "mesh_layout.h"
 

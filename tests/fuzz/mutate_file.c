@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mutations of .svo files that get past their lengths and checksums: after most changes the header, the chunk table and
- * all checksums are made true again, so that what is wrong is what a checksum does not see. Without this a fuzzer stays
- * in front of the first checksum for ever. Only libFuzzer calls it; an input that it found is complete as it is.
+ * Mutations of .svo files that pass the checks of lengths and checksums: after most changes the header, the chunk table
+ * and all checksums are recomputed. Without this a fuzzer never gets past the first checksum. Only libFuzzer calls it;
+ * inputs that it finds are complete.
  */
 #include <stdbool.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 #define PATH_BYTES      4096
 #define INPUT_BYTES_MAX ((size_t)1 << 20)
 
-/* The input in memory of exactly its size, so that a sanitizer sees the first byte read behind it. */
+/* The input in memory of exactly its size, so that a sanitizer detects a read past its end. */
 static int replay_file(const char *path)
 {
     static uint8_t buffer[INPUT_BYTES_MAX];
