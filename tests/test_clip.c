@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The part of a triangle inside a voxel (kernels/clip.clh), which area weights are made of: C, OpenCL C and GLSL agree
- * bit for bit; area and centroid are those of the triangle clipped in double precision; and T2: the pieces of a mesh
- * add up to its area inside the grid.
+ * The part of a triangle inside a voxel (kernels/shared/clip.clh), the basis of area weights: C, OpenCL C and GLSL
+ * agree bit for bit; area and centroid are those of the triangle clipped in double precision; and T2: the pieces of a
+ * mesh add up to its area inside the grid.
  */
 #include <setjmp.h>
 #include <stdarg.h>

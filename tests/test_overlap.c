@@ -3,7 +3,7 @@
  * T4 pairs, in the shared text itself: one definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit
  * for bit, and with the exact references.
  *
- * kernels/integer.clh and kernels/overlap.clh are asked, in each language, about thousands of random and hard records
+ * kernels/shared/integer.clh and overlap.clh are run, in each language, on thousands of random and hard records
  * in each of their three widths, half-open, closed and thin (agree/sample.h makes them, agree/probe.clh asks). GLSL is
  * asked twice: with 64-bit integers of the language, and with those made of two words. Only the spans may differ, which
  * float arithmetic estimates: they must hold every voxel that the integers let pass.
