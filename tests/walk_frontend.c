@@ -140,7 +140,7 @@ static svo_status upload(const walk *w, const gathered *fragments, cl_command_qu
                                : svo_i_device_fail_cl(w->plan->device, "walk_frontend", "clEnqueueWriteBuffer", error);
 }
 
-static svo_status make_chunk(const walk *w, const svo_i_layout *layout, const svo_i_chunk *drawn, uint64_t *state,
+static svo_status make_chunk(const walk *w, const svo_i_chunking *layout, const svo_i_chunk *drawn, uint64_t *state,
                              cl_command_queue queue, svo_i_fragments *chunk)
 {
     gathered fragments = {.pairs = calloc(w->pairs.count + 1, sizeof *fragments.pairs)};
@@ -158,7 +158,7 @@ static svo_status make_chunk(const walk *w, const svo_i_layout *layout, const sv
     return status;
 }
 
-static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_t seed, cl_command_queue queue,
+static svo_status make_chunks(const walk *w, const svo_i_chunking *layout, uint64_t seed, cl_command_queue queue,
                               svo_i_fragment_list *list)
 {
     svo_status status = SVO_OK;
@@ -176,7 +176,7 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
     return SVO_OK;
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_chunking *layout, cl_command_queue queue,
                            svo_i_fragment_list *list, svo_build_report *report)
 {
     const double start_ms = svo_i_now_ms();

@@ -164,7 +164,7 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 }
 
 /* A buffer for each chunk, given to GL. share: AUTO for a list that stays there. */
-static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_chunking *layout,
                               cl_command_queue queue, svo_i_fragment_list *list)
 {
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
@@ -210,7 +210,7 @@ static double box_voxels(const svo_plan *plan, uint32_t triangle)
 }
 
 /* A list that was too small is made as large as the driver counted, so the count must be one that geometry allows. */
-static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk,
+static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk,
                               uint32_t needed)
 {
     const svo_i_chunk *target = &layout->chunks[chunk];
@@ -229,7 +229,7 @@ static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_layo
     return SVO_OK;
 }
 
-static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, svo_i_fragment_list *list)
+static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_chunking *layout, svo_i_fragment_list *list)
 {
     uint32_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
     if (needed == NULL) {
@@ -265,7 +265,7 @@ static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_
 }
 
 /* Draws the list by buffers of a share path, and hands it over; share AUTO: it stays in OpenGL. */
-static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_chunking *layout,
                               cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
@@ -293,7 +293,7 @@ static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *pl
     return status;
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_chunking *layout, cl_command_queue queue,
                            svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_gl *gl = self;
@@ -329,7 +329,7 @@ static svo_status prepare_tree(void *self, svo_plan *plan, cl_command_queue queu
     return status == SVO_OK ? svo_i_compute_prepare(gl->compute, plan) : status;
 }
 
-static svo_status voxelize_in_gl(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+static svo_status voxelize_in_gl(void *self, svo_plan *plan, const svo_i_chunking *layout, cl_command_queue queue,
                                  svo_i_fragment_list *list, svo_build_report *report)
 {
     return voxelize_by(self, SVO_GL_SHARE_AUTO, plan, layout, queue, list, report);

@@ -375,7 +375,7 @@ static void draw_items(const svo_i_raster *raster, const svo_plan *plan, const s
     }
 }
 
-svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk)
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk)
 {
     const svo_i_gl_functions *gl = raster->gl;
     const svo_i_chunk *target = &layout->chunks[chunk];

@@ -34,7 +34,7 @@ svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan);
 /* Uploads the snapped mesh and the items, and makes room for that many counters, set to zero. */
 svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count);
 /* Draws one chunk; the fragments' storage block is bound to SVO_I_RASTER_FRAGMENTS by the caller. */
-svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk);
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk);
 /* Waits, and reads the fragments each chunk needs. */
 svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, uint32_t *needed);
 /* Gives back the GL memory of the mesh. */

@@ -147,8 +147,8 @@ static int compare_fragments(const void *left, const void *right)
 static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
                        uint64_t capacity, uint32_t **words, uint32_t *needed)
 {
-    svo_i_layout layout;
-    svo_status status = svo_i_layout_create(plan, UINT64_C(1) << 26, &layout);
+    svo_i_chunking layout;
+    svo_status status = svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout);
     if (status != SVO_OK) {
         return status;
     }
@@ -175,7 +175,7 @@ static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_r
         status = svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message);
     }
     gl->DeleteBuffers(1, &buffer);
-    svo_i_layout_destroy(&layout);
+    svo_i_chunking_destroy(&layout);
     return status;
 }
 

@@ -47,7 +47,7 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     if (workspace->last != NULL) {
         all[count++] = workspace->last;
     }
-    const cl_int error = clEnqueueMarkerWithWaitList(build->queue, count, count > 0 ? all : NULL, &build->last);
+    const cl_int error = clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
     free(all);
     return error == CL_SUCCESS
                ? SVO_OK
@@ -59,12 +59,12 @@ static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
     svo_frontend *frontend = workspace->frontend;
-    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
+    const cl_int error = build->commands.last != NULL ? clWaitForEvents(1, &build->commands.last) : CL_SUCCESS;
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
     }
     pending->frontend = frontend;
-    const svo_status status = frontend->voxelize(frontend->self, build->plan, &workspace->layout, build->queue,
+    const svo_status status = frontend->voxelize(frontend->self, build->commands.plan, &workspace->chunking, build->commands.queue,
                                                  &build->list, &pending->report);
     const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
     pending->counter[0] = (cl_uint)needed;
@@ -76,7 +76,7 @@ static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
 static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_frontend *frontend = workspace->frontend;
-    return frontend->enqueue != NULL ? frontend->enqueue(&pending->build, &workspace->layout)
+    return frontend->enqueue != NULL ? frontend->enqueue(&pending->build, &workspace->chunking)
                                      : draw_now(workspace, pending);
 }
 
@@ -87,7 +87,7 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     build->fragment_count = workspace->info.fragment_capacity;
     svo_i_build_fill_info(build);
     svo_i_build_assume_counts(build);
-    build->list.chunk_count = workspace->layout.chunk_count;
+    build->list.chunk_count = workspace->chunking.chunk_count;
     build->list.chunks = calloc(build->list.chunk_count + 1u, sizeof *build->list.chunks);
     if (build->list.chunks == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
@@ -98,9 +98,9 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     }
     status = svo_i_build_make_arrays(build, workspace->frontend);
     if (status == SVO_OK && build->counters != NULL) {
-        status = svo_i_build_read(build, build->counters, pending->counter, sizeof pending->counter);
+        status = svo_i_commands_read(&build->commands, build->counters, pending->counter, sizeof pending->counter);
     }
-    return status == SVO_OK ? svo_i_build_read(build, build->state, &pending->state, sizeof pending->state) : status;
+    return status == SVO_OK ? svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state) : status;
 }
 
 static void release_pending(svo_i_pending *pending)
@@ -108,7 +108,7 @@ static void release_pending(svo_i_pending *pending)
     if (pending->done != NULL) {
         clReleaseEvent(pending->done);
     }
-    svo_i_build_take_spans(&pending->build);
+    svo_i_stage_collect(&pending->build.commands);
     if (pending->frontend != NULL) {
         pending->frontend->release(pending->frontend->self, &pending->build.list);
     }
@@ -153,19 +153,19 @@ static void give_up(svo_workspace *workspace, svo_i_pending *pending)
 static void close_build(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
-    if (build->stage_first != NULL) {
-        clReleaseEvent(build->stage_first);
-        build->stage_first = NULL;
+    if (build->commands.stage_first != NULL) {
+        clReleaseEvent(build->commands.stage_first);
+        build->commands.stage_first = NULL;
     }
     lend_buffers(workspace, build->tree, true);
-    if (build->last != NULL) {
+    if (build->commands.last != NULL) {
         if (workspace->last != NULL) {
             clReleaseEvent(workspace->last);
         }
-        workspace->last = build->last;
-        clRetainEvent(build->last);
-        pending->done = build->last;
-        build->last = NULL;
+        workspace->last = build->commands.last;
+        clRetainEvent(build->commands.last);
+        pending->done = build->commands.last;
+        build->commands.last = NULL;
     }
 }
 
@@ -202,7 +202,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (pending == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
     }
-    pending->build = (svo_i_build){.mode = SVO_I_BUILD_ENQUEUES,
+    pending->build = (svo_i_build){.mode = SVO_I_MODE_ENQUEUE,
                                    .device = workspace->device,
                                    .plan = workspace->plan,
                                    .queue = queue,
@@ -244,7 +244,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
         return svo_i_build_fail_damaged(build);
     }
     if (state->overflow != 0) {
-        pending->report.inner_nodes = svo_i_plan_inner_nodes(build->plan, needed, true);
+        pending->report.inner_nodes = svo_i_plan_inner_nodes(build->commands.plan, needed, true);
         return svo_i_device_fail(tree->device, SVO_CAPACITY_EXCEEDED,
                                  "svo_tree_finish: the build needs room for %llu fragments, the plan has %llu, and for "
                                  "at most %llu inner nodes, the plan has %llu",
@@ -323,12 +323,11 @@ static void leave_workspace(svo_tree *tree)
 
 static svo_status trim_tree(svo_tree *tree, cl_command_queue queue)
 {
-    svo_status status = SVO_OK;
-    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
-        status = tree->buffers[i] != NULL ? trim_buffer(tree, i, queue) : SVO_OK;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        SVO_I_TRY(tree->buffers[i] != NULL ? trim_buffer(tree, i, queue) : SVO_OK);
     }
     leave_workspace(tree);
-    return status;
+    return SVO_OK;
 }
 
 void svo_i_tree_leave_workspace(svo_tree *tree)
@@ -370,7 +369,7 @@ svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo
     const cl_int error = clWaitForEvents(1, &pending->done);
     svo_status status =
         error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, "svo_tree_finish", "the build", error);
-    svo_i_build_take_spans(&pending->build);
+    svo_i_stage_collect(&pending->build.commands);
     svo_i_report_add(&pending->report, SVO_STAGE_GRID, tree->workspace->plan->info.grid_ms, "wall");
     status = status == SVO_OK ? take_counts(tree, pending) : status;
     if (report != NULL) {

@@ -5,7 +5,7 @@
  */
 #include <stdlib.h>
 
-#include "build/build.h"
+#include "stages/build_state.h"
 
 /* Cutting chunks in halves until they fit ends long before this. */
 #define RERUNS_MAX 32u
@@ -13,8 +13,8 @@
 static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
 {
     uint64_t bytes = frontend->chunk_bytes_max;
-    bytes = build->device->max_allocation_bytes < bytes ? build->device->max_allocation_bytes : bytes;
-    const uint64_t asked = build->plan->options.chunk_bytes;
+    bytes = build->commands.device->max_allocation_bytes < bytes ? build->commands.device->max_allocation_bytes : bytes;
+    const uint64_t asked = build->commands.plan->options.chunk_bytes;
     return asked != 0 && asked < bytes ? asked : bytes;
 }
 
@@ -32,68 +32,48 @@ static bool list_is_whole(svo_i_build *build, uint64_t *needed)
 }
 
 /* Lists the chunks' buffers, which live while the front end draws into them and after; or takes them off again. */
-static void list_chunks(svo_i_build *build, const svo_i_layout *layout, bool live)
+static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool live)
 {
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
-        const uint64_t bytes = layout->chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan);
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        const uint64_t bytes = chunking->chunks[i].capacity * svo_i_plan_fragment_bytes(build->commands.plan);
         if (live) {
-            svo_i_plan_buffer_add(build->plan, "fragments", bytes);
+            svo_i_plan_buffer_add(build->commands.plan, "fragments", bytes);
         } else {
-            svo_i_plan_buffer_remove(build->plan, bytes);
+            svo_i_plan_buffer_remove(build->commands.plan, bytes);
         }
     }
 }
 
-void svo_i_build_release_list(svo_i_build *build, svo_frontend *frontend)
-{
-    if (build->list.chunks == NULL) {
-        return;
-    }
-    if (build->owns_list) { /* by buffers of the build's */
-        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
-            svo_i_build_free(build, &build->list.chunks[i].buffer);
-        }
-    } else {
-        for (uint32_t i = 0; frontend->make_tree == NULL && i < build->list.chunk_count; ++i) {
-            svo_i_plan_buffer_remove(build->plan,
-                                     build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->plan));
-        }
-        frontend->release(frontend->self, &build->list);
-    }
-    free(build->list.chunks);
-    build->list = (svo_i_fragment_list){0};
-}
-
-/* One attempt at the list, with the layout as it is. */
-static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t limit,
+/* One attempt at the list, with the chunking as it is. */
+static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_chunking *chunking, uint64_t limit,
                             bool *whole)
 {
-    build->list.chunk_count = layout->chunk_count;
-    build->list.chunks = calloc(layout->chunk_count + 1u, sizeof *build->list.chunks);
-    uint64_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
+    build->list.chunk_count = chunking->chunk_count;
+    build->list.chunks = calloc(chunking->chunk_count + 1u, sizeof *build->list.chunks);
+    uint64_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
     svo_status status = SVO_OK;
     if (build->list.chunks == NULL || needed == NULL) {
-        status = svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
-                                   layout->chunk_count);
+        status = svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                   chunking->chunk_count);
         build->list.chunk_count = 0;
     } else {
         if (frontend->make_tree == NULL) { /* a list that stays with the front end has no OpenCL buffers */
-            list_chunks(build, layout, true);
+            list_chunks(build, chunking, true);
         }
-        status = frontend->voxelize(frontend->self, build->plan, layout, build->queue, &build->list, build->report);
+        status = frontend->voxelize(frontend->self, build->commands.plan, chunking, build->commands.queue, &build->list, build->commands.report);
         *whole = status == SVO_OK && list_is_whole(build, needed);
     }
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
         if (frontend->make_tree == NULL) {
-            list_chunks(build, layout, false);
+            list_chunks(build, chunking, false);
         }
         free(build->list.chunks);
         build->list = (svo_i_fragment_list){0};
     }
     if (status == SVO_OK && !*whole) {
-        ++build->report->reruns;
-        status = svo_i_layout_grow(build->plan, limit, needed, layout);
+        ++build->commands.report->reruns;
+        status = svo_i_chunking_grow(build->commands.plan, limit, needed, chunking);
     }
     free(needed);
     return status;
@@ -102,41 +82,41 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_la
 svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend)
 {
     const uint64_t limit = chunk_bytes(build, frontend);
-    svo_i_layout layout;
-    svo_status status = svo_i_layout_create(build->plan, limit, &layout);
+    svo_i_chunking chunking;
+    svo_status status = svo_i_chunking_create(build->commands.plan, limit, &chunking);
     bool whole = false;
     while (status == SVO_OK && !whole) {
-        if (build->report->reruns > RERUNS_MAX) {
-            status = svo_i_device_fail(build->device, SVO_INTERNAL, "svo_build: the list does not fit after %u reruns",
-                                       build->report->reruns);
+        if (build->commands.report->reruns > RERUNS_MAX) {
+            status = svo_i_device_fail(build->commands.device, SVO_INTERNAL, "svo_build: the list does not fit after %u reruns",
+                                       build->commands.report->reruns);
             break;
         }
-        status = draw_list(build, frontend, &layout, limit, &whole);
+        status = draw_list(build, frontend, &chunking, limit, &whole);
     }
-    svo_i_layout_destroy(&layout);
+    svo_i_chunking_destroy(&chunking);
     if (status == SVO_OK && build->fragment_count > SVO_I_FRAGMENTS_MAX) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the scene has %llu fragments, above %u; lower the depth",
                                  (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
     }
     return status;
 }
 
-/* How many fragments a layout has, without keeping them: one per chunk at most. */
-static svo_status count_fragments(svo_i_build *build, svo_frontend *frontend, svo_i_layout *layout, uint64_t *total)
+/* How many fragments a chunking has, without keeping them: one per chunk at most. */
+static svo_status count_fragments(svo_i_build *build, svo_frontend *frontend, svo_i_chunking *chunking, uint64_t *total)
 {
-    svo_i_fragment_list list = {.chunk_count = layout->chunk_count};
-    list.chunks = calloc(layout->chunk_count + 1u, sizeof *list.chunks);
+    svo_i_fragment_list list = {.chunk_count = chunking->chunk_count};
+    list.chunks = calloc(chunking->chunk_count + 1u, sizeof *list.chunks);
     if (list.chunks == NULL) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
-                                 layout->chunk_count);
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
+                                 chunking->chunk_count);
     }
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
-        layout->chunks[i].capacity = 1;
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        chunking->chunks[i].capacity = 1;
     }
     const svo_status status =
-        frontend->voxelize(frontend->self, build->plan, layout, build->queue, &list, build->report);
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        frontend->voxelize(frontend->self, build->commands.plan, chunking, build->commands.queue, &list, build->commands.report);
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         *total += list.chunks[i].needed;
     }
     frontend->release(frontend->self, &list);
@@ -157,13 +137,13 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     }
     svo_build_report unread = {0};
     svo_i_build build = {.device = plan->device, .plan = plan, .queue = queue, .report = &unread};
-    svo_i_layout layout = {0};
+    svo_i_chunking chunking = {0};
     uint64_t total = 0;
     svo_status status = frontend->prepare(frontend->self, plan, queue);
-    status = status == SVO_OK ? svo_i_layout_create(plan, chunk_bytes(&build, frontend), &layout) : status;
-    const bool one_chunk = layout.chunk_count <= 1;
-    status = status == SVO_OK ? count_fragments(&build, frontend, &layout, &total) : status;
-    svo_i_layout_destroy(&layout);
+    status = status == SVO_OK ? svo_i_chunking_create(plan, chunk_bytes(&build, frontend), &chunking) : status;
+    const bool one_chunk = chunking.chunk_count <= 1;
+    status = status == SVO_OK ? count_fragments(&build, frontend, &chunking, &total) : status;
+    svo_i_chunking_destroy(&chunking);
     if (status != SVO_OK) {
         return status;
     }
@@ -179,23 +159,3 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     return svo_i_plan_predict(plan);
 }
 
-svo_status svo_i_build_fail_damaged(svo_i_build *build)
-{
-    return svo_i_device_fail(build->device, SVO_INTERNAL,
-                             "svo_build: %s made a fragment outside the grid or of no triangle",
-                             build->report->frontend);
-}
-
-svo_status svo_i_build_alloc_cursors(svo_i_build *build)
-{
-    build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
-    if (build->cursors == NULL) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
-                                 build->list.chunk_count);
-    }
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
-        status = svo_i_build_alloc(build, "cursors", build->list.chunks[i].needed * 4, &build->cursors[i]);
-    }
-    return status;
-}

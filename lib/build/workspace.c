@@ -34,12 +34,12 @@ static svo_status lay_out(svo_workspace *workspace)
     const uint64_t chunk = workspace->frontend->chunk_bytes_max;
     const uint64_t most = chunk < allocation ? chunk : allocation;
     const uint64_t asked = plan->options.chunk_bytes;
-    const svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &workspace->layout);
-    if (status == SVO_OK && workspace->layout.chunk_count > 1) {
+    const svo_status status = svo_i_chunking_create(plan, asked != 0 && asked < most ? asked : most, &workspace->chunking);
+    if (status == SVO_OK && workspace->chunking.chunk_count > 1) {
         return svo_i_device_fail(workspace->device, SVO_UNSUPPORTED,
                                  SVO_I_WORKSPACE ": the list of about %.0f fragments takes %u chunks, and builds that "
                                                  "are enqueued have one",
-                                 plan->info.expected_fragments, workspace->layout.chunk_count);
+                                 plan->info.expected_fragments, workspace->chunking.chunk_count);
     }
     return status;
 }
@@ -55,22 +55,17 @@ static uint64_t alignment_of(const svo_device *device)
 static svo_status measure(svo_workspace *workspace)
 {
     svo_i_allocations *list = &workspace->allocations;
-    svo_status status = check(workspace->plan, workspace->frontend);
-    status = status == SVO_OK ? lay_out(workspace) : status;
+    SVO_I_TRY(check(workspace->plan, workspace->frontend));
+    SVO_I_TRY(lay_out(workspace));
     workspace->plan->built = true; /* capacities are what is allocated */
-    if (status == SVO_OK) {
-        status = svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->layout, list, &workspace->kept);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->chunking, list, &workspace->kept));
     workspace->info.scratch_alignment = alignment_of(workspace->device);
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {
         workspace->info.tree_bytes += list->entries[i].persistent ? list->entries[i].bytes : 0;
     }
-    workspace->info.fragment_capacity = workspace->layout.chunk_count > 0 ? workspace->layout.chunks[0].capacity : 0;
+    workspace->info.fragment_capacity = workspace->chunking.chunk_count > 0 ? workspace->chunking.chunks[0].capacity : 0;
     workspace->info.inner_capacity = svo_i_plan_inner_nodes(workspace->plan, workspace->info.fragment_capacity,
                                                             workspace->plan->options.worst_case_nodes != 0);
     return SVO_OK;
@@ -78,7 +73,7 @@ static svo_status measure(svo_workspace *workspace)
 
 static void release(svo_workspace *workspace)
 {
-    svo_i_layout_destroy(&workspace->layout);
+    svo_i_chunking_destroy(&workspace->chunking);
     svo_i_tiles_free(&workspace->kept.tiles);
     free(workspace->kept.begin);
     svo_i_allocations_free(&workspace->allocations);
@@ -158,12 +153,12 @@ static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
     svo_build_report unread = {0};
     svo_i_build build = {.device = workspace->device, .plan = workspace->plan, .queue = queue, .report = &unread};
     const svo_status status = svo_i_build_compile(&build, workspace->frontend);
-    if (build.last != NULL) {
-        clWaitForEvents(1, &build.last);
-        clReleaseEvent(build.last);
+    if (build.commands.last != NULL) {
+        clWaitForEvents(1, &build.commands.last);
+        clReleaseEvent(build.commands.last);
     }
-    if (build.stage_first != NULL) {
-        clReleaseEvent(build.stage_first);
+    if (build.commands.stage_first != NULL) {
+        clReleaseEvent(build.commands.stage_first);
     }
     workspace->program = build.program;
     return status;

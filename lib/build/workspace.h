@@ -3,13 +3,13 @@
 #ifndef SVO_LIB_BUILD_WORKSPACE_H
 #define SVO_LIB_BUILD_WORKSPACE_H
 
-#include "build/build.h"
+#include "stages/build_state.h"
 
 struct svo_workspace {
     svo_device *device;
     svo_plan *plan;
     svo_frontend *frontend;
-    svo_i_layout layout; /* one chunk, or none for a plan without triangles */
+    svo_i_chunking chunking; /* one chunk, or none for a plan without triangles */
     svo_i_kept_tiles kept;
     svo_i_allocations allocations;
     svo_workspace_info info;

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the fragment estimate
- * and keeps the list of buffers. Everything later in the pipeline obeys it.
+ * The plan: checks the request, runs the host stages (grid.c, attributes.c) and configures the build. Its sizes are
+ * predicted by a build that only measures (build/predict.c). Everything later in the pipeline obeys it.
  */
 #include "plan/plan.h"
+#include "plan/attributes.h"
+#include "plan/configuration.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -151,33 +155,8 @@ static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
     return check_textures(device, mesh);
 }
 
-uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
-{
-    return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
-}
-
-uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool worst_case)
-{
-    uint64_t nodes = UINT64_C(1) << (3 * level);
-    if (level == 0) {
-        return nodes; /* the root is always there */
-    }
-    nodes = nodes > fragments ? fragments : nodes;
-    const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
-    return !worst_case && likely < nodes ? likely : nodes;
-}
-
-uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool worst_case)
-{
-    uint64_t total = 0;
-    for (uint32_t level = 0; level < plan->info.depth; ++level) {
-        total += svo_i_plan_level_nodes(plan, level, fragments, worst_case);
-    }
-    return total;
-}
-
-svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                           svo_plan **out)
+static svo_status check_request(svo_device *device, const svo_mesh *mesh, unsigned depth,
+                                const svo_plan_options *options, svo_plan *const *out)
 {
     if (device == NULL || mesh == NULL || out == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: %s is NULL",
@@ -189,18 +168,23 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,
                                  SVO_DEPTH_MIN, SVO_DEPTH_MAX);
     }
-    svo_status status = options != NULL ? check_options(device, options) : SVO_OK;
-    if (status == SVO_OK) {
-        status = check_mesh(device, mesh);
+    if (options != NULL) {
+        SVO_I_TRY(check_options(device, options));
     }
-    if (status == SVO_OK && options != NULL && options->payload_level > depth) {
-        status = svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                   "svo_plan_create: options.payload_level %u is above depth %u",
-                                   options->payload_level, depth);
+    SVO_I_TRY(check_mesh(device, mesh));
+    if (options != NULL && options->payload_level > depth) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.payload_level %u is above depth %u", options->payload_level,
+                                 depth);
     }
-    if (status != SVO_OK) {
-        return status;
-    }
+    return SVO_OK;
+}
+
+svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                          const svo_i_stage *stages, size_t stage_count, svo_plan **out)
+{
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_request(device, mesh, depth, options, out));
     svo_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
@@ -212,24 +196,18 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
     plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
-    status = svo_i_plan_grid(plan, mesh);
-    if (status == SVO_OK) {
-        status = svo_i_plan_attributes(plan, mesh);
-    }
-    if (status != SVO_OK) {
-        svo_plan_destroy(&plan);
-        return status;
-    }
+    plan->stages = stages;
+    plan->stage_count = stage_count;
+    SVO_I_TRY_CLEANUP(svo_i_plan_grid(plan, mesh));
+    SVO_I_TRY_CLEANUP(svo_i_plan_attributes(plan, mesh));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     svo_i_plan_configure(plan);
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
-    status = svo_i_plan_predict(plan);
-    if (status != SVO_OK) {
-        svo_plan_destroy(&plan);
-        return status;
-    }
     *out = plan;
     return SVO_OK;
+cleanup:
+    svo_plan_destroy(&plan);
+    return status;
 }
 
 void svo_plan_destroy(svo_plan **plan)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The rules by which a front end is chosen; svocl::gl tells them what it knows of the renderer. */
-#ifndef SVO_LIB_BUILD_FRONTEND_CHOICE_H
-#define SVO_LIB_BUILD_FRONTEND_CHOICE_H
+#ifndef SVO_LIB_PLAN_FRONTEND_CHOICE_H
+#define SVO_LIB_PLAN_FRONTEND_CHOICE_H
 
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 #include "svocl/build.h"
 
 typedef struct svo_i_renderer {

@@ -7,7 +7,7 @@
  * draws faster than a CPU computes, and that a list which goes through the host costs a GPU more than drawing saves, is
  * taken for granted.
  */
-#include "build/frontend_choice.h"
+#include "plan/frontend_choice.h"
 
 /* Fewer expected fragments than this are made before OpenGL has started. */
 #define FEW_FRAGMENTS 1048576.0
