@@ -3,18 +3,25 @@
  * The fragment list of a build: the front end draws it into chunks, and again with more room where they were too small,
  * until all fragments are there.
  */
-#include <stdlib.h>
+#include "build/list.h"
 
-#include "stages/build_state.h"
+#include <stdlib.h>
+#include <string.h>
+
+#include "build/measure.h"
+#include "plan/buffers.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 /* Cutting chunks in halves until they fit ends long before this. */
 #define RERUNS_MAX 32u
 
-static uint64_t chunk_bytes(const svo_i_build *build, const svo_frontend *frontend)
+/* What a chunk may take: the front end's, the device's and the request's limit. */
+static uint64_t chunk_bytes(const svo_plan *plan, const svo_frontend *frontend)
 {
     uint64_t bytes = frontend->chunk_bytes_max;
-    bytes = build->commands.device->max_allocation_bytes < bytes ? build->commands.device->max_allocation_bytes : bytes;
-    const uint64_t asked = build->commands.plan->options.chunk_bytes;
+    bytes = plan->device->max_allocation_bytes < bytes ? plan->device->max_allocation_bytes : bytes;
+    const uint64_t asked = plan->options.chunk_bytes;
     return asked != 0 && asked < bytes ? asked : bytes;
 }
 
@@ -44,32 +51,43 @@ static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool
     }
 }
 
-/* One attempt at the list, with the chunking as it is. */
-static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_chunking *chunking, uint64_t limit,
-                            bool *whole)
+/* A list without fragments; needed: counts of its chunks. */
+static svo_status alloc_list(svo_i_build *build, uint32_t chunk_count, uint64_t **needed)
 {
-    build->list.chunk_count = chunking->chunk_count;
-    build->list.chunks = calloc(chunking->chunk_count + 1u, sizeof *build->list.chunks);
-    uint64_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
-    svo_status status = SVO_OK;
-    if (build->list.chunks == NULL || needed == NULL) {
-        status = svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
-                                   chunking->chunk_count);
-        build->list.chunk_count = 0;
-    } else {
-        if (frontend->make_tree == NULL) { /* a list that stays with the front end has no OpenCL buffers */
-            list_chunks(build, chunking, true);
-        }
-        status = frontend->voxelize(frontend->self, build->commands.plan, chunking, build->commands.queue, &build->list, build->commands.report);
-        *whole = status == SVO_OK && list_is_whole(build, needed);
+    build->list.chunks = calloc(chunk_count + 1u, sizeof *build->list.chunks);
+    *needed = calloc(chunk_count + 1u, sizeof **needed);
+    if (build->list.chunks == NULL || *needed == NULL) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                 chunk_count);
     }
+    build->list.chunk_count = chunk_count;
+    return SVO_OK;
+}
+
+/* One attempt at the list, with the chunking as it is; afterwards *chunking is one in which it fits. */
+static svo_status draw_list(svo_i_build *build, svo_i_chunking *chunking, uint64_t limit, bool *whole)
+{
+    svo_status status = SVO_OK;
+    svo_frontend *frontend = build->frontend;
+    const bool has_buffers = frontend->make_tree == NULL; /* else the list stays with the front end */
+    uint64_t *needed = NULL;
+    bool listed = false;
+    SVO_I_TRY_CLEANUP(alloc_list(build, chunking->chunk_count, &needed));
+    if (has_buffers) {
+        list_chunks(build, chunking, true);
+        listed = true;
+    }
+    SVO_I_TRY_CLEANUP(frontend->voxelize(frontend->self, &build->commands, chunking, &build->list));
+    *whole = list_is_whole(build, needed);
+cleanup:
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
-        if (frontend->make_tree == NULL) {
+        if (listed) {
             list_chunks(build, chunking, false);
         }
+        svo_i_commands_free(&build->commands, &build->list.counters);
         free(build->list.chunks);
-        build->list = (svo_i_fragment_list){0};
+        memset(&build->list, 0, sizeof build->list);
     }
     if (status == SVO_OK && !*whole) {
         ++build->commands.report->reruns;
@@ -79,49 +97,62 @@ static svo_status draw_list(svo_i_build *build, svo_frontend *frontend, svo_i_ch
     return status;
 }
 
-svo_status svo_i_build_make_list(svo_i_build *build, svo_frontend *frontend)
+svo_status svo_i_list_make(svo_i_build *build)
 {
-    const uint64_t limit = chunk_bytes(build, frontend);
-    svo_i_chunking chunking;
-    svo_status status = svo_i_chunking_create(build->commands.plan, limit, &chunking);
+    svo_status status = SVO_OK;
+    const uint64_t limit = chunk_bytes(build->commands.plan, build->frontend);
+    svo_i_chunking chunking = {0};
     bool whole = false;
-    while (status == SVO_OK && !whole) {
+    SVO_I_TRY(svo_i_chunking_create(build->commands.plan, limit, &chunking));
+    while (!whole) {
         if (build->commands.report->reruns > RERUNS_MAX) {
-            status = svo_i_device_fail(build->commands.device, SVO_INTERNAL, "svo_build: the list does not fit after %u reruns",
-                                       build->commands.report->reruns);
-            break;
+            status =
+                svo_i_device_fail(build->commands.device, SVO_INTERNAL,
+                                  "svo_build: the list does not fit after %u reruns", build->commands.report->reruns);
+            goto cleanup;
         }
-        status = draw_list(build, frontend, &chunking, limit, &whole);
+        SVO_I_TRY_CLEANUP(draw_list(build, &chunking, limit, &whole));
     }
+    if (build->fragment_count > SVO_I_FRAGMENTS_MAX) {
+        status = svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
+                                   "svo_build: the scene has %llu fragments, above %u; lower the depth",
+                                   (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
+    }
+cleanup:
     svo_i_chunking_destroy(&chunking);
-    if (status == SVO_OK && build->fragment_count > SVO_I_FRAGMENTS_MAX) {
-        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene has %llu fragments, above %u; lower the depth",
-                                 (unsigned long long)build->fragment_count, SVO_I_FRAGMENTS_MAX);
-    }
     return status;
 }
 
 /* How many fragments a chunking has, without keeping them: one per chunk at most. */
-static svo_status count_fragments(svo_i_build *build, svo_frontend *frontend, svo_i_chunking *chunking, uint64_t *total)
+static svo_status count_fragments(svo_i_commands *commands, svo_frontend *frontend, svo_i_chunking *chunking,
+                                  uint64_t *total)
 {
     svo_i_fragment_list list = {.chunk_count = chunking->chunk_count};
     list.chunks = calloc(chunking->chunk_count + 1u, sizeof *list.chunks);
     if (list.chunks == NULL) {
-        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
+        return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
                                  chunking->chunk_count);
     }
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         chunking->chunks[i].capacity = 1;
     }
-    const svo_status status =
-        frontend->voxelize(frontend->self, build->commands.plan, chunking, build->commands.queue, &list, build->commands.report);
+    const svo_status status = frontend->voxelize(frontend->self, commands, chunking, &list);
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         *total += list.chunks[i].needed;
     }
     frontend->release(frontend->self, &list);
+    svo_i_commands_free(commands, &list.counters);
     free(list.chunks);
     return status;
+}
+
+static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue)
+{
+    if (frontend == NULL) {
+        return "frontend is NULL";
+    }
+    return frontend->device != plan->device ? "frontend is of another device than plan"
+                                            : svo_i_wrong_queue(plan->device, queue);
 }
 
 svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue)
@@ -129,33 +160,32 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = frontend == NULL                   ? "frontend is NULL"
-                        : frontend->device != plan->device ? "frontend is of another device than plan"
-                                                           : svo_i_wrong_queue(plan->device, queue);
+    const char *wrong = wrong_argument(plan, frontend, queue);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
     }
+    svo_status status = SVO_OK;
     svo_build_report unread = {0};
-    svo_i_build build = {.device = plan->device, .plan = plan, .queue = queue, .report = &unread};
+    svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &unread), .frontend = frontend};
     svo_i_chunking chunking = {0};
     uint64_t total = 0;
-    svo_status status = frontend->prepare(frontend->self, plan, queue);
-    status = status == SVO_OK ? svo_i_chunking_create(plan, chunk_bytes(&build, frontend), &chunking) : status;
+    SVO_I_TRY_CLEANUP(svo_i_compile_frontend(&build));
+    SVO_I_TRY_CLEANUP(svo_i_chunking_create(plan, chunk_bytes(plan, frontend), &chunking));
     const bool one_chunk = chunking.chunk_count <= 1;
-    status = status == SVO_OK ? count_fragments(&build, frontend, &chunking, &total) : status;
-    svo_i_chunking_destroy(&chunking);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(count_fragments(&build.commands, frontend, &chunking, &total));
     if (total > SVO_I_FRAGMENTS_MAX) {
-        return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_plan_count: the scene has %llu fragments, above %u; lower the depth",
-                                 (unsigned long long)total, SVO_I_FRAGMENTS_MAX);
+        status = svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                   "svo_plan_count: the scene has %llu fragments, above %u; lower the depth",
+                                   (unsigned long long)total, SVO_I_FRAGMENTS_MAX);
+        goto cleanup;
     }
     plan->counted = one_chunk; /* several chunks have room to spare each */
     plan->info.fragments = total;
     plan->options.fragment_capacity = total > 0 ? total : 1;
     plan->built = false;
-    return svo_i_plan_predict(plan);
+    SVO_I_TRY_CLEANUP(svo_i_predict(plan));
+cleanup:
+    svo_i_commands_end(&build.commands);
+    svo_i_chunking_destroy(&chunking);
+    return status;
 }
-

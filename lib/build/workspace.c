@@ -3,9 +3,13 @@
  * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not
  * wait (enqueue.c).
  */
-#include "build/workspace.h"
-
 #include <stdlib.h>
+#include <string.h>
+
+#include "build/measure.h"
+#include "build/pending.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"
 
@@ -34,14 +38,15 @@ static svo_status lay_out(svo_workspace *workspace)
     const uint64_t chunk = workspace->frontend->chunk_bytes_max;
     const uint64_t most = chunk < allocation ? chunk : allocation;
     const uint64_t asked = plan->options.chunk_bytes;
-    const svo_status status = svo_i_chunking_create(plan, asked != 0 && asked < most ? asked : most, &workspace->chunking);
-    if (status == SVO_OK && workspace->chunking.chunk_count > 1) {
+    SVO_I_TRY(svo_i_chunking_create(plan, asked != 0 && asked < most ? asked : most, &workspace->chunking));
+    workspace->chunking.tile_cache = &workspace->tile_cache;
+    if (workspace->chunking.chunk_count > 1) {
         return svo_i_device_fail(workspace->device, SVO_UNSUPPORTED,
                                  SVO_I_WORKSPACE ": the list of about %.0f fragments takes %u chunks, and builds that "
                                                  "are enqueued have one",
                                  plan->info.expected_fragments, workspace->chunking.chunk_count);
     }
-    return status;
+    return SVO_OK;
 }
 
 static uint64_t alignment_of(const svo_device *device)
@@ -58,14 +63,15 @@ static svo_status measure(svo_workspace *workspace)
     SVO_I_TRY(check(workspace->plan, workspace->frontend));
     SVO_I_TRY(lay_out(workspace));
     workspace->plan->built = true; /* capacities are what is allocated */
-    SVO_I_TRY(svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->chunking, list, &workspace->kept));
+    SVO_I_TRY(svo_i_measure(workspace->plan, workspace->frontend, &workspace->chunking, list));
     workspace->info.scratch_alignment = alignment_of(workspace->device);
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {
         workspace->info.tree_bytes += list->entries[i].persistent ? list->entries[i].bytes : 0;
     }
-    workspace->info.fragment_capacity = workspace->chunking.chunk_count > 0 ? workspace->chunking.chunks[0].capacity : 0;
+    workspace->info.fragment_capacity =
+        workspace->chunking.chunk_count > 0 ? workspace->chunking.chunks[0].capacity : 0;
     workspace->info.inner_capacity = svo_i_plan_inner_nodes(workspace->plan, workspace->info.fragment_capacity,
                                                             workspace->plan->options.worst_case_nodes != 0);
     return SVO_OK;
@@ -74,8 +80,8 @@ static svo_status measure(svo_workspace *workspace)
 static void release(svo_workspace *workspace)
 {
     svo_i_chunking_destroy(&workspace->chunking);
-    svo_i_tiles_free(&workspace->kept.tiles);
-    free(workspace->kept.begin);
+    svo_i_tiles_free(&workspace->tile_cache.tiles);
+    free(workspace->tile_cache.begin);
     svo_i_allocations_free(&workspace->allocations);
     if (workspace->scratch != NULL) {
         clReleaseMemObject(workspace->scratch);
@@ -151,16 +157,11 @@ static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
 static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
 {
     svo_build_report unread = {0};
-    svo_i_build build = {.device = workspace->device, .plan = workspace->plan, .queue = queue, .report = &unread};
-    const svo_status status = svo_i_build_compile(&build, workspace->frontend);
-    if (build.commands.last != NULL) {
-        clWaitForEvents(1, &build.commands.last);
-        clReleaseEvent(build.commands.last);
-    }
-    if (build.commands.stage_first != NULL) {
-        clReleaseEvent(build.commands.stage_first);
-    }
-    workspace->program = build.program;
+    svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &unread),
+                         .frontend = workspace->frontend};
+    const svo_status status = svo_i_compile(&build);
+    svo_i_commands_end(&build.commands);
+    memcpy(workspace->programs, build.programs, sizeof workspace->programs);
     return status;
 }
 
@@ -191,26 +192,20 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     if (workspace == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_WORKSPACE ": no memory for the handle");
     }
-    *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
+    svo_status status = SVO_OK;
     const svo_workspace_options *given = options != NULL ? options : &defaults;
     const svo_plan before = *plan;
-    svo_status status = measure(workspace);
-    if (status == SVO_OK) {
-        status = get_scratch(workspace, given);
-    }
-    if (status == SVO_OK) {
-        status = cut_scratch(workspace, options != NULL && options->scratch != NULL ? options->offset_bytes : 0);
-    }
-    if (status == SVO_OK) {
-        status = compile(workspace, queue);
-    }
-    if (status != SVO_OK) {
-        svo_workspace_destroy(&workspace);
-        *plan = before; /* its list */
-        return status;
-    }
+    *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
+    SVO_I_TRY_CLEANUP(measure(workspace));
+    SVO_I_TRY_CLEANUP(get_scratch(workspace, given));
+    SVO_I_TRY_CLEANUP(cut_scratch(workspace, given->scratch != NULL ? given->offset_bytes : 0));
+    SVO_I_TRY_CLEANUP(compile(workspace, queue));
     *out = workspace;
     return SVO_OK;
+cleanup:
+    svo_workspace_destroy(&workspace);
+    *plan = before; /* its list */
+    return status;
 }
 
 void svo_workspace_destroy(svo_workspace **workspace)
@@ -222,7 +217,7 @@ void svo_workspace_destroy(svo_workspace **workspace)
         clWaitForEvents(1, &(*workspace)->last);
         clReleaseEvent((*workspace)->last);
     }
-    svo_i_workspace_release_given_up(*workspace, true);
+    svo_i_pending_release_given_up(*workspace, true);
     for (svo_tree *tree = (*workspace)->trees; tree != NULL; tree = tree->next) {
         tree->workspace = NULL;
     }
@@ -244,7 +239,7 @@ typedef struct membership {
 
 static void end_membership(svo_i_attachment *attachment)
 {
-    svo_i_tree_leave_workspace(((membership *)attachment)->tree);
+    svo_i_pending_leave_workspace(((membership *)attachment)->tree);
     free(attachment);
 }
 
@@ -274,22 +269,22 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
         return svo_i_device_fail(workspace != NULL ? workspace->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
                                  function, workspace == NULL ? "workspace" : "out");
     }
-    svo_tree *tree = new_member(workspace);
     svo_status status = SVO_OK;
+    svo_tree *tree = new_member(workspace);
     if (tree == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", function);
     }
-    for (size_t i = 0; i < workspace->allocations.count && status == SVO_OK; ++i) {
+    for (size_t i = 0; i < workspace->allocations.count; ++i) {
         const svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            status = svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
-                                         (size_t)entry->bytes, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
+            cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
+            SVO_I_TRY_CLEANUP(svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
+                                                  (size_t)entry->bytes, buffer));
         }
-    }
-    if (status != SVO_OK) {
-        svo_tree_destroy(&tree);
-        return status;
     }
     *out = tree;
     return SVO_OK;
+cleanup:
+    svo_tree_destroy(&tree);
+    return status;
 }

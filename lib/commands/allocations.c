@@ -3,7 +3,7 @@
  * Places scratch buffers with known lifetimes in one piece of memory: each, in order, at the lowest offset at which no
  * other one lies that is needed at the same time (first fit: Knuth, "The Art of Computer Programming", volume 1, 2.5).
  */
-#include "build/allocations.h"
+#include "commands/allocations.h"
 
 #include <stdlib.h>
 

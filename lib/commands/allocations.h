@@ -4,8 +4,8 @@
  * out again, one after the other, to builds that are enqueued. Buffers that are not needed at the same time share
  * memory.
  */
-#ifndef SVO_LIB_BUILD_ALLOCATIONS_H
-#define SVO_LIB_BUILD_ALLOCATIONS_H
+#ifndef SVO_LIB_COMMANDS_ALLOCATIONS_H
+#define SVO_LIB_COMMANDS_ALLOCATIONS_H
 
 #include "core/device.h"
 

@@ -210,7 +210,9 @@ bool svo_i_commands_launch_kernels(const svo_i_commands *commands)
 
 svo_status svo_i_commands_kernel(svo_i_commands *commands, cl_program program, const char *name, cl_kernel *out)
 {
-    return svo_i_commands_launch_kernels(commands) ? svo_i_kernel_create(commands->device, SVO_I_BUILD, program, name, out) : SVO_OK;
+    return svo_i_commands_launch_kernels(commands)
+               ? svo_i_kernel_create(commands->device, SVO_I_BUILD, program, name, out)
+               : SVO_OK;
 }
 
 svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, const char *name,

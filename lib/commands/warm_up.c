@@ -16,10 +16,9 @@
 
 static const char function[] = "svo_build";
 
-svo_status svo_i_warm_up_begin(svo_i_warm_up *warm_up, svo_device *device, cl_command_queue queue)
+svo_i_warm_up svo_i_warm_up_begin(svo_device *device, cl_command_queue queue)
 {
-    *warm_up = (svo_i_warm_up){.device = device, .queue = queue};
-    return SVO_OK;
+    return (svo_i_warm_up){.device = device, .queue = queue};
 }
 
 void svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program)

@@ -30,7 +30,7 @@ typedef struct svo_i_warm_up {
     cl_event last;
 } svo_i_warm_up;
 
-svo_status svo_i_warm_up_begin(svo_i_warm_up *warm_up, svo_device *device, cl_command_queue queue);
+svo_i_warm_up svo_i_warm_up_begin(svo_device *device, cl_command_queue queue);
 void svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program);
 /* Launches the kernel with arguments of the same kinds and sizes, on zeros, unless a launch of that size was made. */
 svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_i_argument *arguments,

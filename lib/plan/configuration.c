@@ -188,8 +188,7 @@ static void configure_opengl(svo_plan *plan)
     }
 }
 
-/* Whether a stage that runs has kernels in the program. */
-static bool needs_program(const svo_plan *plan, svo_i_program_kind program)
+bool svo_i_plan_needs_program(const svo_plan *plan, svo_i_program_kind program)
 {
     for (size_t i = 0; i < plan->stage_count; ++i) {
         const svo_i_stage *stage = &plan->stages[i];
@@ -210,11 +209,11 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    work->builder_kernels = needs_program(plan, SVO_I_PROGRAM_BUILD);
+    work->builder_kernels = svo_i_plan_needs_program(plan, SVO_I_PROGRAM_BUILD);
     if (work->builder_kernels) {
         svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
     }
-    if (needs_program(plan, SVO_I_PROGRAM_SORT)) {
+    if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_SORT)) {
         svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, add_kernels(work, "sort"), SVO_I_DEFINES_BYTES);
     }
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {

@@ -62,7 +62,7 @@ static svo_status make_kernel(svo_tree *tree, const batch *asked, cl_mem input, 
         status = svo_i_rays_set_tree(tree, asked->function, *out, 0);
     }
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(input), SVO_I_ARGUMENT(output), SVO_I_ARGUMENT(count),
-                                        (svo_i_argument){sizeof(cl_uint), asked->last_argument}};
+                                        (svo_i_argument){sizeof(cl_uint), asked->last_argument, false}};
     return status == SVO_OK ? svo_i_rays_set(tree, asked->function, *out, SVO_TREE_ARGUMENTS, arguments,
                                              asked->last_argument != NULL ? 4 : 3)
                             : status;

@@ -5,10 +5,13 @@
  *
  * Every launch waits for the one before it by an event, as in the builder, whose helpers it uses.
  */
+#include "stages/voxelize.h"
+
 #include <stdlib.h>
 
+#include "plan/configuration.h"
+#include "plan/estimate.h"
 #include "plan/tiles.h"
-#include "stages/build_state.h"
 
 /* Local memory of a work-group. */
 #define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
