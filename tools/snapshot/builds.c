@@ -107,11 +107,19 @@ static svo_status run_enqueued(const opened *session, svo_frontend *frontend, me
     if (status != SVO_OK) {
         return status;
     }
-    for (int i = 0; i < (mode == MODE_TWICE ? 2 : 1); ++i) {
+    if (mode == MODE_TWICE) {
         status = svo_build_enqueue(out->workspace, out->tree, session->queue, 0, NULL, NULL);
         if (status != SVO_OK) {
             return status;
         }
+        status = svo_tree_finish(out->tree, session->queue, 0, &out->report);
+        if (status != SVO_OK) {
+            return status;
+        }
+    }
+    status = svo_build_enqueue(out->workspace, out->tree, session->queue, 0, NULL, NULL);
+    if (status != SVO_OK) {
+        return status;
     }
     out->counts[PART_ENQUEUE] = count_calls_take();
     return svo_tree_finish(out->tree, session->queue, mode != MODE_ENQUEUED, &out->report);

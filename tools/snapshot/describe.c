@@ -102,8 +102,7 @@ static void print_tree_info(const char *name, const svo_tree *tree)
                   (unsigned)info.need, (unsigned)info.constant, (unsigned)info.weights, (unsigned)info.payload_level,
                   info.node_count, info.inner_count);
     line_text_add(&line, " list %" PRIu64 " vertices %" PRIu64 " triangles %" PRIu64 " of %" PRIu64 " refused %" PRIu64,
-                  info.list_count, info.vertex_count, info.list_triangle_count, info.triangles,
-                  info.refused_triangles);
+                  info.list_count, info.vertex_count, info.list_triangle_count, info.triangles, info.refused_triangles);
     line_text_add(&line, " fragments %" PRIu64 " edge %a scale %a error %a", info.fragments, info.edge, info.scale,
                   info.snap_error);
     line_print(name, "info", line.text);

@@ -89,10 +89,8 @@ static svo_status make_doubles(case_mesh *kept)
     for (size_t i = 0; i < count * 3; ++i) {
         positions[i] = (double)mesh->positions[mesh->indices[i / 3] * 3 + i % 3] * (1.0 + 0x1p-30);
     }
-    *mesh = (svo_mesh){.struct_size = sizeof *mesh,
-                       .positions_double = positions,
-                       .vertex_count = count,
-                       .triangle_count = count / 3};
+    *mesh = (svo_mesh){
+        .struct_size = sizeof *mesh, .positions_double = positions, .vertex_count = count, .triangle_count = count / 3};
     return SVO_OK;
 }
 

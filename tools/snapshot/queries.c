@@ -30,7 +30,7 @@ static const char voxel_source[] =
     "__kernel void trace_voxels(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits,\n"
     "                           float footprint)\n"
     "{\n"
-    "    const svo_tree tree = SVO_TREE_MAKE(tree);\n"
+    "    SVO_TREE_MAKE(tree);\n"
     "    const svo_ray ray = rays[get_global_id(0)];\n"
     "    svo_voxel_hit hit;\n"
     "    svo_trace_voxel(&tree, &ray, footprint, &hit);\n"
@@ -147,8 +147,7 @@ static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
     const cl_device_id device = svo_device_cl_device(session->device);
     cl_int error = CL_SUCCESS;
     *program = clCreateProgramWithSource(svo_device_cl_context(session->device), 2, texts, NULL, &error);
-    if (*program == NULL ||
-        clBuildProgram(*program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
+    if (*program == NULL || clBuildProgram(*program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
         return NULL;
     }
     return clCreateKernel(*program, "trace_voxels", &error);
@@ -163,7 +162,8 @@ static void trace_voxels(const char *name, const opened *session, const svo_tree
     const float footprint = 0.01f;
     cl_program program = NULL;
     cl_kernel kernel = make_voxel_kernel(session, &program);
-    cl_mem ray_memory = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, count * sizeof *rays, (void *)(uintptr_t)rays, NULL);
+    cl_mem ray_memory =
+        clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, count * sizeof *rays, (void *)(uintptr_t)rays, NULL);
     cl_mem hit_memory = clCreateBuffer(context, CL_MEM_READ_WRITE, hit_bytes, NULL, NULL);
     svo_voxel_hit *hits = malloc(hit_bytes);
     svo_status status = SVO_CL_ERROR;

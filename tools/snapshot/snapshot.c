@@ -60,7 +60,9 @@ static void plan_case(run *state, const svo_mesh *mesh, const request *asked, sv
     const svo_status status = svo_plan_create(state->session.device, mesh, asked->depth, &options, &plan);
     if (status == SVO_OK) {
         describe_plan(name, plan);
-        describe_room(name, plan, state->session.cl);
+        if (builder == SVO_BUILDER_CL) { /* the one that workspaces are made for */
+            describe_room(name, plan, state->session.cl);
+        }
     } else {
         line_print_status(name, "plan", status);
     }
