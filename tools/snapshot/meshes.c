@@ -87,7 +87,7 @@ static svo_status make_doubles(case_mesh *kept)
         return SVO_OUT_OF_HOST_MEMORY;
     }
     for (size_t i = 0; i < count * 3; ++i) {
-        positions[i] = (double)mesh->positions[mesh->indices[i / 3] * 3 + i % 3] * (1.0 + 0x1p-30);
+        positions[i] = (double)mesh->positions[(size_t)mesh->indices[i / 3] * 3 + i % 3] * (1.0 + 0x1p-30);
     }
     *mesh = (svo_mesh){
         .struct_size = sizeof *mesh, .positions_double = positions, .vertex_count = count, .triangle_count = count / 3};
