@@ -82,8 +82,8 @@ static svo_status create_kernels(filterer *f)
 {
     SVO_I_TRY(
         svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_link", &f->link));
-    SVO_I_TRY(
-        svo_i_commands_kernel(&f->build->commands, f->one_chunk ? "svo_k_gather_level" : "svo_k_gather", &f->gather));
+    SVO_I_TRY(svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD],
+                                    f->one_chunk ? "svo_k_gather_level" : "svo_k_gather", &f->gather));
     return svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_filter",
                                  &f->filter);
 }
