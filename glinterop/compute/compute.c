@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers, launches and times of compute shaders, below the stages of the GL compute builder (gl_build.c). */
+/* Buffers, launches and times of compute shaders, below the stages of the GL compute builder (build.c). */
 #include "compute/compute.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Compute shaders of one context: programs compiled on first use, buffers, launches, and the time they take. What the
- * GL compute builder (gl_build.h) stands on, as the OpenCL stages stand on lib/build.h.
+ * GL compute builder (build.h) stands on, as the OpenCL stages stand on lib/build.h.
  */
 #ifndef SVO_GLINTEROP_COMPUTE_COMPUTE_H
 #define SVO_GLINTEROP_COMPUTE_COMPUTE_H

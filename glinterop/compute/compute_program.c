@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "compute/compute.h"
-#include "raster/shader.h"
+#include "context/shader.h"
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_compute_common[];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * cl_khr_gl_sharing: whether a device and a context offer it, and its functions. share.c makes buffers by it,
- * share_probe.c puts it to a self-test.
+ * probe.c puts it to a self-test.
  *
  * Specification: The OpenCL Extension Specification, version 1.2, sections 9.7 (cl_khr_gl_sharing) and 9.8
  * (cl_khr_gl_event). Nothing is called that the device does not promise: some drivers abort the process in functions

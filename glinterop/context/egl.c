@@ -14,7 +14,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-#include "context/context_platform.h"
+#include "context/platform.h"
 #include "core/message.h"
 
 #define EGL_LIBRARY "libEGL.so.1"

@@ -6,7 +6,7 @@
  */
 #include <string.h>
 
-#include "compute/gl_build.h"
+#include "compute/build.h"
 
 typedef struct subdivider {
     svo_i_gl_build *gl_build;

@@ -5,8 +5,8 @@
  * A thread has one current context, but EGL and OSMesa know nothing of each other: binding one leaves the other
  * believing that its context is still current. So a binding has both sides, and context.c takes and restores both.
  */
-#ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_PLATFORM_H
-#define SVO_GLINTEROP_CONTEXT_CONTEXT_PLATFORM_H
+#ifndef SVO_GLINTEROP_CONTEXT_PLATFORM_H
+#define SVO_GLINTEROP_CONTEXT_PLATFORM_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -47,9 +47,9 @@ typedef struct svo_i_gl_platform {
     bool (*promises_gpu)(void *native); /* whether a GPU was asked for; NULL: never */
 } svo_i_gl_platform;
 
-extern const svo_i_gl_platform svo_i_egl_platform; /* context_egl.c */
-extern const svo_i_gl_platform svo_i_osmesa_platform; /* context_osmesa.c */
-extern const svo_i_gl_platform svo_i_wrap_platform; /* context_wrap.c */
+extern const svo_i_gl_platform svo_i_egl_platform; /* egl.c */
+extern const svo_i_gl_platform svo_i_osmesa_platform; /* osmesa.c */
+extern const svo_i_gl_platform svo_i_wrap_platform; /* wrap.c */
 
 /* Taking reads what is current and unbinds it; restoring binds it again. Nothing happens when the library is not in the
    process. EGL is taken before OSMesa and restored after it: Mesa's drivers share one "current context" below both, and

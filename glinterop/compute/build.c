@@ -3,11 +3,11 @@
  * The GL compute builder: the tree of a fragment list that never leaves OpenGL, by compute shaders, in the order of
  * lib/build.c, which draws the list and calls svo_i_gl_make_tree. At the end the tree's arrays are copied to OpenCL.
  */
-#include "compute/gl_build.h"
+#include "compute/build.h"
 
 #include <stdlib.h>
 
-#include "raster/gl_list.h"
+#include "frontend/list.h"
 #include "share/share.h"
 
 GLuint svo_i_gl_chunk(const svo_i_gl_build *gl_build, uint32_t chunk)

@@ -8,8 +8,8 @@
 
 #include "build/frontend.h"
 #include "build/frontend_choice.h"
-#include "compute/gl_build.h"
-#include "raster/gl_list.h"
+#include "compute/build.h"
+#include "frontend/list.h"
 #include "raster/raster.h"
 #include "raster/selftest.h"
 #include "share/share.h"

@@ -9,7 +9,7 @@
 
 #include <GL/osmesa.h>
 
-#include "context/context_platform.h"
+#include "context/platform.h"
 #include "core/message.h"
 
 #define OSMESA_LIBRARY "libOSMesa.so.8"

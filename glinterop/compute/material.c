@@ -2,7 +2,7 @@
 /*
  * Runs shaders/material.comp: the material of every node, of a scene that has several.
  */
-#include "compute/gl_build.h"
+#include "compute/build.h"
 
 /* Where the entries of a level's nodes are. */
 typedef struct level_entries {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_gl as the GL compute builder sees it: a front end whose list stays in OpenGL and whose trees are made there. */
-#ifndef SVO_GLINTEROP_RASTER_GL_LIST_H
-#define SVO_GLINTEROP_RASTER_GL_LIST_H
+#ifndef SVO_GLINTEROP_FRONTEND_LIST_H
+#define SVO_GLINTEROP_FRONTEND_LIST_H
 
 #include "build/frontend.h"
 #include "context/context.h"

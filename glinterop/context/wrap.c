@@ -5,7 +5,7 @@
  */
 #include <stdlib.h>
 
-#include "context/context_platform.h"
+#include "context/platform.h"
 #include "core/message.h"
 
 /* The libraries that may have made the current context; looked at only where the process has loaded them. */
