@@ -3,15 +3,16 @@
  * The insides of svo_gl_context: an OpenGL context, how it is made current, and its function table.
  *
  * context.c holds what all kinds have in common; what differs between EGL, OSMesa and the caller's own is behind
- * context_platform.h.
+ * platform.h.
  */
 #ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
 #define SVO_GLINTEROP_CONTEXT_CONTEXT_H
 
-#include "context/context_platform.h"
+#include "context/egl.h"
 #include "context/functions.h"
+#include "context/opencl.h"
+#include "context/osmesa.h"
 #include "context/state.h"
-#include "share/interop.h"
 #include "svocl/gl.h"
 
 /* How deep make_current may nest on one context. */

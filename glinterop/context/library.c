@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Libraries loaded at run time and extension lists: the ground under context_egl.c and context_osmesa.c. */
+/* Libraries loaded at run time and extension lists: the ground under egl.c and osmesa.c. */
 #include "context/library.h"
 
 #include <dlfcn.h>

@@ -7,8 +7,8 @@
 
 #include <stdlib.h>
 
+#include "context/shader.h"
 #include "context/state.h"
-#include "raster/shader.h"
 
 #define FUNCTION         "svo_build"
 #define BINDING_VERTICES 0

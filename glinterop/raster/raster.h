@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The raster front end: one context's shaders and objects, and drawing a plan's triangles into chunks of fragments.
- * gl.c makes it a front end of the library; selftest.c checks it against a walk over the voxels.
+ * frontend/gl.c makes it a front end of the library; selftest.c checks it against a walk over the voxels.
  */
 #ifndef SVO_GLINTEROP_RASTER_RASTER_H
 #define SVO_GLINTEROP_RASTER_RASTER_H

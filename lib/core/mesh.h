@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reading a mesh out of somebody's buffers: what is the same for OpenCL's (mesh.c) and OpenGL's
-   (glinterop/mesh_read.c). */
+   (glinterop/share/mesh_read.c). */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 

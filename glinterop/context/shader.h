@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compiling and linking shaders, for those that rasterize (raster.c) and those that build (compute_program.c). */
-#ifndef SVO_GLINTEROP_RASTER_SHADER_H
-#define SVO_GLINTEROP_RASTER_SHADER_H
+#ifndef SVO_GLINTEROP_CONTEXT_SHADER_H
+#define SVO_GLINTEROP_CONTEXT_SHADER_H
 
 #include "context/functions.h"
 #include "core/device.h"

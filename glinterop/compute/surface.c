@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh's attributes in storage blocks, for the stages that make payload of them (gl_material.c, gl_filter.c):
+ * The mesh's attributes in storage blocks, for the stages that make payload of them (material.c, filter.c):
  * shaders/attribute.glsl reads them. Only what the plan has is uploaded. Attributes of vertices share a block, since a
  * shader may have few.
  */
-#include "compute/gl_build.h"
+#include "compute/surface.h"
+
+#include "compute/buffer.h"
 
 /* Uploads an array if the plan has it. */
 static svo_status upload(svo_i_gl_build *gl_build, const char *name, const void *data, uint64_t bytes, GLuint *out)

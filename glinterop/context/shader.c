@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compiles and links shaders, with the driver's words where that fails. */
-#include "raster/shader.h"
+#include "context/shader.h"
 
 #include <string.h>
 
