@@ -1,14 +1,60 @@
-# Writes a C file that holds the text of FILES as a NUL-terminated array of bytes. Lines #include "..." are left out:
-# the order of FILES takes their place.
-set(all "")
+# Writes OUTPUT, a C file that holds the text of FILES as the NUL-terminated array NAME, and OUTPUT.d, which lists the
+# files that were read. #include "..." is replaced by the file's text, once per file; it is looked for beside the file
+# that includes it, then in FOLDERS. #include <...> stays.
+cmake_minimum_required(VERSION 3.25)
+
+# find_included(name file variable): the path of what `#include "name"` in file means.
+function(find_included name file variable)
+  cmake_path(GET file PARENT_PATH own_folder)
+  foreach(folder IN LISTS own_folder FOLDERS)
+    if(EXISTS ${folder}/${name})
+      file(REAL_PATH ${folder}/${name} path)
+      set(${variable} ${path} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "${file}: \"${name}\" is not in ${own_folder};${FOLDERS}")
+endfunction()
+
+# append_file(path): appends the file's text, and that of what it includes, to the global property EMBEDDED_TEXT.
+function(append_file path)
+  get_property(paths GLOBAL PROPERTY EMBEDDED_PATHS)
+  if(path IN_LIST paths)
+    return()
+  endif()
+  set_property(GLOBAL APPEND PROPERTY EMBEDDED_PATHS ${path})
+  file(READ ${path} text)
+  set(text "\n${text}")
+  while("${text}" MATCHES "\n#include \"([^\"\n]*)\"[^\n]*")
+    set(line "${CMAKE_MATCH_0}")
+    set(name "${CMAKE_MATCH_1}")
+    string(FIND "${text}" "${line}" begin)
+    string(LENGTH "${line}" length)
+    math(EXPR end "${begin} + ${length}")
+    string(SUBSTRING "${text}" 0 ${begin} before)
+    string(SUBSTRING "${text}" ${end} -1 text)
+    set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "${before}")
+    find_included(${name} ${path} included)
+    append_file(${included})
+  endwhile()
+  set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "${text}")
+endfunction()
+
 foreach(file IN LISTS FILES)
-  file(READ ${file} text)
-  string(APPEND all "\n${text}")
+  file(REAL_PATH ${file} path)
+  append_file(${path})
 endforeach()
-string(REGEX REPLACE "\n#include \"[^\n]*" "\n" all "${all}")
-string(HEX "${all}" hex)
+
+get_property(text GLOBAL PROPERTY EMBEDDED_TEXT)
+string(HEX "${text}" hex)
 string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
 string(REPEAT "." 100 line)
 string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
 file(WRITE ${OUTPUT}.tmp "extern const char ${NAME}[];\nconst char ${NAME}[] = {\n${bytes}0};\n")
 file(RENAME ${OUTPUT}.tmp ${OUTPUT})
+
+get_property(paths GLOBAL PROPERTY EMBEDDED_PATHS)
+list(TRANSFORM paths REPLACE " " "\\\\ ")
+list(JOIN paths " \\\n  " dependencies)
+string(REPLACE " " "\\ " target "${OUTPUT}")
+file(WRITE ${OUTPUT}.d "${target}: \\\n  ${dependencies}\n")

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* clip_probe.clh in OpenCL C: one work-item per record. */
+#include "clip_probe.clh"
+
 __kernel void clip_probe_all(__global const clip_probe_input *given, __global clip_probe_output *found, uint item_count)
 {
     const uint i = (uint)get_global_id(0);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* clip_probe.clh in GLSL: one invocation per record. */
+#include "clip_probe.clh"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Given
 {

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* probe.clh in GLSL: one invocation per record. */
+#include "probe.clh"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Given
 {

@@ -1,5 +1,6 @@
-# svocl_mutate(folder files file from to): copies files into folder, each into the room that it comes from, with one mistake in the one named file: its text from,
-# which it must have exactly once, is replaced by to. For the tests that show that the tests find such mistakes.
+# svocl_mutate(folder files file from to): copies files into folder, each into a subfolder named as the one that it comes
+# from, with one mistake in the one named file: its text from, which it must have exactly once, is replaced by to. For the
+# tests that show that the tests find such mistakes.
 function(svocl_mutate folder files file from to)
   foreach(path IN LISTS files)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})

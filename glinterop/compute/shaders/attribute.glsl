@@ -8,6 +8,8 @@
  * (RGBA8, one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v
  * (two words, 65536 = 1); what the mesh lacks is left out.
  */
+#include "shared/clip.clh"
+
 uniform svo_filter_params params;
 uniform uint vertex_count;
 
