@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 #include "scenes.h"
 
 void fixture_skip(fixture *opened, const char *reason)

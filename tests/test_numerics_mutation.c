@@ -18,6 +18,7 @@
 #include "golden.h"
 #include "machine.h"
 #include "oracle.h"
+#include "plan/chunking.h"
 #include "raster/raster.h"
 
 typedef struct mutant {

@@ -14,6 +14,9 @@
 #include "compute/subdivide.h"
 #include "compute/surface.h"
 #include "core/message.h"
+#include "plan/estimate.h"
+#include "stages/geometry.h"
+#include "stages/material.h"
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
 {
@@ -44,7 +47,7 @@ static svo_status alloc_cursors(svo_i_gl_build *gl_build)
     const svo_i_fragment_list *list = &gl_build->build->list;
     gl_build->cursors = calloc(list->chunk_count + 1u, sizeof *gl_build->cursors);
     if (gl_build->cursors == NULL) {
-        return svo_i_device_fail(gl_build->build->device, SVO_OUT_OF_HOST_MEMORY,
+        return svo_i_device_fail(gl_build->build->commands.device, SVO_OUT_OF_HOST_MEMORY,
                                  SVO_I_GL_BUILD ": no memory for %u chunks", list->chunk_count);
     }
     svo_status status = SVO_OK;
@@ -79,21 +82,21 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     bool fits = false;
     uint64_t wanted = 0;
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
-        wanted = svo_i_plan_inner_nodes(build->plan, build->fragment_count, attempt > 0);
+        wanted = svo_i_plan_inner_nodes(build->commands.plan, build->fragment_count, attempt > 0);
         const svo_status status = try_nodes(gl_build, wanted < most ? wanted : most, &fits);
         if (status != SVO_OK) {
             return status;
         }
-        build->report->reruns += fits ? 0 : 1;
+        build->commands.report->reruns += fits ? 0 : 1;
     }
     if (!fits && wanted > most) {
-        return svo_i_device_fail(build->device, SVO_UNSUPPORTED,
+        return svo_i_device_fail(build->commands.device, SVO_UNSUPPORTED,
                                  SVO_I_GL_BUILD
                                  ": the tree has more inner nodes than the %llu of a storage block of %lld bytes of %s",
                                  (unsigned long long)most, (long long)gl->limits.storage_block_bytes, gl->renderer);
     }
     if (!fits) {
-        return svo_i_device_fail(build->device, SVO_INTERNAL,
+        return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
                                  SVO_I_GL_BUILD ": %llu fragments made more than %llu nodes",
                                  (unsigned long long)build->fragment_count, (unsigned long long)wanted);
     }
@@ -104,7 +107,7 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
 static svo_status make_payload(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->plan->work;
+    const svo_i_work *work = &build->commands.plan->work;
     const bool has_leaves = build->tree->info.leaf_count > 0;
     const bool own_ranges = has_leaves && work->ranges && !work->lists;
     svo_i_gl_surface surface = {0};
@@ -114,7 +117,7 @@ static svo_status make_payload(svo_i_gl_build *gl_build)
     }
     if (status == SVO_OK && (work->made & SVO_NEED_MATERIAL) != 0) {
         /* A root alone needs no shader: OpenCL fills its payload. */
-        status = has_leaves ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build, NULL);
+        status = has_leaves ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build);
     }
     if (own_ranges) {
         svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
@@ -150,20 +153,20 @@ static svo_status copy_arrays(svo_i_gl_build *gl_build)
             svo_i_compute_free(gl_build->compute, &gl_build->arrays[i]);
         }
     }
-    svo_i_report_add(build->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(build->commands.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 
 static svo_status run_stages(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->plan->work;
+    const svo_i_work *work = &build->commands.plan->work;
     svo_status status = alloc_cursors(gl_build);
     if (status == SVO_OK) {
         status = make_nodes(gl_build);
     }
     if (status == SVO_OK && work->lists) {
-        status = svo_i_keep_geometry(build);
+        status = svo_i_geometry_upload(build);
         if (status == SVO_OK) {
             status = svo_i_gl_pack(gl_build, true);
         }

@@ -3,8 +3,8 @@
 #ifndef SVO_GLINTEROP_COMPUTE_BUILD_H
 #define SVO_GLINTEROP_COMPUTE_BUILD_H
 
-#include "build/build.h"
 #include "compute/compute.h"
+#include "stages/build_state.h"
 
 /* The tree of a list that is in OpenGL, for svo_frontend.make_tree. Expects the context current. */
 svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build);

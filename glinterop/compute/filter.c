@@ -10,6 +10,7 @@
 #include "compute/filter.h"
 
 #include "compute/buffer.h"
+#include "stages/payload_params.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;
@@ -22,7 +23,7 @@ typedef struct filterer {
 
 static bool needs(const filterer *f, svo_need bit)
 {
-    return (f->gl_build->build->plan->work.made & (uint32_t)bit) != 0;
+    return (f->gl_build->build->commands.plan->work.made & (uint32_t)bit) != 0;
 }
 
 static svo_status allocate_payload(filterer *f)
@@ -85,7 +86,7 @@ static svo_status gather(filterer *f, svo_i_entry entry, uint32_t chunk, GLuint 
                                              arrays[SVO_TREE_CHILD_MASK], arrays[SVO_TREE_FIRST_CHILD],
                                              arrays[SVO_TREE_COLORS], arrays[SVO_TREE_NORMALS], arrays[SVO_TREE_FILLS]},
                                  .params = &f->params,
-                                 .vertex_count = gl_build->build->plan->vertex_count,
+                                 .vertex_count = gl_build->build->commands.plan->vertex_count,
                                  .items = items};
     return svo_i_compute_launch(gl_build->compute, &launch);
 }
@@ -116,7 +117,7 @@ static svo_status compile_gather(filterer *f)
     svo_i_compute_program *program = NULL;
     const double start_ms = svo_i_now_ms();
     const svo_status status = svo_i_compute_program_get(f->gl_build->compute, SVO_I_ENTRY_GATHER, &program);
-    svo_i_report_add(f->gl_build->build->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(f->gl_build->build->commands.report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 

@@ -6,6 +6,7 @@
 #include "compute/pack.h"
 
 #include "compute/buffer.h"
+#include "stages/payload_params.h"
 
 typedef struct packer {
     svo_i_gl_build *gl_build;
@@ -133,7 +134,7 @@ static svo_status make_lists(packer *p)
 svo_status svo_i_gl_pack(svo_i_gl_build *gl_build, bool with_lists)
 {
     packer p = {.gl_build = gl_build, .params = svo_i_payload_params(gl_build->build)};
-    p.params.digit_passes = svo_i_digit_passes(gl_build->build->plan->triangle_count);
+    p.params.digit_passes = svo_i_digit_passes(gl_build->build->commands.plan->triangle_count);
     svo_i_compute_stage_begin(gl_build->compute);
     svo_status status = make_ranges(&p);
     if (status == SVO_OK && with_lists) {

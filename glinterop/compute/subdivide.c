@@ -23,7 +23,7 @@ static svo_status begin(subdivider *s)
     svo_build_state state;
     uint32_t launches[3 * SVO_LEVELS_MAX];
     memset(&state, 0, sizeof state);
-    state.triangle_count = gl_build->build->plan->triangle_count;
+    state.triangle_count = gl_build->build->commands.plan->triangle_count;
     for (unsigned level = 0; level < SVO_LEVELS_MAX; ++level) {
         state.level_begin[level] = level > 0 ? 1 : 0;
         launches[(size_t)3 * level] = level > 0 ? 0 : 1;
@@ -104,7 +104,8 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
 static svo_status run_levels(subdivider *s)
 {
     const svo_i_build *build = s->gl_build->build;
-    svo_subdivide_params params = {.depth = build->plan->info.depth, .inner_capacity = (cl_uint)build->inner_capacity};
+    svo_subdivide_params params = {.depth = build->commands.plan->info.depth,
+                                   .inner_capacity = (cl_uint)build->inner_capacity};
     svo_status status = mark_root(s, params);
     for (params.level = 0; params.level < params.depth && status == SVO_OK; ++params.level) {
         status = scan_level(s, params);
@@ -133,5 +134,5 @@ svo_status svo_i_gl_subdivide(svo_i_gl_build *gl_build, bool *fits)
         status = svo_i_compute_read(gl_build->compute, gl_build->state, &state, sizeof state);
     }
     svo_i_compute_free(gl_build->compute, &s.launches);
-    return status == SVO_OK ? svo_i_take_state(gl_build->build, &state, fits) : status;
+    return status == SVO_OK ? svo_i_build_take_state(gl_build->build, &state, fits) : status;
 }

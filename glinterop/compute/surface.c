@@ -27,7 +27,7 @@ static void put_attribute(svo_i_gl_build *gl_build, const void *data, uint64_t b
 /* Colors, then normals, then texture coordinates. */
 static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
 {
-    const svo_plan *plan = gl_build->build->plan;
+    const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t vertices = plan->vertex_count;
     const uint64_t bytes = vertices * ((plan->colors != NULL ? 4u : 0u) + (plan->normals != NULL ? 8u : 0u) +
                                        (plan->uvs != NULL ? 8u : 0u));
@@ -49,7 +49,7 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
 /* What places a triangle in a voxel; uniform weights do not look at vertices. */
 static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
 {
-    const svo_plan *plan = gl_build->build->plan;
+    const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t triangles = plan->triangle_count;
     svo_status status = SVO_OK;
     if (plan->options.weights != SVO_WEIGHTS_UNIFORM) {
@@ -65,7 +65,7 @@ static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *o
 
 svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
 {
-    const svo_plan *plan = gl_build->build->plan;
+    const svo_plan *plan = gl_build->build->commands.plan;
     svo_i_compute_stage_begin(gl_build->compute);
     svo_status status = upload_triangles(gl_build, out);
     if (status == SVO_OK) {

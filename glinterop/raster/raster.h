@@ -7,7 +7,7 @@
 #define SVO_GLINTEROP_RASTER_RASTER_H
 
 #include "context/context.h"
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 
 /* What makes rasterization conservative. */
 typedef enum svo_i_conservative {

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 #include "shared/overlap.clh"
 
 #define TEST_DEPTH     6u

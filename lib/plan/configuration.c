@@ -227,8 +227,8 @@ void svo_i_plan_configure(svo_plan *plan)
 {
     configure_payload(plan);
     configure_lists(plan);
-    configure_tests(plan);
     leave_out_stages(plan);
+    configure_tests(plan);
     configure_codes(plan);
     configure_opengl(plan);
     list_kernels(plan);

@@ -8,6 +8,10 @@
 
 #include "stages/build_state.h"
 
+SVO_I_SHARED_BEGIN
+
 svo_status svo_i_geometry_upload(svo_i_build *build);
+
+SVO_I_SHARED_END
 
 #endif

@@ -13,6 +13,8 @@
 #include "mesh_input.h"
 #include "mesh_layout.h"
 #include "oracle.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
 
 #define UNITS_MAX    (1 << 29) /* DESIGN 3: the arithmetic ends here */
 #define NARROW_UNITS (1 << 14)

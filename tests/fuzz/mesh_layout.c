@@ -6,6 +6,8 @@
 #include "mesh_layout.h"
 
 #include "fuzz.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 /* Expected fragments in terms of what a chunk holds: bounds the number of tiles, and so the time of one input. */
 #define EXPECTED_CHUNKS_MAX 16.0
