@@ -1,6 +1,6 @@
 # svocl_embed(target name FILE... [FOLDERS folder...]): compiles the text of the files into target as
-# "extern const char name[]", so that no kernel or shader is looked for at run time. #include "..." is replaced by the
-# file's text, once per file. It is looked for beside the file that includes it, then in the folders, then in kernels/
+# "extern const char name[]", so that no kernel or shader is looked for at run time. What they include by #include "..."
+# comes first, each file once. It is looked for beside the file that includes it, then in the folders, then in kernels/
 # and include/. When any of these files changes, the text is made again.
 function(svocl_embed target name)
   cmake_parse_arguments(PARSE_ARGV 2 embed "" "" "FOLDERS")

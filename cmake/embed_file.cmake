@@ -1,6 +1,7 @@
 # Writes OUTPUT, a C file that holds the text of FILES as the NUL-terminated array NAME, and OUTPUT.d, which lists the
-# files that were read. #include "..." is replaced by the file's text, once per file; it is looked for beside the file
-# that includes it, then in FOLDERS. #include <...> stays.
+# files that were read. A file named in #include "..." comes before the first file that includes it, once, whatever
+# conditions stand around that line; it is looked for beside the file that includes it, then in FOLDERS. The lines
+# themselves are left out; #include <...> stays.
 cmake_minimum_required(VERSION 3.25)
 
 # find_included(name file variable): the path of what `#include "name"` in file means.
@@ -16,7 +17,7 @@ function(find_included name file variable)
   message(FATAL_ERROR "${file}: \"${name}\" is not in ${own_folder};${FOLDERS}")
 endfunction()
 
-# append_file(path): appends the file's text, and that of what it includes, to the global property EMBEDDED_TEXT.
+# append_file(path): appends to the global property EMBEDDED_TEXT first what the file includes, then the file.
 function(append_file path)
   get_property(paths GLOBAL PROPERTY EMBEDDED_PATHS)
   if(path IN_LIST paths)
@@ -25,18 +26,13 @@ function(append_file path)
   set_property(GLOBAL APPEND PROPERTY EMBEDDED_PATHS ${path})
   file(READ ${path} text)
   set(text "\n${text}")
-  while("${text}" MATCHES "\n#include \"([^\"\n]*)\"[^\n]*")
-    set(line "${CMAKE_MATCH_0}")
-    set(name "${CMAKE_MATCH_1}")
-    string(FIND "${text}" "${line}" begin)
-    string(LENGTH "${line}" length)
-    math(EXPR end "${begin} + ${length}")
-    string(SUBSTRING "${text}" 0 ${begin} before)
-    string(SUBSTRING "${text}" ${end} -1 text)
-    set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "${before}")
+  string(REGEX MATCHALL "\n#include \"[^\"\n]*" includes "${text}")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE ".*\"" "" name "${include}")
     find_included(${name} ${path} included)
     append_file(${included})
-  endwhile()
+  endforeach()
+  string(REGEX REPLACE "\n#include \"[^\n]*" "\n" text "${text}")
   set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "${text}")
 endfunction()
 

@@ -113,16 +113,16 @@ static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_searc
     ++search->leaves;
 }
 
-static void svo_nearest_walk(const svo_tree *tree, svo_nearest_search *search)
+static void svo_nearest_traverse(const svo_tree *tree, svo_nearest_search *search)
 {
     svo_ray_stack stack;
     svo_ray_begin(&stack);
     while (stack.height > 0u) {
-        const svo_ray_waiting next = stack.waiting[--stack.height];
-        if (svo_waiting_s(next) > search->limit) {
+        const svo_stack_entry next = stack.entries[--stack.height];
+        if (svo_entry_s(next) > search->limit) {
             continue;
         }
-        uint at = svo_waiting_child(next);
+        uint at = svo_entry_child(next);
         while ((at & SVO_RAY_LEAF) == 0u) {
             __global const svo_ray_node *node = tree->nodes + at;
             const float8 distances = svo_nearest_distances(tree, search, node);
@@ -158,7 +158,7 @@ static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, s
     search.id = SVO_NO_TRIANGLE;
     search.nearest = (svo_real4)(0);
     search.leaves = 0u;
-    svo_nearest_walk(tree, &search);
+    svo_nearest_traverse(tree, &search);
     out->leaves = search.leaves;
     if (search.id == SVO_NO_TRIANGLE) {
         return;

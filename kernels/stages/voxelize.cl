@@ -145,7 +145,8 @@ SVO_FUNCTION float svo_reach_of(svo_placed placed)
 }
 
 /* Notes the runs of all columns of the window. x: how many notes, y: how many fragments. */
-SVO_FUNCTION uint2 svo_walk(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+SVO_FUNCTION uint2 svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
+                                    __local uint *notes)
 {
     const int voxel_log2 = (int)params.voxel_log2;
     const svo_overlap overlap =
@@ -189,7 +190,7 @@ SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_p
     (void)placed;
     return (uint2)(0u, 0u); /* only triangles inside one voxel come here */
 #else
-    return svo_walk(placed, window, params, notes);
+    return svo_scan_columns(placed, window, params, notes);
 #endif
 }
 

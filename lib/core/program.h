@@ -46,6 +46,9 @@ typedef struct svo_i_argument {
 /* All elements of an array of arguments, and their number. */
 #define SVO_I_ARGUMENTS(array) (array), (cl_uint)(sizeof(array) / sizeof((array)[0]))
 
+/* An array of arguments and their number, for the two parameters of that kind. */
+#define SVO_I_ARGUMENTS(array) (array), ((cl_uint)(sizeof(array) / sizeof((array)[0])))
+
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);

@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the host passes to each kernel is what the kernel's source declares: at every launch each argument was set once,
+ * with the size of its type. Covers every kernel of the embedded programs, through builds and queries that launch them
+ * all.
+ *
+ * The linker puts this file between svocl and the OpenCL loader (ld --wrap, in CMakeLists.txt). Programs are compiled
+ * with their argument types (-cl-kernel-arg-info), which svocl itself does not ask for.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "meshes.h"
+#include "svocl/layout.h"
+
+#define KERNELS_MAX   64 /* names */
+#define HANDLES_MAX   256 /* cl_kernel that live at the same time, or did */
+#define ARGUMENTS_MAX 32
+#define NAME_BYTES    64
+#define DEPTH         5
+
+/* Made by cmake/embed.cmake. */
+extern const char svo_i_source_build[];
+extern const char svo_i_source_cast[];
+extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_sort[];
+extern const char svo_i_source_trace[];
+extern const char svo_i_source_view[];
+
+typedef struct passed_argument {
+    unsigned times; /* set since the last launch */
+    size_t bytes;
+    bool is_null; /* no value: local memory */
+} passed_argument;
+
+typedef struct noted_kernel {
+    cl_kernel handle;
+    char name[NAME_BYTES];
+    cl_uint argument_count;
+    bool launched; /* at least once: unchanged arguments stay set */
+    passed_argument arguments[ARGUMENTS_MAX];
+} noted_kernel;
+
+static struct {
+    noted_kernel kernels[HANDLES_MAX];
+    size_t kernel_count;
+    char launched[KERNELS_MAX][NAME_BYTES];
+    size_t launched_count;
+} notes;
+
+/* ---- what a launch must have ---- */
+
+/* Bytes of a parameter that is passed by value. */
+static size_t bytes_of_type(const char *type)
+{
+    static const struct {
+        const char *name;
+        size_t bytes;
+    } types[] = {{"uint", sizeof(cl_uint)},
+                 {"float4", sizeof(cl_float4)},
+                 {"svo_subdivide_params", sizeof(svo_subdivide_params)},
+                 {"svo_filter_params", sizeof(svo_filter_params)},
+                 {"svo_sort_params", sizeof(svo_sort_params)},
+                 {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
+                 {"svo_voxelize_params", sizeof(svo_voxelize_params)},
+                 {"svo_ray_params", sizeof(svo_ray_params)}};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+        if (strcmp(types[i].name, type) == 0) {
+            return types[i].bytes;
+        }
+    }
+    return 0;
+}
+
+static void check_argument(const noted_kernel *kernel, cl_uint index)
+{
+    const passed_argument *passed = &kernel->arguments[index];
+    cl_kernel_arg_address_qualifier where = 0;
+    char type[NAME_BYTES] = "";
+    assert_int_equal(
+        clGetKernelArgInfo(kernel->handle, index, CL_KERNEL_ARG_ADDRESS_QUALIFIER, sizeof where, &where, NULL),
+        CL_SUCCESS);
+    assert_int_equal(clGetKernelArgInfo(kernel->handle, index, CL_KERNEL_ARG_TYPE_NAME, sizeof type, type, NULL),
+                     CL_SUCCESS);
+    if (passed->times != 1 && !(passed->times == 0 && kernel->launched)) {
+        fail_msg("%s: argument %u (%s) was set %u times", kernel->name, index, type, passed->times);
+    }
+    if (where == CL_KERNEL_ARG_ADDRESS_LOCAL) {
+        if (!passed->is_null || passed->bytes == 0) {
+            fail_msg("%s: argument %u (local %s) has %s", kernel->name, index, type,
+                     passed->is_null ? "no bytes" : "a value");
+        }
+        return;
+    }
+    const bool is_buffer = where == CL_KERNEL_ARG_ADDRESS_GLOBAL || where == CL_KERNEL_ARG_ADDRESS_CONSTANT;
+    const size_t bytes = is_buffer ? sizeof(cl_mem) : bytes_of_type(type);
+    if (passed->is_null || passed->bytes != bytes) {
+        fail_msg("%s: argument %u (%s) has %s of %zu bytes, not a value of %zu", kernel->name, index, type,
+                 passed->is_null ? "local memory" : "a value", passed->bytes, bytes);
+    }
+}
+
+static noted_kernel *find_kernel(cl_kernel handle)
+{
+    for (size_t i = 0; i < notes.kernel_count; ++i) {
+        if (notes.kernels[i].handle == handle) {
+            return &notes.kernels[i];
+        }
+    }
+    fail_msg("a kernel that clCreateKernel did not make");
+    return NULL;
+}
+
+static bool was_launched(const char *name)
+{
+    for (size_t i = 0; i < notes.launched_count; ++i) {
+        if (strcmp(notes.launched[i], name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void check_launch(cl_kernel handle)
+{
+    noted_kernel *kernel = find_kernel(handle);
+    for (cl_uint i = 0; i < kernel->argument_count; ++i) {
+        check_argument(kernel, i);
+        kernel->arguments[i].times = 0;
+    }
+    kernel->launched = true;
+    if (!was_launched(kernel->name)) {
+        assert_true(notes.launched_count < KERNELS_MAX);
+        memcpy(notes.launched[notes.launched_count++], kernel->name, NAME_BYTES);
+    }
+}
+
+/* ---- the calls ---- */
+
+/* The linker's names, for the calls themselves and for what stands in for them. */
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+typedef void(CL_CALLBACK *build_callback)(cl_program program, void *user);
+cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+cl_kernel __real_clCreateKernel(cl_program program, const char *name, cl_int *error);
+cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error);
+cl_int __real_clReleaseKernel(cl_kernel kernel);
+cl_int __wrap_clReleaseKernel(cl_kernel kernel);
+cl_int __real_clSetKernelArg(cl_kernel kernel, cl_uint index, size_t bytes, const void *value);
+cl_int __wrap_clSetKernelArg(cl_kernel kernel, cl_uint index, size_t bytes, const void *value);
+cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event);
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event);
+
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user)
+{
+    /* What the kernels compute does not matter here: without optimization they compile in a third of the time. */
+    char with_types[1024];
+    const int length = snprintf(with_types, sizeof with_types, "%s -cl-kernel-arg-info -cl-opt-disable", options);
+    assert_in_range(length, 1, sizeof with_types - 1);
+    return __real_clBuildProgram(program, count, devices, with_types, done, user);
+}
+
+cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error)
+{
+    const cl_kernel handle = __real_clCreateKernel(program, name, error);
+    if (handle != NULL) {
+        assert_true(notes.kernel_count < HANDLES_MAX);
+        noted_kernel *kernel = &notes.kernels[notes.kernel_count++];
+        *kernel = (noted_kernel){.handle = handle};
+        assert_in_range(snprintf(kernel->name, sizeof kernel->name, "%s", name), 1, sizeof kernel->name - 1);
+        assert_int_equal(
+            clGetKernelInfo(handle, CL_KERNEL_NUM_ARGS, sizeof kernel->argument_count, &kernel->argument_count, NULL),
+            CL_SUCCESS);
+        assert_in_range(kernel->argument_count, 1, ARGUMENTS_MAX);
+    }
+    return handle;
+}
+
+/* svocl retains no kernel: this is its end, and its handle may be another's next. */
+cl_int __wrap_clReleaseKernel(cl_kernel handle)
+{
+    noted_kernel *kernel = find_kernel(handle);
+    --notes.kernel_count;
+    *kernel = notes.kernels[notes.kernel_count];
+    return __real_clReleaseKernel(handle);
+}
+
+cl_int __wrap_clSetKernelArg(cl_kernel handle, cl_uint index, size_t bytes, const void *value)
+{
+    noted_kernel *kernel = find_kernel(handle);
+    if (index >= kernel->argument_count) {
+        fail_msg("%s: argument %u of %u was set", kernel->name, index, kernel->argument_count);
+    }
+    kernel->arguments[index] = (passed_argument){kernel->arguments[index].times + 1, bytes, value == NULL};
+    return __real_clSetKernelArg(handle, index, bytes, value);
+}
+
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
+                                     cl_event *event)
+{
+    check_launch(kernel);
+    return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+/* ---- builds and queries that launch everything ---- */
+
+/* Payload that differs from voxel to voxel, so that none of it is left out: colors of vertices, two materials. Uniform
+   weights without SVO_NEED_FILL compile least, and change no signature. */
+typedef struct painted_mesh {
+    owned_mesh base;
+    svo_mesh mesh;
+    uint8_t *colors;
+    uint16_t *triangle_materials;
+} painted_mesh;
+
+#define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL)
+
+static void painted_mesh_create(painted_mesh *out)
+{
+    static const svo_material materials[] = {{{255, 255, 255, 255}, SVO_NO_TEXTURE}, {{9, 9, 9, 255}, SVO_NO_TEXTURE}};
+    static const double corner[3] = {0.25, 0.25, 0.25};
+    uint64_t seed = 7;
+    /* Dust: one kind of overlap test, that is one program of the voxelizer. */
+    random_dust(seed, 300, corner, 0.5, &out->base);
+    out->mesh = out->base.mesh;
+    out->colors = malloc(out->mesh.vertex_count * 4);
+    out->triangle_materials = malloc(out->mesh.triangle_count * sizeof *out->triangle_materials);
+    assert_non_null(out->colors);
+    assert_non_null(out->triangle_materials);
+    for (size_t i = 0; i < out->mesh.vertex_count * 4; ++i) {
+        out->colors[i] = (uint8_t)random_below(&seed, 256);
+    }
+    for (size_t i = 0; i < out->mesh.triangle_count; ++i) {
+        out->triangle_materials[i] = (uint16_t)(i % 2);
+    }
+    out->mesh.colors = out->colors;
+    out->mesh.triangle_materials = out->triangle_materials;
+    out->mesh.materials = materials;
+    out->mesh.material_count = sizeof materials / sizeof materials[0];
+}
+
+static void painted_mesh_destroy(painted_mesh *made)
+{
+    free(made->colors);
+    free(made->triangle_materials);
+    owned_mesh_free(&made->base);
+}
+
+static void succeed(const fixture *opened, svo_status status)
+{
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+    }
+}
+
+static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo_plan_options *options)
+{
+    svo_plan_options with_size = *options;
+    with_size.struct_size = sizeof with_size;
+    svo_plan *plan = NULL;
+    svo_workspace *workspace = NULL;
+    svo_tree *tree = NULL;
+    succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &with_size, &plan));
+    succeed(opened, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
+    succeed(opened, svo_workspace_make_tree(workspace, &tree));
+    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_tree_finish(tree, opened->queue, 0, NULL));
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+}
+
+/* The list in one chunk and in several, the same by a workspace, and the sorted builder, which shares the stages of
+   payload. */
+static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
+{
+    svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
+    built other;
+    fixture_build(opened, mesh, DEPTH, &options, out);
+    enqueue_build(opened, mesh, &options);
+    options.chunk_bytes = 16384;
+    fixture_build(opened, mesh, DEPTH, &options, &other);
+    assert_true(other.report.list_chunks > 1);
+    built_destroy(&other);
+    options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
+    fixture_build(opened, mesh, DEPTH, &options, &other);
+    built_destroy(&other);
+}
+
+static void query_all(const fixture *opened, svo_tree *tree)
+{
+    const svo_ray ray = {.origin = {0.5F, 0.5F, -1.0F}, .t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
+    const svo_query_point point = {.position = {0.5F, 0.5F, 0.5F}, .max_distance = 1.0F};
+    svo_hit hit;
+    svo_nearest nearest;
+    uint8_t picture[8 * 8 * 4];
+    svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
+    svo_camera_frame(tree, 1.0F, &options.camera);
+    succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
+    options.view = SVO_VIEW_DEPTH;
+    succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
+    succeed(opened, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue));
+    succeed(opened, svo_tree_nearest(tree, &point, &nearest, 1, opened->queue));
+}
+
+/* Fails for a kernel that the source defines and nothing launched. Returns how many it defines. */
+static size_t check_all_launched(const char *source)
+{
+    static const char prefix[] = "svo_k_";
+    size_t count = 0;
+    for (const char *at = strstr(source, prefix); at != NULL; at = strstr(at + 1, prefix)) {
+        const size_t length = strspn(at, "abcdefghijklmnopqrstuvwxyz0123456789_");
+        char name[NAME_BYTES] = "";
+        if (at[length] == '(') {
+            assert_true(length < sizeof name);
+            memcpy(name, at, length);
+            ++count;
+            if (!was_launched(name)) {
+                fail_msg("%s was not launched", name);
+            }
+        }
+    }
+    return count;
+}
+
+static void every_launch_fits_its_kernel(void **state)
+{
+    (void)state;
+    const char *const sources[] = {svo_i_source_build, svo_i_source_sort,  svo_i_source_voxelize,
+                                   svo_i_source_cast,  svo_i_source_trace, svo_i_source_view};
+    fixture opened;
+    fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
+    painted_mesh painted;
+    painted_mesh_create(&painted);
+    built tree;
+    build_all(&opened, &painted.mesh, &tree);
+    built_destroy(&tree);
+    /* The first builds launched every kernel once on nothing (warm_up.c). These have only the stages' own launches. */
+    notes.launched_count = 0;
+    build_all(&opened, &painted.mesh, &tree);
+    query_all(&opened, tree.tree);
+    for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
+        assert_true(check_all_launched(sources[i]) > 0);
+    }
+    built_destroy(&tree);
+    painted_mesh_destroy(&painted);
+    fixture_close(&opened);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_launch_fits_its_kernel)};
+    return cmocka_run_group_tests_name("kernel signatures", tests, NULL, NULL);
+}
