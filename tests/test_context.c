@@ -17,6 +17,7 @@
 #include "context/context.h"
 #include "core/device.h"
 #include "machine.h"
+#include "share/probe.h"
 #include "share/share.h"
 
 enum { BUFFER_WORDS = 1000, THREAD_ROUNDS = 50, SHARE_WORDS = 100003, SHARE_ROUNDS = 3 };

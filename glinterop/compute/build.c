@@ -7,27 +7,13 @@
 
 #include <stdlib.h>
 
-#include "frontend/list.h"
-#include "share/share.h"
-
-GLuint svo_i_gl_chunk(const svo_i_gl_build *gl_build, uint32_t chunk)
-{
-    const svo_i_share_buffer *buffer = gl_build->build->list.chunks[chunk].owner;
-    return buffer->name;
-}
-
-svo_status svo_i_gl_check_loops(svo_i_gl_build *gl_build, const char *what)
-{
-    bool exhausted = false;
-    const svo_status status = svo_i_compute_exhausted(gl_build->compute, &exhausted);
-    if (status == SVO_OK && exhausted) {
-        return svo_i_device_fail(gl_build->build->device, SVO_UNSUPPORTED,
-                                 SVO_I_GL_BUILD ": a voxel has too many triangles: %s takes more than the 65535 turns "
-                                                "that %s allows the loops of an invocation",
-                                 what, gl_build->compute->gl->renderer);
-    }
-    return status;
-}
+#include "compute/buffer.h"
+#include "compute/filter.h"
+#include "compute/material.h"
+#include "compute/pack.h"
+#include "compute/subdivide.h"
+#include "compute/surface.h"
+#include "core/message.h"
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
 {
@@ -201,32 +187,6 @@ svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build)
     svo_i_compute_free(compute, &gl_build.partials);
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         svo_i_compute_free(compute, &gl_build.arrays[i]);
-    }
-    return status;
-}
-
-svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out, svo_build_report *report)
-{
-    if (gl == NULL || plan == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    if (plan->options.builder != SVO_BUILDER_CL) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_GL_BUILD ": the plan asks for builder %s",
-                                 svo_builder_name(plan->options.builder));
-    }
-    svo_frontend *frontend = NULL;
-    svo_gl_context *context = svo_i_gl_context_of(gl);
-    svo_status status = svo_i_gl_list_frontend(gl, &frontend);
-    if (status != SVO_OK) {
-        return status;
-    }
-    status = svo_i_gl_context_make_current(context, &plan->device->message);
-    if (status == SVO_OK) {
-        status = svo_build(plan, frontend, queue, out, report);
-        svo_i_gl_context_release_current(context);
-    }
-    if (status != SVO_OK) {
-        svo_i_message_rename(&plan->device->message, SVO_I_GL_BUILD);
     }
     return status;
 }

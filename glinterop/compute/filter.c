@@ -7,7 +7,9 @@
  * Several chunks, and voxels of more triangles than an invocation may turn loops for (shaders/compute.glsl), are added
  * up in sums of the leaves, fragment by fragment.
  */
-#include "compute/build.h"
+#include "compute/filter.h"
+
+#include "compute/buffer.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;

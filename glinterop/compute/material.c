@@ -2,7 +2,9 @@
 /*
  * Runs shaders/material.comp: the material of every node, of a scene that has several.
  */
-#include "compute/build.h"
+#include "compute/material.h"
+
+#include "compute/buffer.h"
 
 /* Where the entries of a level's nodes are. */
 typedef struct level_entries {

@@ -3,7 +3,9 @@
  * Runs shaders/pack.comp and the list scans of shaders/scan.comp: where each leaf's range of entries begins, and sorted
  * leaf lists, for requests that read them.
  */
-#include "compute/build.h"
+#include "compute/pack.h"
+
+#include "compute/buffer.h"
 
 typedef struct packer {
     svo_i_gl_build *gl_build;

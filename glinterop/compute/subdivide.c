@@ -4,9 +4,11 @@
  * back between them. How large a level is, the device knows: its scans are launched indirectly. The counts come to the
  * host once, at the end.
  */
+#include "compute/subdivide.h"
+
 #include <string.h>
 
-#include "compute/build.h"
+#include "compute/buffer.h"
 
 typedef struct subdivider {
     svo_i_gl_build *gl_build;

@@ -4,7 +4,9 @@
  * shaders/attribute.glsl reads them. Only what the plan has is uploaded. Attributes of vertices share a block, since a
  * shader may have few.
  */
-#include "compute/build.h"
+#include "compute/surface.h"
+
+#include "compute/buffer.h"
 
 /* Uploads an array if the plan has it. */
 static svo_status upload(svo_i_gl_build *gl_build, const char *name, const void *data, uint64_t bytes, GLuint *out)

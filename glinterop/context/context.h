@@ -8,10 +8,11 @@
 #ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
 #define SVO_GLINTEROP_CONTEXT_CONTEXT_H
 
+#include "context/egl.h"
 #include "context/functions.h"
-#include "context/platform.h"
+#include "context/opencl.h"
+#include "context/osmesa.h"
 #include "context/state.h"
-#include "share/interop.h"
 #include "svocl/gl.h"
 
 /* How deep make_current may nest on one context. */

@@ -7,6 +7,8 @@
  * never calls eglTerminate: what stays behind is one initialized display per platform or device, however many contexts
  * come and go.
  */
+#include "context/egl.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -14,7 +16,6 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-#include "context/platform.h"
 #include "core/message.h"
 
 #define EGL_LIBRARY "libEGL.so.1"

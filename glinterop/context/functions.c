@@ -202,8 +202,7 @@ bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension)
 bool svo_i_gl_is_software(const svo_i_gl_functions *gl)
 {
     /* Drivers on top of others name them in brackets: "zink (llvmpipe ...)". */
-    static const char *const names[] = {"llvmpipe",    "softpipe",           "swrast", "OpenSWR", "lavapipe",
-                                        "SwiftShader", "Software Rasterizer"};
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "SWR", "lavapipe", "SwiftShader", "Software"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strstr(gl->renderer, names[i]) != NULL) {
             return true;

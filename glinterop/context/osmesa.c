@@ -5,11 +5,12 @@
  * OSMesa insists on a picture to draw to, so each context carries a tiny one that nothing ever draws to: the front end
  * renders to framebuffers of its own.
  */
+#include "context/osmesa.h"
+
 #include <stdlib.h>
 
 #include <GL/osmesa.h>
 
-#include "context/platform.h"
 #include "core/message.h"
 
 #define OSMESA_LIBRARY "libOSMesa.so.8"

@@ -3,9 +3,10 @@
  * Contexts of the caller's. svocl neither makes them current nor destroys them: it looks which one is current when it
  * is handed over, so that it can tell later whether it still is, and can name it to OpenCL.
  */
+#include "context/wrap.h"
+
 #include <stdlib.h>
 
-#include "context/platform.h"
 #include "core/message.h"
 
 /* The libraries that may have made the current context; looked at only where the process has loaded them. */

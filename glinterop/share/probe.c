@@ -5,10 +5,13 @@
  * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the
  * one before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
  */
+#include "share/probe.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "core/message.h"
+#include "share/interop.h"
 #include "share/share.h"
 
 enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };

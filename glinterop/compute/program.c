@@ -3,13 +3,16 @@
  * The compute shaders' programs: one per entry point and set of keys, compiled on first use. Beside the texts of
  * glinterop/shaders/ they are made of kernels/integer.clh and clip.clh, the same text as the OpenCL kernels.
  */
+#include "compute/program.h"
+
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "compute/compute.h"
+#include "compute/buffer.h"
 #include "context/shader.h"
+#include "core/message.h"
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_compute_common[];
