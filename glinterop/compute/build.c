@@ -14,9 +14,6 @@
 #include "compute/subdivide.h"
 #include "compute/surface.h"
 #include "core/message.h"
-#include "plan/estimate.h"
-#include "stages/geometry.h"
-#include "stages/material.h"
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
 {

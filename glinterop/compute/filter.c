@@ -10,7 +10,6 @@
 #include "compute/filter.h"
 
 #include "compute/buffer.h"
-#include "stages/payload_params.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenGL contexts: what the kinds have in common, and how one is made current and given up again. */
+/* OpenGL contexts: what all kinds share, and how a context is made current and released. */
 #include "context/context.h"
 
 #include <stdlib.h>
@@ -49,7 +49,7 @@ svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *m
     *previous = (svo_i_gl_binding){0};
     if (!context->platform->is_current(context->native)) {
         take_binding(previous);
-        svo_status status = context->platform->make_current(context->native, message);
+        const svo_status status = context->platform->make_current(context->native, message);
         if (status != SVO_OK) {
             restore_binding(previous);
             return status;
@@ -86,11 +86,9 @@ const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *conte
 
 static svo_status load_functions(svo_gl_context *context, svo_message *message)
 {
-    svo_status status = svo_i_gl_context_make_current(context, message);
-    if (status != SVO_OK) {
-        return status;
-    }
-    status = svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
+    SVO_I_TRY(svo_i_gl_context_make_current(context, message));
+    const svo_status status =
+        svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
     svo_i_gl_context_release_current(context);
     return status;
 }
@@ -119,23 +117,19 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
+    svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = kind;
     context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
-    svo_status status = context->platform->create(kind, context->device_index, &context->native, message);
-    if (status == SVO_OK) {
-        status = load_functions(context, message);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_check_promise(context, message);
-    }
-    if (status != SVO_OK) {
-        svo_gl_context_destroy(&context);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(context->platform->create(kind, context->device_index, &context->native, message));
+    SVO_I_TRY_CLEANUP(load_functions(context, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_context_check_promise(context, message));
     *out = context;
-    return SVO_OK;
+    context = NULL;
+cleanup:
+    svo_gl_context_destroy(&context);
+    return status;
 }
 
 svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
@@ -149,20 +143,18 @@ svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *u
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
     }
+    svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = SVO_GL_WRAPPED;
     context->platform = &svo_i_wrap_platform;
-    svo_status status = context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message);
-    if (status == SVO_OK) {
-        status = svo_i_gl_load(&context->functions, get_proc_address, user, message);
-    }
-    if (status != SVO_OK) {
-        svo_i_message_rename(message, "svo_gl_context_wrap");
-        svo_gl_context_destroy(&context);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, message));
     *out = context;
     return SVO_OK;
+cleanup:
+    svo_i_message_rename(message, "svo_gl_context_wrap");
+    svo_gl_context_destroy(&context);
+    return status;
 }
 
 void svo_gl_context_destroy(svo_gl_context **context)

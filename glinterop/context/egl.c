@@ -2,10 +2,9 @@
 /*
  * Off-screen contexts by EGL: on Mesa's surfaceless platform, or on a device of EGL_EXT_platform_device.
  *
- * A display is shared by everybody in the process who asks for the same platform, and eglTerminate ends it for all of
- * them, svocl's other contexts and the integrator's included. The library keeps no global count of its displays, so it
- * never calls eglTerminate: what stays behind is one initialized display per platform or device, however many contexts
- * come and go.
+ * All users of a platform in one process share its display, and eglTerminate ends it for all of them: for svocl's other
+ * contexts and for the application. The library keeps no global count of displays, so it never calls eglTerminate. At
+ * most one initialized display per platform or device remains, regardless of the number of contexts.
  */
 #include "context/egl.h"
 
@@ -20,7 +19,7 @@
 
 #define EGL_LIBRARY "libEGL.so.1"
 
-/* X(member, type): what libEGL.so.1 exports, in "egl" + member. */
+/* X(member, type): the functions of libEGL.so.1 that svocl uses, looked up as "egl" + member. */
 #define EGL_FUNCTION_LIST(X)                          \
     X(GetError, PFNEGLGETERRORPROC)                   \
     X(GetProcAddress, PFNEGLGETPROCADDRESSPROC)       \
@@ -89,7 +88,7 @@ static svo_status fail_step(const egl_library *egl, const char *step, svo_messag
                       (unsigned)error);
 }
 
-/* Fills the table from an open library; names the first function that is missing. */
+/* Fills the table from an open library. The message names the first missing function. */
 static svo_status egl_library_fill(egl_library *egl, svo_message *message)
 {
     const char *missing = NULL;
@@ -108,8 +107,8 @@ static svo_status egl_library_fill(egl_library *egl, svo_message *message)
 
 static svo_status egl_library_open(egl_library *egl, svo_message *message)
 {
-    svo_status status = svo_i_library_open(EGL_LIBRARY, &egl->library, message);
-    return status == SVO_OK ? egl_library_fill(egl, message) : status;
+    SVO_I_TRY(svo_i_library_open(EGL_LIBRARY, &egl->library, message));
+    return egl_library_fill(egl, message);
 }
 
 static bool has_client_extension(const egl_library *egl, const char *extension)
@@ -175,7 +174,7 @@ static svo_status find_device(const egl_library *egl, uint32_t device_index, EGL
     return status;
 }
 
-/* Finds the native display that eglGetPlatformDisplayEXT wants for the kind, and the name of its platform. */
+/* Finds the platform and the native display that eglGetPlatformDisplayEXT needs for the kind. */
 static svo_status choose_platform(const egl_library *egl, svo_gl_context_kind kind, uint32_t device_index,
                                   EGLenum *platform, void **native_display, svo_message *message)
 {
@@ -185,8 +184,8 @@ static svo_status choose_platform(const egl_library *egl, svo_gl_context_kind ki
         return require_client_extension(egl, "EGL_MESA_platform_surfaceless", message);
     }
     *platform = EGL_PLATFORM_DEVICE_EXT;
-    svo_status status = require_client_extension(egl, "EGL_EXT_platform_device", message);
-    return status == SVO_OK ? find_device(egl, device_index, native_display, message) : status;
+    SVO_I_TRY(require_client_extension(egl, "EGL_EXT_platform_device", message));
+    return find_device(egl, device_index, native_display, message);
 }
 
 static svo_status open_display(egl_context *native, svo_gl_context_kind kind, uint32_t device_index,
@@ -195,13 +194,8 @@ static svo_status open_display(egl_context *native, svo_gl_context_kind kind, ui
     const egl_library *egl = &native->egl;
     EGLenum platform = 0;
     void *native_display = NULL;
-    svo_status status = require_client_extension(egl, "EGL_EXT_platform_base", message);
-    if (status == SVO_OK) {
-        status = choose_platform(egl, kind, device_index, &platform, &native_display, message);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(require_client_extension(egl, "EGL_EXT_platform_base", message));
+    SVO_I_TRY(choose_platform(egl, kind, device_index, &platform, &native_display, message));
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->GetProcAddress("eglGetPlatformDisplayEXT");
     if (get_platform_display == NULL) {
@@ -217,7 +211,7 @@ static svo_status open_display(egl_context *native, svo_gl_context_kind kind, ui
 
 static svo_status initialize_display(const egl_context *native, svo_message *message)
 {
-    /* What the calls below rely on; context versions and profiles are core in EGL 1.5. */
+    /* Required by the calls below. EGL 1.5 has context versions and profiles in its core. */
     static const char *const needed[] = {"EGL_KHR_surfaceless_context", "EGL_KHR_create_context"};
     EGLint major = 0, minor = 0;
     if (!native->egl.Initialize(native->display, &major, &minor)) {
@@ -234,7 +228,7 @@ static svo_status initialize_display(const egl_context *native, svo_message *mes
     return SVO_OK;
 }
 
-/* No surface is ever drawn to, so the context needs no configuration where the display allows that. */
+/* svocl draws to no surface, so the context needs no configuration where the display allows that. */
 static svo_status choose_config(const egl_context *native, EGLConfig *config, svo_message *message)
 {
     const char *extensions = native->egl.QueryString(native->display, EGL_EXTENSIONS);
@@ -253,7 +247,7 @@ static svo_status choose_config(const egl_context *native, EGLConfig *config, sv
     return SVO_OK;
 }
 
-/* A core profile; notified: it says when it is lost, instead of ending the process or going on with nothing. */
+/* A core profile. notified: the context reports its loss; otherwise the process may end or go on with garbage. */
 static EGLContext try_core_context(const egl_context *native, EGLConfig config, EGLint minor, bool notified)
 {
     const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
@@ -268,7 +262,7 @@ static EGLContext try_core_context(const egl_context *native, EGLConfig config, 
     return native->egl.CreateContext(native->display, config, EGL_NO_CONTEXT, attributes);
 }
 
-/* The newest there is, down to 4.3. Expects EGL_OPENGL_API to be bound. */
+/* The newest version available, at least 4.3. Expects EGL_OPENGL_API bound. */
 static svo_status create_core_context(egl_context *native, EGLConfig config, svo_message *message)
 {
     for (EGLint minor = 6; minor >= 3; --minor) {
@@ -286,15 +280,12 @@ static svo_status create_core_context(egl_context *native, EGLConfig config, svo
 static svo_status create_context(egl_context *native, svo_message *message)
 {
     EGLConfig config = NULL;
-    svo_status status = choose_config(native, &config, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(choose_config(native, &config, message));
     EGLenum previous_api = native->egl.QueryAPI();
     if (!native->egl.BindAPI(EGL_OPENGL_API)) {
         return fail_step(&native->egl, "eglBindAPI(EGL_OPENGL_API)", message);
     }
-    status = create_core_context(native, config, message);
+    const svo_status status = create_core_context(native, config, message);
     (void)native->egl.BindAPI(previous_api);
     return status;
 }
@@ -315,23 +306,17 @@ static svo_status egl_create(svo_gl_context_kind kind, uint32_t device_index, vo
     if (native == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }
+    svo_status status = SVO_OK;
     native->context = EGL_NO_CONTEXT;
-    svo_status status = egl_library_open(&native->egl, message);
-    if (status == SVO_OK) {
-        status = open_display(native, kind, device_index, message);
-    }
-    if (status == SVO_OK) {
-        status = initialize_display(native, message);
-    }
-    if (status == SVO_OK) {
-        status = create_context(native, message);
-    }
-    if (status != SVO_OK) {
-        egl_destroy(native);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(egl_library_open(&native->egl, message));
+    SVO_I_TRY_CLEANUP(open_display(native, kind, device_index, message));
+    SVO_I_TRY_CLEANUP(initialize_display(native, message));
+    SVO_I_TRY_CLEANUP(create_context(native, message));
     *out = native;
     return SVO_OK;
+cleanup:
+    egl_destroy(native);
+    return status;
 }
 
 static bool egl_is_current(void *pointer)
@@ -358,7 +343,7 @@ static svo_i_function egl_get_proc_address(void *pointer, const char *name)
     return (svo_i_function)native->egl.GetProcAddress(name);
 }
 
-/* A device with a kernel driver of its own is a GPU; Mesa's software device has none and says so besides. */
+/* A device with a kernel driver is a GPU. Mesa's software device has none and lists an extension that says so. */
 static bool egl_promises_gpu(void *pointer)
 {
     const egl_context *native = pointer;

@@ -9,7 +9,7 @@ extern const svo_i_gl_platform svo_i_egl_platform;
 
 /* What EGL has current on this thread. Handles are EGL's, without its types. */
 typedef struct svo_i_egl_binding {
-    bool loaded; /* libEGL was in the process, so that there is something to restore */
+    bool loaded; /* the process has loaded libEGL, so there is something to restore */
     unsigned api;
     void *display, *context, *draw_surface, *read_surface; /* context: NULL when none is current */
 } svo_i_egl_binding;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Choosing an EGL device by words. EGL itself names devices by what driver and version there is, if at all; what
- * renders is known when a context is there, so contexts are made and looked at.
+ * Chooses an EGL device by name. EGL names a device by its driver, if at all; only a context knows the renderer. So this
+ * creates a context on each device and compares its renderer.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -14,7 +14,7 @@
 
 #define GPU "gpu"
 
-/* Whether part occurs in text, letters of either case alike. */
+/* Whether text contains part, ignoring case. */
 static bool contains(const char *text, const char *part)
 {
     const size_t length = strlen(part);
@@ -34,7 +34,7 @@ static bool matches(const svo_gl_context *context, const char *device_name)
     return contains(context->functions.renderer, device_name);
 }
 
-/* The index that the name is, or false. */
+/* Whether the name is an index, and which. */
 static bool is_index(const char *device_name, uint32_t *index)
 {
     unsigned value = 0;
@@ -45,14 +45,14 @@ static bool is_index(const char *device_name, uint32_t *index)
     return found;
 }
 
-/* Adds "; 1: words" to a list that is cut where it is full. */
+/* Appends "; 1: words" to a list, cut when it is full. */
 static void add_line(svo_message *list, uint32_t index, const char *words)
 {
     const size_t used = strlen(list->text);
     (void)snprintf(list->text + used, sizeof list->text - used, "%s%u: %s", used > 0 ? "; " : "", index, words);
 }
 
-/* The device's context if it matches; else NULL, and a line of the list says what is there instead. */
+/* The device's context if it matches. Otherwise NULL, and a line of the list names its renderer or the failure. */
 static svo_gl_context *try_device(uint32_t index, const char *device_name, svo_message *list)
 {
     svo_message reason = {""};
@@ -86,6 +86,7 @@ svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context *
             return SVO_OK;
         }
     }
-    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create_named: no EGL device is \"%.200s\"; there is %.700s",
-                      device_name, count > 0 ? list.text : "none");
+    return svo_i_fail(message, SVO_NO_GL,
+                      "svo_gl_context_create_named: no EGL device matches \"%.200s\"; found: %.700s", device_name,
+                      count > 0 ? list.text : "none");
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Off-screen contexts by OSMesa, Mesa's own software renderer without any window system or EGL.
+ * Off-screen contexts by OSMesa, Mesa's software renderer without a window system or EGL.
  *
- * OSMesa insists on a picture to draw to, so each context carries a tiny one that nothing ever draws to: the front end
- * renders to framebuffers of its own.
+ * OSMesa requires a color buffer, so each context carries a tiny one. Nothing draws to it: the front end uses
+ * framebuffers of its own.
  */
 #include "context/osmesa.h"
 
@@ -18,7 +18,7 @@
 
 enum { PICTURE_SIDE = 4, PICTURE_BYTES = PICTURE_SIDE * PICTURE_SIDE * 4 };
 
-/* X(member, type): what libOSMesa.so.8 exports, in "OSMesa" + member. */
+/* X(member, type): the functions of libOSMesa.so.8 that svocl uses, looked up as "OSMesa" + member. */
 #define OSMESA_FUNCTION_LIST(X)                        \
     X(CreateContextAttribs, create_context_function)   \
     X(DestroyContext, destroy_context_function)        \
@@ -52,7 +52,7 @@ typedef struct osmesa_context {
     unsigned char picture[PICTURE_BYTES];
 } osmesa_context;
 
-/* Fills the table from an open library; names the first function that is missing. */
+/* Fills the table from an open library. The message names the first missing function. */
 static svo_status osmesa_library_fill(osmesa_library *osmesa, svo_message *message)
 {
     const char *missing = NULL;
@@ -69,7 +69,7 @@ static svo_status osmesa_library_fill(osmesa_library *osmesa, svo_message *messa
     return SVO_OK;
 }
 
-/* The newest core profile there is, down to 4.3. */
+/* The newest core profile available, at least 4.3. */
 static svo_status create_core_context(osmesa_context *native, svo_message *message)
 {
     for (int minor = 6; minor >= 3; --minor) {
@@ -108,19 +108,15 @@ static svo_status osmesa_create(svo_gl_context_kind kind, uint32_t device_index,
     if (native == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }
-    svo_status status = svo_i_library_open(OSMESA_LIBRARY, &native->osmesa.library, message);
-    if (status == SVO_OK) {
-        status = osmesa_library_fill(&native->osmesa, message);
-    }
-    if (status == SVO_OK) {
-        status = create_core_context(native, message);
-    }
-    if (status != SVO_OK) {
-        osmesa_destroy(native);
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_library_open(OSMESA_LIBRARY, &native->osmesa.library, message));
+    SVO_I_TRY_CLEANUP(osmesa_library_fill(&native->osmesa, message));
+    SVO_I_TRY_CLEANUP(create_core_context(native, message));
     *out = native;
     return SVO_OK;
+cleanup:
+    osmesa_destroy(native);
+    return status;
 }
 
 static bool osmesa_is_current(void *pointer)
@@ -129,7 +125,7 @@ static bool osmesa_is_current(void *pointer)
     return native->osmesa.GetCurrentContext() == native->context;
 }
 
-/* GLX and OSMesa share Mesa's current context without knowing of each other, and GLX's cannot be restored from here. */
+/* GLX and OSMesa share Mesa's current context unknown to each other, and GLX's cannot be restored from here. */
 static bool glx_is_current(void)
 {
     void *library = svo_i_library_if_loaded(GLX_LIBRARY);
@@ -163,7 +159,7 @@ static svo_i_function osmesa_get_proc_address(void *pointer, const char *name)
     return function;
 }
 
-/* OpenCL has no word for OSMesa's contexts. */
+/* OpenCL has no context property for OSMesa. */
 static svo_i_gl_handles osmesa_handles(void *pointer)
 {
     (void)pointer;

@@ -7,7 +7,7 @@
 
 extern const svo_i_gl_platform svo_i_osmesa_platform;
 
-/* What OSMesa has current on this thread, and the picture it draws to. */
+/* What OSMesa has current on this thread, and the color buffer it draws to. */
 typedef struct svo_i_osmesa_binding {
     void *context, *pixels; /* context: NULL when none is current */
     int width, height;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Compiles and links shaders, with the driver's words where that fails. */
+/* Compiles and links shaders. A failure carries the driver's log. */
 #include "context/shader.h"
 
 #include <string.h>
 
 #define LOG_BYTES 4096
 
-/* The first line of a log into the message, all of it to the callback. */
+/* Puts the first line of a log into the message and passes all of it to the log callback. */
 static svo_status fail_log(const svo_i_shader_maker *maker, const char *step, const char *log)
 {
     svo_i_device_log(maker->device, SVO_LOG_ERROR, log);

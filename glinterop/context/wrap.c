@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contexts of the caller's. svocl neither makes them current nor destroys them: it looks which one is current when it
- * is handed over, so that it can tell later whether it still is, and can name it to OpenCL.
+ * Contexts that the caller created. svocl neither makes them current nor destroys them. It records which context is
+ * current when it is wrapped, to check later that it still is, and to name it to OpenCL.
  */
 #include "context/wrap.h"
 
@@ -9,7 +9,7 @@
 
 #include "core/message.h"
 
-/* The libraries that may have made the current context; looked at only where the process has loaded them. */
+/* The libraries that may have created the current context. Only those that the process has loaded are asked. */
 #define EGL_LIBRARY    "libEGL.so.1"
 #define GLX_LIBRARY    "libGLX.so.0"
 #define GLX_OLDER      "libGL.so.1"
@@ -17,7 +17,7 @@
 
 typedef void *(*current_function)(void);
 
-/* What a function without parameters of a loaded library returns; NULL where there is none. */
+/* The result of a parameterless function of a loaded library, or NULL. */
 static void *ask_library(const char *file_name, const char *function_name)
 {
     void *library = svo_i_library_if_loaded(file_name);
@@ -34,7 +34,7 @@ static void *ask_glx(const char *function_name)
     return answer != NULL ? answer : ask_library(GLX_OLDER, function_name);
 }
 
-/* The context that is current on this thread, as far as EGL, GLX and OSMesa know. */
+/* The context that is current on this thread according to EGL, GLX and OSMesa. */
 static svo_i_gl_handles find_current(void)
 {
     void *context = ask_library(EGL_LIBRARY, "eglGetCurrentContext");
@@ -66,7 +66,7 @@ static void wrap_destroy(void *native)
     free(native);
 }
 
-/* A context that none of the libraries knew is taken to be current whenever none of theirs is. */
+/* A context that no library knew counts as current whenever no library has a current context. */
 static bool wrap_is_current(void *pointer)
 {
     const svo_i_gl_handles *native = pointer;
