@@ -82,7 +82,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
 {
     const svo_i_gl_functions *gl = compute->gl;
     if (bytes == 0) {
-        return svo_i_build_alloc(build, name, bytes, out);
+        return svo_i_commands_alloc(&build->commands, name, bytes, out);
     }
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(WORK_TARGET, buffer);
@@ -92,7 +92,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
         status = svo_i_device_fail(compute->device, SVO_GL_ERROR, SVO_I_GL_BUILD ": glMapBufferRange returned NULL");
     }
     if (status == SVO_OK) {
-        status = svo_i_build_upload(build, name, mapped, bytes, out);
+        status = svo_i_commands_upload(&build->commands, name, mapped, bytes, out);
         if (gl->UnmapBuffer(WORK_TARGET) != GL_TRUE && status == SVO_OK) {
             status = svo_i_device_fail(compute->device, SVO_GL_ERROR,
                                        SVO_I_GL_BUILD ": glUnmapBuffer says that %s was lost", name);

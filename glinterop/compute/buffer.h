@@ -3,8 +3,8 @@
 #ifndef SVO_GLINTEROP_COMPUTE_BUFFER_H
 #define SVO_GLINTEROP_COMPUTE_BUFFER_H
 
-#include "build/build.h"
 #include "compute/compute.h"
+#include "stages/build_state.h"
 
 /* SVO_OK, or the first OpenGL error since the last look, with step in the message. */
 svo_status svo_i_compute_check(svo_i_compute *compute, const char *step);

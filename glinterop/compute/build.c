@@ -7,6 +7,7 @@
 
 #include <stdlib.h>
 
+#include "commands/timing.h"
 #include "compute/buffer.h"
 #include "compute/filter.h"
 #include "compute/material.h"
@@ -14,6 +15,9 @@
 #include "compute/subdivide.h"
 #include "compute/surface.h"
 #include "core/message.h"
+#include "plan/estimate.h"
+#include "stages/geometry.h"
+#include "stages/material.h"
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
 {

@@ -3,7 +3,6 @@
 #ifndef SVO_GLINTEROP_COMPUTE_BUILD_H
 #define SVO_GLINTEROP_COMPUTE_BUILD_H
 
-#include "build/build.h"
 #include "compute/compute.h"
 #include "stages/build_state.h"
 

@@ -7,7 +7,7 @@
 #define SVO_GLINTEROP_COMPUTE_COMPUTE_H
 
 #include "context/context.h"
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 
 /* svo_gl_build's name, for messages. */
 #define SVO_I_GL_BUILD "svo_gl_build"

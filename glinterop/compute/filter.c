@@ -9,7 +9,9 @@
  */
 #include "compute/filter.h"
 
+#include "commands/timing.h"
 #include "compute/buffer.h"
+#include "stages/payload_params.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;

@@ -2,6 +2,7 @@
 /* Launches compute shaders and times the stages they make up. */
 #include "compute/launch.h"
 
+#include "commands/timing.h"
 #include "compute/buffer.h"
 
 /* Groups in a row of a launch; every context allows 65535. */
@@ -71,7 +72,7 @@ svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, s
     const svo_i_gl_functions *gl = compute->gl;
     if (!compute->has_timer) {
         gl->Finish();
-        svo_i_report_add(build->report, stage, svo_i_now_ms() - compute->stage_start_ms, "wall");
+        svo_i_report_add(build->commands.report, stage, svo_i_now_ms() - compute->stage_start_ms, "wall");
         return svo_i_compute_check(compute, svo_stage_name(stage));
     }
     GLuint64 begin_ns = 0;
@@ -79,6 +80,6 @@ svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, s
     gl->QueryCounter(compute->queries[1], GL_TIMESTAMP);
     gl->GetQueryObjectui64v(compute->queries[0], GL_QUERY_RESULT, &begin_ns);
     gl->GetQueryObjectui64v(compute->queries[1], GL_QUERY_RESULT, &end_ns);
-    svo_i_report_add(build->report, stage, (double)(end_ns - begin_ns) * 1e-6, "gl-timer");
+    svo_i_report_add(build->commands.report, stage, (double)(end_ns - begin_ns) * 1e-6, "gl-timer");
     return svo_i_compute_check(compute, svo_stage_name(stage));
 }

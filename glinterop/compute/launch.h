@@ -3,8 +3,8 @@
 #ifndef SVO_GLINTEROP_COMPUTE_LAUNCH_H
 #define SVO_GLINTEROP_COMPUTE_LAUNCH_H
 
-#include "build/build.h"
 #include "compute/program.h"
+#include "stages/build_state.h"
 
 /* One dispatch, ordered after all before it. */
 typedef struct svo_i_launch {

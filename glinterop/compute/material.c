@@ -5,6 +5,7 @@
 #include "compute/material.h"
 
 #include "compute/buffer.h"
+#include "stages/payload_params.h"
 
 /* Where the entries of a level's nodes are. */
 typedef struct level_entries {

@@ -6,6 +6,7 @@
 #include "compute/pack.h"
 
 #include "compute/buffer.h"
+#include "stages/payload_params.h"
 
 typedef struct packer {
     svo_i_gl_build *gl_build;

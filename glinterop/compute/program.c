@@ -13,6 +13,7 @@
 #include "compute/buffer.h"
 #include "context/shader.h"
 #include "core/message.h"
+#include "plan/configuration.h"
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_compute_common[];

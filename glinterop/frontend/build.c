@@ -9,7 +9,7 @@
 #include "frontend/handle.h"
 #include "raster/rasterize.h"
 
-static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
+static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
     svo_gl *gl = self;
     char reason[SVO_I_GL_REASON_BYTES];
@@ -18,16 +18,16 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
         return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
     }
     SVO_I_TRY(svo_i_gl_check_size(gl->compute, plan));
-    SVO_I_TRY(gl->frontend.prepare(self, plan, queue));
+    SVO_I_TRY(gl->frontend.prepare(self, plan, warm_up));
     return svo_i_compute_prepare(gl->compute, plan);
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, svo_build_report *report)
+static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
+                           svo_i_fragment_list *list)
 {
     const svo_gl *gl = self;
     const svo_i_rasterizer rasterizer = {gl->device, gl->context, gl->raster, SVO_GL_SHARE_AUTO};
-    return svo_i_rasterize_list(&rasterizer, plan, layout, queue, list, report);
+    return svo_i_rasterize_list(&rasterizer, commands, chunking, list);
 }
 
 static svo_status make_tree(void *self, svo_i_build *build)

@@ -4,10 +4,10 @@
 
 #include <stdlib.h>
 
-#include "build/frontend_choice.h"
 #include "compute/builder.h"
 #include "core/message.h"
 #include "frontend/choice.h"
+#include "plan/frontend_choice.h"
 #include "raster/rasterize.h"
 #include "share/share.h"
 
@@ -57,9 +57,9 @@ svo_frontend *svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *reason)
     return svo_i_frontend_prefers_cl(gl->device, &renderer, reason) ? cl : &gl->frontend;
 }
 
-static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
+static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
-    (void)queue;
+    (void)warm_up; /* shaders are compiled at once */
     svo_gl *gl = self;
     SVO_I_TRY(svo_i_gl_context_make_current(gl->context, &gl->device->message));
     const svo_status status = svo_i_raster_prepare(gl->raster, plan);
@@ -72,7 +72,7 @@ static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chu
 {
     const svo_gl *gl = self;
     const svo_i_rasterizer rasterizer = {gl->device, gl->context, gl->raster, gl->share_choice};
-    return svo_i_rasterize_list(&rasterizer, plan, layout, queue, list, report);
+    return svo_i_rasterize_list(&rasterizer, commands, chunking, list);
 }
 
 static void release(void *self, svo_i_fragment_list *list)

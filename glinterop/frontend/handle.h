@@ -3,7 +3,7 @@
 #ifndef SVO_GLINTEROP_FRONTEND_HANDLE_H
 #define SVO_GLINTEROP_FRONTEND_HANDLE_H
 
-#include "build/frontend.h"
+#include "commands/frontend.h"
 #include "compute/compute.h"
 #include "raster/raster.h"
 

@@ -35,7 +35,7 @@ svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan);
 /* Uploads the snapped mesh and the items, and one zero counter per chunk. */
 svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count);
 /* Draws one chunk into the storage block that the caller has bound to SVO_I_RASTER_FRAGMENTS. */
-svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk);
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk);
 /* Waits, and reads how many fragments each chunk needs. */
 svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, uint32_t *needed);
 /* Frees the OpenGL memory of the mesh. */

@@ -7,7 +7,9 @@
 
 #include <stdlib.h>
 
+#include "commands/timing.h"
 #include "core/message.h"
+#include "plan/estimate.h"
 #include "share/share.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */
@@ -22,8 +24,8 @@ static svo_status create_chunk(const svo_i_rasterizer *rasterizer, size_t bytes,
 }
 
 /* svo_i_rasterize_release frees the chunks, also after a failure. */
-static svo_status create_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
-                                cl_command_queue queue, svo_i_fragment_list *list)
+static svo_status create_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan,
+                                const svo_i_chunking *chunking, cl_command_queue queue, svo_i_fragment_list *list)
 {
     const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
@@ -60,7 +62,7 @@ static double box_voxels(const svo_plan *plan, uint32_t triangle)
 }
 
 /* The most fragments that a chunk's triangles can touch. */
-static double possible_fragments(const svo_plan *plan, const svo_i_layout *chunking, const svo_i_chunk *chunk)
+static double possible_fragments(const svo_plan *plan, const svo_i_chunking *chunking, const svo_i_chunk *chunk)
 {
     double most = 0.0;
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
@@ -73,7 +75,7 @@ static double possible_fragments(const svo_plan *plan, const svo_i_layout *chunk
 }
 
 /* A chunk that was too small is allocated again with the driver's count, so an impossible count is an error. */
-static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
+static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
                               uint32_t chunk, uint32_t needed)
 {
     if (needed <= chunking->chunks[chunk].capacity) {
@@ -89,7 +91,7 @@ static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan
 }
 
 /* Draws all chunks; needed: one counter per chunk. */
-static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
+static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
                               svo_i_fragment_list *list, uint32_t *needed)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
@@ -104,7 +106,7 @@ static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan
     return SVO_OK;
 }
 
-static svo_status draw_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
+static svo_status draw_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
                             svo_i_fragment_list *list)
 {
     uint32_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
@@ -137,27 +139,28 @@ static void take_time(svo_build_report *report, svo_stage stage, double *start_m
     *start_ms = now_ms;
 }
 
-static svo_status make_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
-                            cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report)
+static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
+                            const svo_i_chunking *chunking, svo_i_fragment_list *list)
 {
+    const svo_plan *plan = commands->plan;
     double start_ms = svo_i_now_ms();
-    SVO_I_TRY(create_chunks(rasterizer, plan, chunking, queue, list));
+    SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
     SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));
-    take_time(report, SVO_STAGE_TRANSFER, &start_ms);
+    take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
     SVO_I_TRY(draw_list(rasterizer, plan, chunking, list));
-    take_time(report, SVO_STAGE_VOXELIZE, &start_ms);
+    take_time(commands->report, SVO_STAGE_VOXELIZE, &start_ms);
     if (rasterizer->share != SVO_GL_SHARE_AUTO) {
-        SVO_I_TRY(hand_over(plan, queue, list));
+        SVO_I_TRY(hand_over(plan, commands->queue, list));
     }
-    take_time(report, SVO_STAGE_TRANSFER, &start_ms);
+    take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
     return SVO_OK;
 }
 
-svo_status svo_i_rasterize_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
-                                cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report)
+svo_status svo_i_rasterize_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
+                                const svo_i_chunking *chunking, svo_i_fragment_list *list)
 {
     SVO_I_TRY(svo_i_gl_context_make_current(rasterizer->context, &rasterizer->device->message));
-    const svo_status status = make_list(rasterizer, plan, chunking, queue, list, report);
+    const svo_status status = make_list(rasterizer, commands, chunking, list);
     svo_i_raster_drop(rasterizer->raster);
     svo_i_gl_context_release_current(rasterizer->context);
     return status;

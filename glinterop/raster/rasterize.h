@@ -3,7 +3,7 @@
 #ifndef SVO_GLINTEROP_RASTER_RASTERIZE_H
 #define SVO_GLINTEROP_RASTER_RASTERIZE_H
 
-#include "build/frontend.h"
+#include "commands/frontend.h"
 #include "raster/raster.h"
 
 typedef struct svo_i_rasterizer {
@@ -14,8 +14,8 @@ typedef struct svo_i_rasterizer {
 } svo_i_rasterizer;
 
 /* Implements svo_frontend.voxelize. The owner of each chunk is an svo_i_share_buffer. Makes the context current. */
-svo_status svo_i_rasterize_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_layout *chunking,
-                                cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report);
+svo_status svo_i_rasterize_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
+                                const svo_i_chunking *chunking, svo_i_fragment_list *list);
 /* Implements svo_frontend.release. */
 void svo_i_rasterize_release(svo_i_fragment_list *list);
 

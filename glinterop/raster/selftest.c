@@ -10,6 +10,8 @@
 #include <string.h>
 
 #include "core/message.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 #include "shared/overlap.clh"
 
 #define TEST_DEPTH     6u
@@ -148,9 +150,9 @@ static int compare_fragments(const void *left, const void *right)
 static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
                        uint64_t capacity, uint32_t *words, uint32_t *needed)
 {
-    svo_i_layout layout;
+    svo_i_chunking layout;
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_layout_create(plan, UINT64_C(1) << 26, &layout));
+    SVO_I_TRY(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout));
     layout.chunks[0].capacity = capacity;
     GLuint buffer = 0;
     gl->GenBuffers(1, &buffer);

@@ -43,8 +43,6 @@ typedef struct svo_i_argument {
     ((svo_i_argument){sizeof(variable), &(variable), _Generic((variable), cl_mem : true, default : false)})
 /* Local memory for a work-group. */
 #define SVO_I_LOCAL(local_bytes) ((svo_i_argument){(local_bytes), NULL, false})
-/* All elements of an array of arguments, and their number. */
-#define SVO_I_ARGUMENTS(array) (array), (cl_uint)(sizeof(array) / sizeof((array)[0]))
 
 /* An array of arguments and their number, for the two parameters of that kind. */
 #define SVO_I_ARGUMENTS(array) (array), ((cl_uint)(sizeof(array) / sizeof((array)[0])))
