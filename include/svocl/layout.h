@@ -31,8 +31,11 @@
 
 /* A work-group of every kernel; kernels are compiled for exactly this size. */
 #define SVO_GROUP_ITEMS 64
-/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums). */
+/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums). Tests
+   on an interpreter define fewer, for library and kernels alike; always a multiple of SVO_GROUP_ITEMS. */
+#ifndef SVO_SCAN_GROUPS
 #define SVO_SCAN_GROUPS 256
+#endif
 /* Grid depth from which a fragment's Morton code needs more than 30 bits. */
 #define SVO_CODE30_DEPTH_MAX 10
 /* Words of a fragment: code, triangle; or code low, code high, triangle. */
