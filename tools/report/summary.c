@@ -9,7 +9,7 @@
 #include "report/text.h"
 
 #define PICKS_MAX   3
-#define COLUMNS_MAX 12
+#define COLUMNS_MAX 13
 
 /* Rows whose column has that text. Without a text: those with the column's largest number among the rows that the picks
    before leave. */
@@ -23,129 +23,156 @@ struct summary_extract {
     bool in_summary;
     pick picks[PICKS_MAX]; /* a column of NULL: no more */
     const char *columns[COLUMNS_MAX]; /* ends with NULL */
+    /* Not NULL: a column whose numbers become columns. Then columns are two: what a row is of, and what it shows. */
+    const char *across;
 };
 
 static const summary_extract extracts[] = {
     /* README.md */
-    {"exactness",
-     "e1-voxelization",
-     "Voxels of the statue on the finest grid",
-     false,
-     {{"scene", "statue"}, {"grid edge", NULL}},
-     {"method", "time", "missed", "surplus"}},
+    {.id = "exactness",
+     .table_id = "e1-voxelization",
+     .title = "Voxels of the statue on the finest grid",
+     .picks = {{"scene", "statue"}, {"grid edge", NULL}},
+     .columns = {"method", "time", "missed", "surplus"}},
     /* docs/performance.md */
-    {"stages",
-     "builders",
-     "A build, stage by stage",
-     false,
-     {{"builder", "cl"}, {"depth", NULL}},
-     {"scene", "triangles", "fragments", "nodes", "voxelize", "transfer", "subdivide", "link", "pack", "filter",
-      "total"}},
-    {"frontends",
-     "voxelize",
-     "Front ends",
-     false,
-     {{"depth", NULL}},
-     {"scene", "fragments", "frontend", "share", "voxelize", "transfer", "rate", "ratio"}},
-    {"filter",
-     "filter",
-     "Payload by weights",
-     false,
-     {{"depth", NULL}},
-     {"scene", "nodes", "payload", "weights", "filter", "list to tree", "ratio"}},
-    {"startup", "startup", "Start-up", false, {{NULL}}, {"method", "cold", "cold compile", "warm", "warm compile"}},
-    {"rays",
-     "rays",
-     "Rays beside Embree",
-     true,
-     {{NULL}},
-     {"scene", "triangles", "rays", "svocl", "Embree", "ratio", "wrong", "Embree wrong"}},
-    {"ray-structures",
-     "peer-embree",
-     "Building what rays need",
-     false,
-     {{NULL}},
-     {"scene", "triangles", "depth", "svocl tree", "BVH", "svocl", "BVH time", "Embree", "ratio"}},
-    {"builders",
-     "builders",
-     "Builders",
-     true,
-     {{"depth", NULL}},
-     {"scene", "builder", "subdivide", "link", "pack", "filter", "list to tree", "ratio"}},
-    {"share",
-     "share",
-     "Share paths",
-     false,
-     {{"depth", NULL}},
-     {"scene", "list", "frontend", "share", "voxelize", "transfer", "ratio"}},
-    {"leaving-out",
-     "e6-leaving-out",
-     "Leaving out",
-     true,
-     {{"depth", NULL}},
-     {"need", "builder", "build", "peak", "tree", "tree per leaf", "ratio"}},
-    {"sizes",
-     "scene-sizes",
-     "From no triangle to a million",
-     false,
-     {{NULL}},
-     {"triangles", "need", "leaves", "peak", "tree", "build"}},
-    {"memory",
-     "memory",
-     "Bytes of occupancy alone",
-     false,
-     {{NULL}},
-     {"scene", "depth", "leaves", "tree", "tree per leaf", "fragment list", "full octree", "list of 36 bytes"}},
-    {"thesis-2020",
-     "thesis-2020",
-     "Beside the thesis of 2020, depth 6",
-     true,
-     {{"depth", NULL}},
-     {"scene", "voxelize", "structure", "total", "published structure, least", "published structure, most"}},
-    {"thesis-2016",
-     "thesis-2016",
-     "Beside the thesis of 2016, 512³",
-     true,
-     {{"voxels per axis", NULL}},
-     {"whose", "fragment list", "full octree", "sparse octree", "voxelize", "first build", "second build"}},
+    {.id = "stages",
+     .table_id = "builders",
+     .title = "A build, stage by stage",
+     .picks = {{"builder", "cl"}, {"depth", NULL}},
+     .columns = {"scene", "depth", "triangles", "fragments", "nodes", "voxelize", "transfer", "subdivide", "link",
+                 "pack", "filter", "total"}},
+    {.id = "frontends",
+     .table_id = "voxelize",
+     .title = "Front ends",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "fragments", "frontend", "share", "voxelize", "transfer", "rate", "ratio"}},
+    {.id = "filter",
+     .table_id = "filter",
+     .title = "Payload by weights",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "nodes", "payload", "weights", "filter", "list to tree", "ratio"}},
+    {.id = "startup",
+     .table_id = "startup",
+     .title = "Start-up",
+     .columns = {"scene", "depth", "method", "cold", "cold compile", "warm", "warm compile"}},
+    {.id = "rays",
+     .table_id = "rays",
+     .title = "Rays beside Embree",
+     .in_summary = true,
+     .columns = {"scene", "triangles", "rays", "svocl", "Embree", "ratio", "wrong", "Embree wrong"}},
+    {.id = "ray-structures",
+     .table_id = "peer-embree",
+     .title = "Building what rays need",
+     .columns = {"scene", "triangles", "depth", "svocl tree", "BVH", "svocl", "BVH time", "Embree", "ratio"}},
+    {.id = "builders",
+     .table_id = "builders",
+     .title = "Builders",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "builder", "subdivide", "link", "pack", "filter", "list to tree", "ratio"}},
+    {.id = "share",
+     .table_id = "share",
+     .title = "Share paths",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "list", "frontend", "share", "voxelize", "transfer", "ratio"}},
+    {.id = "leaving-out",
+     .table_id = "e6-leaving-out",
+     .title = "Leaving out",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "need", "builder", "build", "peak", "tree", "tree per leaf", "ratio"}},
+    {.id = "sizes",
+     .table_id = "scene-sizes",
+     .title = "From no triangle to a million",
+     .columns = {"triangles", "depth", "need", "leaves", "peak", "tree", "build"}},
+    {.id = "memory",
+     .table_id = "memory",
+     .title = "Bytes of occupancy alone",
+     .columns = {"scene", "depth", "leaves", "tree", "tree per leaf", "fragment list", "full octree",
+                 "list of 36 bytes"}},
+    {.id = "thesis-2020",
+     .table_id = "thesis-2020",
+     .title = "Beside the thesis of 2020, depth 6",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "voxelize", "structure", "total", "published structure, least", "published structure, most"}},
+    {.id = "thesis-2016",
+     .table_id = "thesis-2016",
+     .title = "Beside the thesis of 2016, 512³",
+     .in_summary = true,
+     .picks = {{"voxels per axis", NULL}},
+     .columns = {"whose", "fragment list", "full octree", "sparse octree", "voxelize", "first build", "second build"}},
     /* docs/accuracy.md */
-    {"e1",
-     "e1-voxelization",
-     "Voxels of the statue on the finest grid",
-     true,
-     {{"scene", "statue"}, {"grid edge", NULL}},
-     {"method", "aims at", "time", "missed", "surplus", "false negatives", "false positives"}},
-    {"e2-corners",
-     "e2-rays",
-     "Rays aimed at corners",
-     false,
-     {{"rays aimed", "at corners"}, {"triangles", NULL}},
-     {"method", "time", "missed", "wrong", "error", "error of t, mean", "error of t, largest"}},
-    {"e2-edges",
-     "e2-rays",
-     "Rays aimed at edges",
-     true,
-     {{"rays aimed", "at edges"}, {"triangles", NULL}},
-     {"method", "time", "missed", "wrong", "error", "error of t, mean", "error of t, largest"}},
-    {"e3-color",
-     "e3-attributes",
-     "Colors of voxels, in 1/255",
-     true,
-     {{"attribute", "color, 1/255"}, {"depth", NULL}},
-     {"method", "time", "error, mean", "error, 99 % below", "error, largest", "order, largest"}},
-    {"e3-normal",
-     "e3-attributes",
-     "Normals of voxels, in degrees",
-     false,
-     {{"attribute", "normal, degrees"}, {"depth", NULL}},
-     {"method", "time", "error, mean", "error, 99 % below", "error, largest", "order, largest"}},
-    {"e4",
-     "e4-detail",
-     "Levels of detail",
-     false,
-     {{NULL}},
-     {"scene", "depth", "voxels", "size", "time", "distance of centers", "area by fill, error", "area by faces, error",
-      "volume, error"}},
+    {.id = "e1",
+     .table_id = "e1-voxelization",
+     .title = "Voxels of the statue on the finest grid",
+     .in_summary = true,
+     .picks = {{"scene", "statue"}, {"grid edge", NULL}},
+     .columns = {"grid edge", "method", "aims at", "time", "missed", "surplus", "false negatives", "false positives"}},
+    {.id = "e2",
+     .table_id = "e2-rays",
+     .title = "Rays",
+     .picks = {{"triangles", NULL}},
+     .columns = {"rays aimed", "method", "time", "missed", "wrong", "error", "error of t, mean",
+                 "error of t, largest"}},
+    {.id = "e2-edges",
+     .table_id = "e2-rays",
+     .title = "Rays aimed at edges",
+     .in_summary = true,
+     .picks = {{"rays aimed", "at edges"}, {"triangles", NULL}},
+     .columns = {"method", "time", "missed", "wrong", "error", "error of t, mean", "error of t, largest"}},
+    {.id = "e3-color",
+     .table_id = "e3-attributes",
+     .title = "Colors of voxels, in 1/255",
+     .in_summary = true,
+     .picks = {{"attribute", "color, 1/255"}, {"depth", NULL}},
+     .columns = {"method", "time", "error, mean", "error, 99 % below", "error, largest", "order, largest"}},
+    {.id = "e3-normal",
+     .table_id = "e3-attributes",
+     .title = "Normals of voxels, in degrees",
+     .picks = {{"attribute", "normal, degrees"}, {"depth", NULL}},
+     .columns = {"method", "time", "error, mean", "error, 99 % below", "error, largest", "order, largest"}},
+    {.id = "e4",
+     .table_id = "e4-detail",
+     .title = "Levels of detail",
+     .columns = {"scene", "depth", "voxels", "size", "time", "distance of centers", "area by fill, error",
+                 "area by faces, error", "volume, error"}},
+    {.id = "e5-voxels-aspect",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the aspect ratio",
+     .picks = {{"of what", "voxelization"}, {"conditioning", "aspect ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-voxels-offset",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the offset from the origin",
+     .picks = {{"of what", "voxelization"}, {"conditioning", "offset from the origin"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-voxels-scale",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the scale ratio",
+     .picks = {{"of what", "voxelization"}, {"conditioning", "scale ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-aspect",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the aspect ratio",
+     .picks = {{"of what", "rays"}, {"conditioning", "aspect ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-offset",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the offset from the origin",
+     .picks = {{"of what", "rays"}, {"conditioning", "offset from the origin"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-scale",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the scale ratio",
+     .picks = {{"of what", "rays"}, {"conditioning", "scale ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
 };
 
 const summary_extract *summary_find(const char *id)
@@ -202,6 +229,9 @@ static bool is_there(const summary_extract *wanted, const result_table *table)
             return false;
         }
     }
+    if (wanted->across != NULL && result_find_column(table, wanted->across) == table->column_count) {
+        return false;
+    }
     for (size_t row = 0; row < result_row_count(table); ++row) {
         if (fits(table, row, wanted->picks, PICKS_MAX)) {
             return true;
@@ -211,6 +241,12 @@ static bool is_there(const summary_extract *wanted, const result_table *table)
 }
 
 /* ---- Markdown ---- */
+
+/* The unit that a column is shown in, and what its numbers are divided by. */
+static double unit_of(const result_table *table, size_t column, const char **unit)
+{
+    return table_html_unit(table, column, unit);
+}
 
 static void write_text(const char *cell, FILE *text)
 {
@@ -225,7 +261,7 @@ static void write_heads(const summary_extract *wanted, const result_table *table
     fputs("|", text);
     for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
         const char *unit = "";
-        table_html_unit(table, result_find_column(table, wanted->columns[i]), &unit);
+        unit_of(table, result_find_column(table, wanted->columns[i]), &unit);
         fprintf(text, " %s%s%s |", wanted->columns[i], unit[0] != '\0' ? ", " : "", unit);
     }
     fputs("\n|", text);
@@ -236,22 +272,100 @@ static void write_heads(const summary_extract *wanted, const result_table *table
     fputs("\n", text);
 }
 
-static void write_row(const summary_extract *wanted, const result_table *table, size_t row, FILE *text)
+static void write_cell(const result_table *table, size_t row, size_t column, FILE *text)
 {
-    fputs("|", text);
-    for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
-        const char *unit = "";
-        const size_t column = result_find_column(table, wanted->columns[i]);
-        const result_cell *cell = result_cell_at(table, row, column);
-        fputc(' ', text);
-        if (cell->kind == RESULT_NUMBER) {
-            fputs(text_format_number(cell->number / table_html_unit(table, column, &unit)).text, text);
-        } else if (cell->kind == RESULT_TEXT) {
-            write_text(cell->text, text);
+    const char *unit = "";
+    const result_cell *cell = result_cell_at(table, row, column);
+    fputc(' ', text);
+    if (cell->kind == RESULT_NUMBER) {
+        fputs(text_format_number(cell->number / unit_of(table, column, &unit)).text, text);
+    } else if (cell->kind == RESULT_TEXT) {
+        write_text(cell->text, text);
+    }
+    fputs(" |", text);
+}
+
+static void write_rows(const summary_extract *wanted, const result_table *table, FILE *text)
+{
+    write_heads(wanted, table, text);
+    for (size_t row = 0; row < result_row_count(table); ++row) {
+        if (!fits(table, row, wanted->picks, PICKS_MAX)) {
+            continue;
         }
-        fputs(" |", text);
+        fputs("|", text);
+        for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
+            write_cell(table, row, result_find_column(table, wanted->columns[i]), text);
+        }
+        fputs("\n", text);
+    }
+}
+
+/* ---- a column's numbers as columns ---- */
+
+typedef struct crossing {
+    const summary_extract *wanted;
+    const result_table *table;
+    size_t label, shown, across; /* columns */
+} crossing;
+
+/* Whether the row is one of the extract's and has that label. NULL: any. */
+static bool is_labeled(const crossing *of, size_t row, const char *label)
+{
+    return fits(of->table, row, of->wanted->picks, PICKS_MAX) &&
+           (label == NULL || has_text(result_cell_at(of->table, row, of->label), label));
+}
+
+/* Whether no row before this one has the same label. */
+static bool begins_label(const crossing *of, size_t row)
+{
+    const result_cell *label = result_cell_at(of->table, row, of->label);
+    if (label->kind != RESULT_TEXT || !is_labeled(of, row, label->text)) {
+        return false;
+    }
+    for (size_t before = 0; before < row; ++before) {
+        if (is_labeled(of, before, label->text)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The rows of one label, from the one that begins it: what is shown of each, or the heads above. */
+static void write_label(const crossing *of, size_t begin, size_t column, FILE *text)
+{
+    const char *label = result_cell_at(of->table, begin, of->label)->text;
+    for (size_t row = begin; row < result_row_count(of->table); ++row) {
+        if (is_labeled(of, row, label)) {
+            write_cell(of->table, row, column, text);
+        }
     }
     fputs("\n", text);
+}
+
+/* Every label has a row for each of the values, in the same order. */
+static void write_crossing(const crossing *of, FILE *text)
+{
+    bool has_heads = false;
+    for (size_t row = 0; row < result_row_count(of->table); ++row) {
+        if (!begins_label(of, row)) {
+            continue;
+        }
+        const char *label = result_cell_at(of->table, row, of->label)->text;
+        if (!has_heads) {
+            fprintf(text, "| %s |", of->wanted->columns[0]);
+            write_label(of, row, of->across, text);
+            fputs("| --- |", text);
+            for (size_t other = row; other < result_row_count(of->table); ++other) {
+                fputs(is_labeled(of, other, label) ? " ---: |" : "", text);
+            }
+            fputs("\n", text);
+            has_heads = true;
+        }
+        fputs("| ", text);
+        write_text(label, text);
+        fputs(" |", text);
+        write_label(of, row, of->shown, text);
+    }
 }
 
 bool summary_write_extract(const summary_extract *wanted, const result_set *results, FILE *text)
@@ -260,11 +374,15 @@ bool summary_write_extract(const summary_extract *wanted, const result_set *resu
     if (!is_there(wanted, table)) {
         return false;
     }
-    write_heads(wanted, table, text);
-    for (size_t row = 0; row < result_row_count(table); ++row) {
-        if (fits(table, row, wanted->picks, PICKS_MAX)) {
-            write_row(wanted, table, row, text);
-        }
+    if (wanted->across == NULL) {
+        write_rows(wanted, table, text);
+    } else {
+        const crossing of = {.wanted = wanted,
+                             .table = table,
+                             .label = result_find_column(table, wanted->columns[0]),
+                             .shown = result_find_column(table, wanted->columns[1]),
+                             .across = result_find_column(table, wanted->across)};
+        write_crossing(&of, text);
     }
     return true;
 }
