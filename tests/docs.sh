@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # The tables of README.md and docs/ are what the checked-in results say: written anew into copies, the documents stay the
-# same, byte for byte. Markers that are wrong are one line each, and then no document changes.
+# same, byte for byte. Markers that are wrong are one line each, and then no document changes. Links lead to files.
 #
 # usage: docs.sh PROGRAM SOURCE_DIR
 set -euo pipefail
@@ -35,6 +35,18 @@ expect_same()
         diff -r -x '*.json' -x '*.png' "$source/$path" "$work/copy/$path" || complain "$path: $1"
     done
 }
+
+# Every relative link of a document.
+expect_links()
+{
+    local document=$1 target
+    while read -r target; do
+        [[ -e ${document%/*}/$target ]] || complain "$document: $target does not exist"
+    done < <(grep -o '](\([^)#]*\)' "$document" | cut -c 3- | grep -v -e '^https\?:' -e '^$')
+}
+for document in "$source"/*.md "$source"/docs/*.md "$source"/samples/*/README.md; do
+    expect_links "$document"
+done
 
 copy_documents
 write_tables
