@@ -32,6 +32,7 @@ typedef struct result_machine {
     char renderer[RESULT_FACT_BYTES]; /* OpenGL's; "none" without OpenGL */
     char svocl[RESULT_FACT_BYTES]; /* version of svocl */
     char date[RESULT_FACT_BYTES]; /* "": left out */
+    char instruction_set[RESULT_FACT_BYTES]; /* the host's widest vectors, "AVX-512"; "": left out */
     unsigned cpu_threads;
 } result_machine;
 

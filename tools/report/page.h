@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The page of a report: one HTML file that needs nothing else, and the short version in Markdown. */
+/* The page of a report: one HTML file that needs nothing else. */
 #ifndef SVOCL_TOOLS_REPORT_PAGE_H
 #define SVOCL_TOOLS_REPORT_PAGE_H
 
@@ -17,8 +17,5 @@ typedef struct page_content {
 
 /* A step of the progress bar. Returns the exit code. */
 int page_write(program *state, const page_content *content, FILE *page);
-
-/* summary.c: the shortened tables, for a README. */
-void summary_write(const page_content *content, FILE *text);
 
 #endif

@@ -7,8 +7,10 @@
 #include <time.h>
 
 #include "bench/bench.h"
+#include "report/docs_tables.h"
 #include "report/page.h"
 #include "report/plot.h"
+#include "report/summary.h"
 #include "report/text.h"
 #include "support/json.h"
 #include "support/output.h"
@@ -129,7 +131,7 @@ static int write_summary(program *state, const page_content *content, const resu
 {
     (void)state;
     (void)shown;
-    summary_write(content, stream);
+    summary_write(content->results, stream);
     return PROGRAM_DONE;
 }
 
@@ -221,11 +223,11 @@ static int make_report(program *state, const result_set *results)
 int command_report(program *state)
 {
     const options *given = &state->options;
-    if (given->output_path == NULL) {
+    if (given->output_path == NULL && given->docs == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o DIR is missing");
     }
-    int exit_code = plot_check(state);
-    if (exit_code == PROGRAM_DONE) {
+    int exit_code = given->output_path != NULL ? plot_check(state) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
         exit_code = make_folder(state, given->output_path);
     }
     if (exit_code != PROGRAM_DONE) {
@@ -235,7 +237,12 @@ int command_report(program *state)
     if (results == NULL) {
         return PROGRAM_FAILED;
     }
-    exit_code = make_report(state, results);
+    if (given->output_path != NULL) {
+        exit_code = make_report(state, results);
+    }
+    if (exit_code == PROGRAM_DONE && given->docs != NULL) {
+        exit_code = docs_tables_write(state, results, given->docs);
+    }
     result_destroy(&results);
     return exit_code;
 }
