@@ -14,6 +14,8 @@
 #include <string.h>
 
 #include "measure/result.h"
+#include "measure/result_json.h"
+#include "measure/result_text.h"
 #include "measure/spread.h"
 
 /* Two tables: one with every kind of cell, one without rows. */

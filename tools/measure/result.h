@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Measurements as tables: what `svocl bench` produces and what a report is made of. A set holds the facts of the
- * machine and tables; a table has columns with units and rows of cells, each a text, a number, or nothing. As JSON:
- *
- *   {"machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
- *                "svocl": "0.1.0"},
- *    "tables": [{"id": "voxelize", "title": "...", "note": "...",
- *                "columns": [{"name": "scene", "unit": ""}, {"name": "median", "unit": "ms"}],
- *                "rows": [["knot", 1.25], ["cube", null]]}]}
+ * machine and tables; a table has columns with units and rows of cells, each a text, a number, or nothing.
  *
  * Running out of memory is kept in the set and shows once, in result_to_json and result_is_whole; functions that add
  * allow NULL and then do nothing, so that callers check in one place.
@@ -15,12 +9,9 @@
 #ifndef SVOCL_TOOLS_MEASURE_RESULT_H
 #define SVOCL_TOOLS_MEASURE_RESULT_H
 
-#include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
-
-#include "svocl/status.h"
 
 #define RESULT_FACT_BYTES 256
 
@@ -101,20 +92,5 @@ const result_cell *result_cell_at(const result_table *table, size_t row, size_t 
 
 /* Moves the tables of one set to the end of another; one of an id that is there already takes that one's place. */
 void result_take(result_set *into, result_set *from);
-
-/* ---- result_json.c ---- */
-
-/* NULL when the set is not whole or memory runs out. */
-cJSON *result_to_json(const result_set *set);
-/* NULL with one line that names what is wrong with the text. */
-result_set *result_parse(const char *text, svo_message *message);
-
-/* ---- result_text.c ---- */
-
-/* The facts of the machine, and a table, for people, to standard output. */
-void result_print_machine(const result_set *set);
-void result_print(const result_table *results);
-/* RFC 4180: a heading with units, commas, texts quoted where they must be; an absent cell is empty. */
-void result_write_csv(const result_table *results, FILE *file);
 
 #endif

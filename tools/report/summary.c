@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* A few rows and columns of the tables that matter most, as Markdown. */
+#include "report/summary.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "report/page.h"
-#include "report/table_html.h"
 #include "report/text.h"
 
 #define PICKS_MAX   2
@@ -75,7 +75,7 @@ static void write_heads(const extract *wanted, const result_table *table, FILE *
         const char *unit = "";
         const size_t column = result_find_column(table, wanted->columns[i]);
         if (column < table->column_count) {
-            table_html_unit(table, column, &unit);
+            text_choose_unit(table, column, &unit);
         }
         fprintf(text, " %s%s%s |", wanted->columns[i], unit[0] != '\0' ? ", " : "", unit);
     }
@@ -95,7 +95,7 @@ static void write_row(const extract *wanted, const result_table *table, size_t r
         const size_t column = result_find_column(table, wanted->columns[i]);
         const result_cell *cell = result_cell_at(table, row, column);
         if (cell != NULL && cell->kind == RESULT_NUMBER) {
-            fprintf(text, " %s |", text_format_number(cell->number / table_html_unit(table, column, &unit)).text);
+            fprintf(text, " %s |", text_format_number(cell->number / text_choose_unit(table, column, &unit)).text);
         } else {
             fprintf(text, " %s |", cell != NULL && cell->kind == RESULT_TEXT ? cell->text : "");
         }
@@ -103,13 +103,13 @@ static void write_row(const extract *wanted, const result_table *table, size_t r
     fputs("\n", text);
 }
 
-void summary_write(const page_content *content, FILE *text)
+void summary_write(const result_set *results, FILE *text)
 {
-    const result_machine *machine = &content->results->machine;
+    const result_machine *machine = &results->machine;
     fprintf(text, "On %s, driver %s, OpenGL by %s, %u threads, svocl %s.\n", machine->device, machine->driver,
             machine->renderer, machine->cpu_threads, machine->svocl);
     for (size_t i = 0; i < sizeof extracts / sizeof extracts[0]; ++i) {
-        const result_table *table = result_find(content->results, extracts[i].table_id);
+        const result_table *table = result_find(results, extracts[i].table_id);
         if (table == NULL) {
             continue;
         }

@@ -4,6 +4,8 @@
 
 #include "bench/bench.h"
 #include "errors/bench_errors.h"
+#include "measure/result_json.h"
+#include "measure/result_text.h"
 #include "support/json.h"
 #include "support/output.h"
 #include "support/table.h"
