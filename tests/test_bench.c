@@ -80,19 +80,19 @@ static void every_subject_adds_its_tables(void **state)
     (void)state;
     need_builds();
     run_well("$SVOCL bench all --quick --repeat 1 --scenes cornell:200 --depths 3 --ray-count 100 -o all.json");
-    assert_non_null(strstr(last.output, "older-b"));
+    assert_non_null(strstr(last.output, "thesis-2016"));
     cJSON *document = run_json("cat all.json");
     static const struct {
         const char *id, *spread;
     } tables[] = {{"voxelize", "voxelize"},    {"builders", "list to tree"}, {"share", "both"},
                   {"filter", "list to tree"},  {"startup", "warm"},          {"rays", "svocl time"},
-                  {"e6-leaving-out", "build"}, {"scene-sizes", "build"},     {"older-a", "structure"}};
+                  {"e6-leaving-out", "build"}, {"scene-sizes", "build"},     {"thesis-2020", "structure"}};
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
         const cJSON *table = table_of(document, tables[i].id);
         assert_true(row_count_of(table) > 0);
         expect_spread(table, tables[i].spread);
     }
-    expect_positive(table_of(document, "older-b"), "sparse octree");
+    expect_positive(table_of(document, "thesis-2016"), "sparse octree");
     expect_positive(table_of(document, "memory"), "tree per leaf");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
     expect_spread(table_of(document, "peer-embree"), "svocl");
@@ -108,7 +108,7 @@ static void older_systems_are_named(void **state)
     (void)state;
     need_builds();
     cJSON *document = run_json("$SVOCL bench older-a --quick --repeat 1 --json");
-    const cJSON *table = table_of(document, "older-a");
+    const cJSON *table = table_of(document, "thesis-2020");
     assert_int_equal(row_count_of(table), 12);
     assert_non_null(strstr(text_of(table, "note"), "GTX 960"));
     const int depth = column_of(table, "depth");

@@ -3,6 +3,8 @@
  * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute
  * shaders; and what it costs to bring a list from OpenGL to OpenCL, by every share path.
  */
+#include "bench/builders.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -35,10 +37,10 @@ static const char builders_note[] =
     "link, pack and filter; total: with grid, voxelize and transfer, without compiling; first: total of the first "
     "run, with what was left to compile; ratio: list to tree, to cl, turn by turn";
 
-static void begin_builders(bench_suite *all)
+static void begin_builders(suite *all)
 {
     result_table *table =
-        bench_add_table(all, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", builders_note);
+        suite_add_table(all, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", builders_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -58,10 +60,10 @@ static const char share_note[] =
     "interleaved; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
     " to that, turn by turn";
 
-static void begin_share(bench_suite *all)
+static void begin_share(suite *all)
 {
     result_table *table =
-        bench_add_table(all, share_id, "What it costs to bring a list from OpenGL to OpenCL", share_note);
+        suite_add_table(all, share_id, "What it costs to bring a list from OpenGL to OpenCL", share_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "list", "B");
@@ -73,7 +75,7 @@ static void begin_share(bench_suite *all)
     spread_add_columns(table, "ratio", "");
 }
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
     begin_builders(all);
     begin_share(all);
@@ -83,7 +85,7 @@ static int begin(bench_suite *all)
 static void add_builder(result_table *table, const input *source, unsigned depth, const series_method *method,
                         const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->report.fragments);
@@ -98,7 +100,7 @@ static void add_builder(result_table *table, const input *source, unsigned depth
     spread_add(table, series_ratio(method, first, SERIES_TREE));
 }
 
-static int run_builders(bench_suite *all, const input *source, unsigned depth)
+static int run_builders(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 3 };
     const svo_plan_options plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS,
@@ -115,7 +117,7 @@ static int run_builders(bench_suite *all, const input *source, unsigned depth)
 static void add_share(result_table *table, const input *source, unsigned depth, const series_method *method,
                       const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->list_bytes);
     result_add_text(table, "%s", method->report.frontend);
@@ -126,7 +128,7 @@ static void add_share(result_table *table, const input *source, unsigned depth, 
     spread_add(table, series_ratio(method, first, share_stages[SHARE_STAGES - 1].clocks));
 }
 
-static int run_share(bench_suite *all, const input *source, unsigned depth)
+static int run_share(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 4 };
     const svo_plan_options plan = {.need = SVO_NEED_NONE};
@@ -142,14 +144,15 @@ static int run_share(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, share_id, source, depth, methods, METHODS, add_share);
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     const int exit_code = run_builders(all, source, depth);
     return exit_code == PROGRAM_DONE ? run_share(all, source, depth) : exit_code;
 }
 
-const bench_subject bench_builders = {
+const suite_subject bench_builders = {
     .name = "build",
+    .group = "all",
     .summary = "OpenGL's compute shaders beside OpenCL, stage by stage, and the share paths",
     .full = {.scenes = {"statue", "atrium"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000"}, .depths = {6, 7, 8}},

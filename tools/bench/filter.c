@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What payload costs: by the weights of its means, and each kind of it alone. */
+#include "bench/filter.h"
+
 #include <string.h>
 
 #include "bench/series.h"
@@ -30,9 +32,9 @@ static const char note[] =
     "the first run, with what was left to compile; ratio: of filter, to colors and normals weighed by area, turn by"
     " turn";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table = bench_add_table(all, table_id, "Payload: by weights, and each kind alone", note);
+    result_table *table = suite_add_table(all, table_id, "Payload: by weights, and each kind alone", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "nodes", "");
@@ -49,7 +51,7 @@ static int begin(bench_suite *all)
 static void add_row(result_table *table, const input *source, unsigned depth, const series_method *method,
                     const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.node_count);
     result_add_text(table, "%s", method->name);
@@ -61,7 +63,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ratio(method, first, SERIES_BIT(SVO_STAGE_FILTER)));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     series_method methods[FORM_COUNT];
     memset(methods, 0, sizeof methods);
@@ -73,8 +75,9 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
-const bench_subject bench_filter = {
+const suite_subject bench_filter = {
     .name = "filter",
+    .group = "all",
     .summary = "payload by weights, and each kind of it alone",
     .full = {.scenes = {"atrium", "statue"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the plan saves by leaving out what nobody reads: the same scene with each need, weight and builder in turn. */
+#include "bench/leaving_out.h"
+
 #include <string.h>
 
 #include "bench/series.h"
@@ -43,9 +45,9 @@ static const char note[] =
     " the first run, with what was left to compile; peak: the largest sum of OpenCL buffers at one time; tree: what "
     "remains of them; ratio: of build, to all, turn by turn";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table = bench_add_table(all, table_id, "Leaving out: time and bytes of what is asked for", note);
+    result_table *table = suite_add_table(all, table_id, "Leaving out: time and bytes of what is asked for", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "leaves", "");
@@ -65,7 +67,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
                     const series_method *first)
 {
     const size_t form = (size_t)(method - first);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.leaf_count);
     result_add_text(table, "%s", method->name);
@@ -79,7 +81,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ratio(method, first, SERIES_BUILD));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     series_method methods[FORM_COUNT];
     memset(methods, 0, sizeof methods);
@@ -91,8 +93,9 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
-const bench_subject bench_leaving_out = {
+const suite_subject bench_leaving_out = {
     .name = "leaving-out",
+    .group = "all",
     .summary = "time and bytes of each need, weight and builder",
     .full = {.scenes = {"atrium"}, .depths = {9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},

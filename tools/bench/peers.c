@@ -3,6 +3,8 @@
  * Others that make something of the same triangles, where their Debian packages are present: Embree its hierarchy for
  * rays, OpenVDB a sparse volume of the same resolution. Each interleaved with ours.
  */
+#include "bench/peers.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -80,7 +82,7 @@ static double run_openvdb(const peer_mesh *made, peer_runs *runs)
 }
 
 /* Ours and theirs interleaved; one turn of ours is a series of one build. */
-static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
+static int run_turns(suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
                      bool with_embree)
 {
     runs->times = calloc(all->repeats + 1, sizeof *runs->times);
@@ -88,19 +90,17 @@ static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, se
     int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, method, 1)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory");
-    for (size_t interleaved_method = 0; interleaved_method <= all->repeats && exit_code == PROGRAM_DONE;
-         ++interleaved_method) {
-        exit_code = series_turn(all, made->mesh, depth, method, interleaved_method);
+    for (size_t round = 0; round <= all->repeats && exit_code == PROGRAM_DONE; ++round) {
+        exit_code = series_turn(all, made->mesh, depth, method, round);
         const double ms = with_embree ? run_embree(made) : run_openvdb(made, runs);
         if (ms < 0.0 && exit_code == PROGRAM_DONE) {
             return program_fail(all->state, PROGRAM_FAILED, "%s cannot take the triangles",
                                 with_embree ? "Embree" : "OpenVDB");
         }
-        if (interleaved_method == 0) {
+        if (round == 0) {
             runs->first_ms = ms;
         } else if (exit_code == PROGRAM_DONE && method->reason[0] == '\0') {
-            runs->ratios[runs->count] =
-                series_turn_ms(method, interleaved_method, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
+            runs->ratios[runs->count] = series_turn_ms(method, round, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
             runs->times[runs->count++] = ms;
         }
     }
@@ -115,9 +115,9 @@ static const char embree_note[] =
     "rays walk through, which one thread of the host makes; boxes: those alone; Embree: geometry and scene committed, "
     "on all cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
 
-static int begin_embree(bench_suite *all)
+static int begin_embree(suite *all)
 {
-    result_table *table = bench_add_table(
+    result_table *table = suite_add_table(
         all, embree_id, "Structures for rays: the octree and its boxes beside Embree's hierarchy", embree_note);
     if (!embree_is_there()) {
         result_set_note(table, "%s; empty: this program was built without libembree-dev", table->note);
@@ -139,9 +139,9 @@ static const char openvdb_note[] =
     "distances in a band of one voxel to each side, on all cores: it computes distances, and its active voxels are "
     "those near a surface, touched by it or not; ratio: our time to OpenVDB's, turn by turn";
 
-static int begin_openvdb(bench_suite *all)
+static int begin_openvdb(suite *all)
 {
-    result_table *table = bench_add_table(
+    result_table *table = suite_add_table(
         all, openvdb_id, "Occupancy: the octree beside OpenVDB's volume of the same resolution", openvdb_note);
     if (openvdb_is_there()) {
         result_set_note(table, "%s; OpenVDB %s", table->note, openvdb_version());
@@ -168,7 +168,7 @@ static void add_runs(result_table *table, peer_runs *runs)
 }
 
 /* The depth that svo_plan_ray_depth finds. */
-static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *depth)
+static int find_ray_depth(suite *all, const svo_mesh *mesh, unsigned *depth)
 {
     svo_plan *plan = NULL;
     if (svo_plan_create(all->opened.device, mesh, OPTION_DEFAULT_DEPTH, NULL, &plan) != SVO_OK) {
@@ -179,11 +179,10 @@ static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *dept
     return PROGRAM_DONE;
 }
 
-static void add_embree(bench_suite *all, const input *source, unsigned depth, const series_method *method,
-                       peer_runs *runs)
+static void add_embree(suite *all, const input *source, unsigned depth, const series_method *method, peer_runs *runs)
 {
     result_table *table = result_find(all->results, embree_id);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->tree_bytes);
@@ -193,11 +192,10 @@ static void add_embree(bench_suite *all, const input *source, unsigned depth, co
     add_runs(table, runs);
 }
 
-static void add_openvdb(bench_suite *all, const input *source, unsigned depth, const series_method *method,
-                        peer_runs *runs)
+static void add_openvdb(suite *all, const input *source, unsigned depth, const series_method *method, peer_runs *runs)
 {
     result_table *table = result_find(all->results, openvdb_id);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.leaf_count);
@@ -208,7 +206,7 @@ static void add_openvdb(bench_suite *all, const input *source, unsigned depth, c
     add_runs(table, runs);
 }
 
-static int compare(bench_suite *all, const input *source, unsigned depth, bool with_embree)
+static int compare(suite *all, const input *source, unsigned depth, bool with_embree)
 {
     series_method method = {
         .name = "svocl", .plan = {.need = with_embree ? SVO_NEED_RAYS : SVO_NEED_NONE}, .for_rays = with_embree};
@@ -232,31 +230,33 @@ static int compare(bench_suite *all, const input *source, unsigned depth, bool w
     return exit_code;
 }
 
-static int run_beside_embree(bench_suite *all, const input *source, unsigned depth)
+static int run_beside_embree(suite *all, const input *source, unsigned depth)
 {
     if (!embree_is_there()) {
         return PROGRAM_DONE;
     }
-    const int exit_code = depth == BENCH_DEPTH_FOR_RAYS ? find_ray_depth(all, source->mesh, &depth) : PROGRAM_DONE;
+    const int exit_code = depth == SUITE_DEPTH_FOR_RAYS ? find_ray_depth(all, source->mesh, &depth) : PROGRAM_DONE;
     return exit_code == PROGRAM_DONE ? compare(all, source, depth, true) : exit_code;
 }
 
-static int run_beside_openvdb(bench_suite *all, const input *source, unsigned depth)
+static int run_beside_openvdb(suite *all, const input *source, unsigned depth)
 {
     return openvdb_is_there() ? compare(all, source, depth, false) : PROGRAM_DONE;
 }
 
-const bench_subject bench_peer_embree = {
+const suite_subject bench_peer_embree = {
     .name = "peer-embree",
+    .group = "all",
     .summary = "Embree's hierarchy over the same triangles, where it is installed",
-    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
-    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin_embree,
     .run = run_beside_embree,
 };
 
-const bench_subject bench_peer_openvdb = {
+const suite_subject bench_peer_openvdb = {
     .name = "peer-openvdb",
+    .group = "all",
     .summary = "OpenVDB's volume of the same triangles, where it is installed",
     .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},

@@ -6,11 +6,12 @@
  * The mesh is snapped to integers first and built from those, so that grid units are world units, and both sides get
  * the same bits for every vertex and every ray.
  */
+#include "bench/rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bench/bench.h"
 #include "measure/embree.h"
 #include "measure/quantization.h"
 #include "measure/ray_judge.h"
@@ -149,16 +150,16 @@ static int measure_set(ray_bench *bench, ray_set *set)
     double *times = calloc(3 * bench->repeats, sizeof *times);
     bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
                                                         NULL, NULL) == CL_SUCCESS;
-    for (size_t interleaved_method = 0; interleaved_method <= bench->repeats && worked; ++interleaved_method) {
+    for (size_t round = 0; round <= bench->repeats && worked; ++round) {
         const double ours = trace_ours(bench);
         const double theirs = bench->rival != NULL ? embree_trace(bench->rival, set->rays, bench->theirs,
                                                                   bench->ray_count, bench->threads)
                                                    : 0.0;
         worked = ours >= 0 && theirs >= 0;
-        if (interleaved_method > 0) {
-            times[interleaved_method - 1] = ours;
-            times[bench->repeats + interleaved_method - 1] = theirs;
-            times[2 * bench->repeats + interleaved_method - 1] = theirs / ours;
+        if (round > 0) {
+            times[round - 1] = ours;
+            times[bench->repeats + round - 1] = theirs;
+            times[2 * bench->repeats + round - 1] = theirs / ours;
         }
     }
     worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
@@ -359,9 +360,9 @@ static const char note[] =
     "wall clock, on the snapped mesh; Embree: rtcIntersect1 interleaved with ours, on as many threads; ratio: our rays "
     "per second to Embree's, turn by turn; wrong: another triangle than the reference's, or none";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *results = bench_add_table(all, table_id, "Rays against triangles, closest hit", note);
+    result_table *results = suite_add_table(all, table_id, "Rays against triangles, closest hit", note);
     if (!embree_is_there()) {
         result_set_note(results, "%s; without Embree: this program was built without libembree-dev", note);
     }
@@ -384,7 +385,7 @@ static int begin(bench_suite *all)
 static void add_row(result_table *results, const ray_bench *bench, const ray_set *set)
 {
     const bool rivalled = bench->rival != NULL;
-    result_add_text(results, "%s", bench_scene_name(&bench->work.source));
+    result_add_text(results, "%s", suite_scene_name(&bench->work.source));
     result_add_number(results, (double)bench->work.result.info.list_triangle_count);
     result_add_number(results, bench->work.result.info.depth);
     result_add_text(results, "%s", set->name);
@@ -401,14 +402,14 @@ static void add_row(result_table *results, const ray_bench *bench, const ray_set
 }
 
 /* With a device handle of its own, and the input read again, since the mesh is snapped. */
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     options *given = &all->state->options;
     const options before = *given;
     given->input = source->name;
     given->frontend = options_ask_for_gl(given) ? given->frontend : OPTION_FRONTEND_CL;
     given->repeat = 1; /* builds */
-    given->depth_for_rays = depth == BENCH_DEPTH_FOR_RAYS;
+    given->depth_for_rays = depth == SUITE_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
     given->versus = embree_is_there();
     ray_bench bench = {.state = all->state,
@@ -426,11 +427,12 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return exit_code;
 }
 
-const bench_subject bench_rays = {
+const suite_subject bench_rays = {
     .name = "rays",
+    .group = "all",
     .summary = "rays against triangles, beside Embree",
-    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
-    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin,
     .run = run,
 };

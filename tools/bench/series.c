@@ -15,12 +15,12 @@ static void explain(series_method *method, const char *reason)
     snprintf(method->reason, sizeof method->reason, "%.250s", reason);
 }
 
-void series_use_cl(bench_suite *all, series_method *method)
+void series_use_cl(suite *all, series_method *method)
 {
     method->frontend = all->opened.cl;
 }
 
-void series_use_gl(bench_suite *all, int frontend, int share, series_method *method)
+void series_use_gl(suite *all, int frontend, int share, series_method *method)
 {
     if (all->opened.gl == NULL) {
         explain(method, all->opened.reason.text);
@@ -33,7 +33,7 @@ void series_use_gl(bench_suite *all, int frontend, int share, series_method *met
     }
 }
 
-void series_use_gl_compute(bench_suite *all, series_method *method)
+void series_use_gl_compute(suite *all, series_method *method)
 {
     method->in_gl = true;
     if (all->opened.gl == NULL) {
@@ -78,7 +78,7 @@ static void keep_times(const svo_build_report *report, double wall_ms, double *t
     times[SERIES_WALL] = wall_ms;
 }
 
-static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, double *times)
+static svo_status build(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, double *times)
 {
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
@@ -113,22 +113,21 @@ static bool is_limit(svo_status status)
     return status == SVO_UNSUPPORTED || status == SVO_NO_GL || status == SVO_OUT_OF_DEVICE_MEMORY;
 }
 
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
-                size_t interleaved_method)
+int series_turn(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round)
 {
     if (method->reason[0] != '\0') {
         return PROGRAM_DONE;
     }
-    const svo_status status = build(all, mesh, depth, method, method->times + interleaved_method * SERIES_CLOCKS);
+    const svo_status status = build(all, mesh, depth, method, method->times + round * SERIES_CLOCKS);
     if (is_limit(status)) {
         explain(method, program_words(svo_device_message(all->opened.device)));
         return PROGRAM_DONE;
     }
-    method->turns = interleaved_method;
+    method->turns = round;
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(all->state, svo_device_message(all->opened.device));
 }
 
-bool series_begin(const bench_suite *all, series_method *methods, size_t method_count)
+bool series_begin(const suite *all, series_method *methods, size_t method_count)
 {
     bool there = true;
     for (size_t i = 0; i < method_count; ++i) {
@@ -148,11 +147,11 @@ void series_release(series_method *methods, size_t method_count)
 
 /* ---- figures ---- */
 
-double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks)
+double series_turn_ms(const series_method *method, size_t round, unsigned clocks)
 {
     double sum = 0.0;
     for (unsigned clock = 0; clock < SERIES_CLOCKS; ++clock) {
-        sum += (clocks & SERIES_BIT(clock)) != 0 ? method->times[interleaved_method * SERIES_CLOCKS + clock] : 0.0;
+        sum += (clocks & SERIES_BIT(clock)) != 0 ? method->times[round * SERIES_CLOCKS + clock] : 0.0;
     }
     return sum;
 }
@@ -167,9 +166,9 @@ static spread spread_over_turns(const series_method *method, const series_method
     if (values == NULL) {
         return spread_none();
     }
-    for (size_t interleaved_method = 1; interleaved_method <= method->turns; ++interleaved_method) {
-        values[interleaved_method - 1] = series_turn_ms(method, interleaved_method, clocks) /
-                                         (other != NULL ? series_turn_ms(other, interleaved_method, clocks) : 1.0);
+    for (size_t round = 1; round <= method->turns; ++round) {
+        values[round - 1] =
+            series_turn_ms(method, round, clocks) / (other != NULL ? series_turn_ms(other, round, clocks) : 1.0);
     }
     const spread result = spread_of(values, method->turns);
     free(values);
@@ -199,7 +198,7 @@ const char *series_clock(const series_method *method, svo_stage stage)
 
 /* ---- the series ---- */
 
-static int check(bench_suite *all, const input *source, const series_method *methods, size_t method_count)
+static int check(suite *all, const input *source, const series_method *methods, size_t method_count)
 {
     const series_method *first = NULL;
     for (size_t i = 0; i < method_count; ++i) {
@@ -230,22 +229,21 @@ static void add_reasons(result_table *table, const series_method *methods, size_
     }
 }
 
-static int take_turns(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods,
-                      size_t method_count)
+static int take_turns(suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods, size_t method_count)
 {
     if (!series_begin(all, methods, method_count)) {
         return program_fail(all->state, PROGRAM_FAILED, "out of memory");
     }
     int exit_code = PROGRAM_DONE;
-    for (size_t interleaved_method = 0; interleaved_method <= all->repeats; ++interleaved_method) {
+    for (size_t round = 0; round <= all->repeats; ++round) {
         for (size_t i = 0; i < method_count && exit_code == PROGRAM_DONE; ++i) {
-            exit_code = series_turn(all, mesh, depth, &methods[i], interleaved_method);
+            exit_code = series_turn(all, mesh, depth, &methods[i], round);
         }
     }
     return exit_code;
 }
 
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+int series_run(suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
                size_t method_count, series_row add_row)
 {
     result_table *table = result_find(all->results, table_id);

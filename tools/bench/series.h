@@ -6,8 +6,8 @@
 #ifndef SVOCL_TOOLS_BENCH_SERIES_H
 #define SVOCL_TOOLS_BENCH_SERIES_H
 
-#include "bench/bench.h"
 #include "measure/spread.h"
+#include "measure/suite.h"
 
 /* One way from the mesh to the tree, and what came of it. */
 typedef struct series_method {
@@ -50,20 +50,19 @@ typedef void (*series_row)(result_table *table, const input *source, unsigned de
  * different numbers of fragments or nodes: one that makes something else is no faster way to the same tree.
  * Returns the exit code, its line printed. Nothing of the ways stays allocated.
  */
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+int series_run(suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
                size_t method_count, series_row add_row);
 
 /* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a
    way; the end of it. */
-bool series_begin(const bench_suite *all, series_method *methods, size_t method_count);
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
-                size_t interleaved_method);
+bool series_begin(const suite *all, series_method *methods, size_t method_count);
+int series_turn(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round);
 void series_release(series_method *methods, size_t method_count);
 
 /* Milliseconds of the clocks in a set of SERIES_BITs, added up turn by turn. */
 spread series_ms(const series_method *method, unsigned clocks);
 /* In one turn of those that worked. */
-double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks);
+double series_turn_ms(const series_method *method, size_t round, unsigned clocks);
 /* In the first turn. NAN where the way does not work. */
 double series_first_ms(const series_method *method, unsigned clocks);
 /* How many times as long as another way, turn by turn. */
@@ -72,12 +71,9 @@ spread series_ratio(const series_method *method, const series_method *other, uns
 const char *series_clock(const series_method *method, svo_stage stage);
 
 /* The front ends of the session: NULL with the reason in the way. */
-void series_use_cl(bench_suite *all, series_method *method);
-void series_use_gl(bench_suite *all, int frontend, int share, series_method *method);
+void series_use_cl(suite *all, series_method *method);
+void series_use_gl(suite *all, int frontend, int share, series_method *method);
 /* The builder of OpenGL's compute shaders in place of OpenCL. */
-void series_use_gl_compute(bench_suite *all, series_method *method);
-
-/* What 4 bytes for every node of a full octree are. */
-double bench_full_octree_bytes(unsigned depth);
+void series_use_gl_compute(suite *all, series_method *method);
 
 #endif

@@ -3,6 +3,8 @@
  * From nothing to the first tree: this program started anew for each run, with the drivers' caches of compiled kernels
  * and shaders empty, then with what that run left in them.
  */
+#include "bench/startup.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -40,7 +42,7 @@ static const char note[] =
     "drivers' caches of kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and"
     " shaders, as the build reports it";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
     result_table *table =
         result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", note);
@@ -57,7 +59,7 @@ static int begin(bench_suite *all)
 }
 
 /* The command line of one build: the device and the context are the bench's. */
-static void make_arguments(const bench_suite *all, const input *source, const char *depth, size_t form,
+static void make_arguments(const suite *all, const input *source, const char *depth, size_t form,
                            const char *arguments[COMMAND_ARGUMENT_MAX])
 {
     static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
@@ -98,7 +100,7 @@ static double start_once(const char *const arguments[], const child_cache *cache
     return told ? ms : -1.0;
 }
 
-static void take_turn(const bench_suite *all, const char *const arguments[], start_times *times)
+static void take_turn(const suite *all, const char *const arguments[], start_times *times)
 {
     child_cache cache = {""};
     const size_t warm = all->quick ? QUICK_WARM_PER_TURN : WARM_PER_TURN;
@@ -123,7 +125,7 @@ static void take_turn(const bench_suite *all, const char *const arguments[], sta
 
 static void add_row(result_table *table, const input *source, unsigned depth, const char *method, start_times *times)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_text(table, "%s", method);
     result_add_number(table, (double)times->cold_count);
@@ -134,7 +136,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, spread_of(times->warm_compile, times->warm_count));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     start_times times[FORM_COUNT];
     memset(times, 0, sizeof times);
@@ -142,7 +144,7 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     const size_t turns = asked < COLD_TURNS_MAX ? asked : COLD_TURNS_MAX;
     char depth_text[16];
     snprintf(depth_text, sizeof depth_text, "%u", depth);
-    for (size_t interleaved_method = 0; interleaved_method < turns; ++interleaved_method) {
+    for (size_t round = 0; round < turns; ++round) {
         for (size_t form = 0; form < FORM_COUNT; ++form) {
             const char *arguments[COMMAND_ARGUMENT_MAX];
             make_arguments(all, source, depth_text, form, arguments);
@@ -165,8 +167,9 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return PROGRAM_DONE;
 }
 
-const bench_subject bench_startup = {
+const suite_subject bench_startup = {
     .name = "startup",
+    .group = "all",
     .summary = "from the start of a process to its first tree, with compiler caches empty and full",
     .full = {.scenes = {"knot:8000"}, .depths = {8}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},

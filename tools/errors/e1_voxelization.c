@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* E1: voxels that are missed and voxels too many, for every way to voxelize, at 64^3 to 1024^3. */
+#include "errors/e1_voxelization.h"
+
 #include <stdio.h>
 
 #include "errors/voxel_methods.h"
@@ -68,10 +70,24 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
 }
 
 /* Curved surfaces, and flat ones of which many lie in the faces of voxels. */
-int errors_voxelization(error_run *run)
+static int measure(error_run *run)
 {
     result_table *table = begin_table(run);
     const int exit_code = measure_scene(run, table, "statue", run->quick ? "statue:60000" : "statue:120000", 10);
     return exit_code == PROGRAM_DONE ? measure_scene(run, table, "atrium", "atrium:17000", run->quick ? 9 : 10)
                                      : exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_voxelization = {
+    .name = "e1",
+    .group = "errors",
+    .summary = "error and run time of voxelization: false negatives and positives of each method",
+    .run_all = run_all,
+    .step_count = 10,
+};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* E2: rays that miss, rays that name the wrong triangle, and how far t is off, on rays aimed at where tests go
    wrong. */
+#include "errors/e2_rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -91,7 +93,7 @@ static int measure_scene(error_run *run, result_table *table, const char *spec, 
     return exit_code;
 }
 
-int errors_rays(error_run *run)
+static int measure(error_run *run)
 {
     static const char *const quick[] = {"statue:4000", "statue:40000", NULL};
     static const char *const full[] = {"statue:2000", "statue:15000", "statue:120000", NULL};
@@ -106,3 +108,17 @@ int errors_rays(error_run *run)
     free(rays);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_rays = {
+    .name = "e2",
+    .group = "errors",
+    .summary = "error and run time of ray tracing: missed and wrong rays of each ray-triangle test",
+    .run_all = run_all,
+    .step_count = 12,
+};

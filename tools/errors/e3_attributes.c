@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* E3: how far the colors and normals of voxels are from the means they stand for, and how much the order matters. */
+#include "errors/e3_attributes.h"
+
 #include "errors/attribute_methods.h"
 
 static result_table *begin_table(error_run *run)
@@ -43,7 +45,7 @@ static void add_row(result_table *table, attribute kind, unsigned depth, double 
     result_add_number(table, one->order_largest);
 }
 
-int errors_attributes(error_run *run)
+static int measure(error_run *run)
 {
     const unsigned last_depth = run->quick ? 7 : 9;
     result_table *table = begin_table(run);
@@ -65,3 +67,17 @@ int errors_attributes(error_run *run)
     scene_destroy(&made);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_attributes = {
+    .name = "e3",
+    .group = "errors",
+    .summary = "error and run time of attributes: colors and normals of voxels, and their dependence on order",
+    .run_all = run_all,
+    .step_count = 2,
+};

@@ -3,6 +3,8 @@
  * E4: what a level of detail loses: how far its voxels are from the surface, and what its area and its enclosed volume
  * are off, against the time and the bytes that it takes.
  */
+#include "errors/e4_detail.h"
+
 #include <math.h>
 
 #include "errors/detail_measures.h"
@@ -111,7 +113,7 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
     return exit_code;
 }
 
-int errors_detail(error_run *run)
+static int measure(error_run *run)
 {
     const unsigned last_depth = run->quick ? 8 : 9;
     result_table *table = begin_table(run);
@@ -120,3 +122,17 @@ int errors_detail(error_run *run)
                ? measure_scene(run, table, "statue", run->quick ? "statue:20000" : "statue:120000", last_depth)
                : exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_detail = {
+    .name = "e4",
+    .group = "errors",
+    .summary = "error and run time of levels of detail",
+    .run_all = run_all,
+    .step_count = 2,
+};

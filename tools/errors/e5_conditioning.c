@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* E5: the ways of E1 and E2 on meshes that get stiffer by one number at a time, to see where each of them breaks. */
+#include "errors/e5_conditioning.h"
+
 #include <stdlib.h>
 
 #include "errors/adversarial_rays.h"
@@ -93,7 +95,7 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
     return exit_code;
 }
 
-int errors_conditioning(error_run *run)
+static int measure(error_run *run)
 {
     const size_t triangle_count = run->quick ? 200 : 400;
     const size_t ray_count = run->quick ? 5000 : 20000;
@@ -115,3 +117,17 @@ int errors_conditioning(error_run *run)
     scene_destroy(&knot);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_conditioning = {
+    .name = "e5",
+    .group = "errors",
+    .summary = "where each method fails as meshes become ill-conditioned",
+    .run_all = run_all,
+    .step_count = 6,
+};

@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "bench/bench.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "report/page.h"
@@ -16,6 +15,7 @@
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
+#include "svocl/subjects.h"
 
 #define PATH_BYTES     4096
 #define FILE_BYTES_MAX ((size_t)64 << 20)
@@ -87,8 +87,8 @@ static result_set *measure(program *state)
     result_set *results = result_create();
     if (results == NULL) {
         program_fail(state, PROGRAM_FAILED, "out of memory");
-    } else if (bench_collect(state, "errors", results) != PROGRAM_DONE ||
-               bench_collect(state, "all", results) != PROGRAM_DONE) {
+    } else if (suite_collect(state, subjects, "errors", results) != PROGRAM_DONE ||
+               suite_collect(state, subjects, "all", results) != PROGRAM_DONE) {
         result_destroy(&results);
     } else {
         set_date(&results->machine);
