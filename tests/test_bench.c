@@ -107,7 +107,7 @@ static void older_systems_are_named(void **state)
 {
     (void)state;
     need_builds();
-    cJSON *document = run_json("$SVOCL bench older-a --quick --repeat 1 --json");
+    cJSON *document = run_json("$SVOCL bench thesis-2020 --quick --repeat 1 --json");
     const cJSON *table = table_of(document, "thesis-2020");
     assert_int_equal(row_count_of(table), 12);
     assert_non_null(strstr(text_of(table, "note"), "GTX 960"));

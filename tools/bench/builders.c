@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute
- * shaders; and what it costs to bring a list from OpenGL to OpenCL, by every share path.
+ * Compares the builders stage by stage: top-down in OpenCL, bottom-up by sorting in OpenCL, and OpenGL compute shaders.
+ * Also the cost of moving a list from OpenGL to OpenCL by every interop path.
  */
 #include "bench/builders.h"
 
@@ -32,15 +32,16 @@ static const struct {
 #define SHARE_STAGES   (sizeof share_stages / sizeof share_stages[0])
 
 static const char builders_note[] =
-    "builders interleaved; colors, normals and rays, uniform weights (the table filter has others); transfer: the mesh"
-    " to the device, the list from OpenGL to OpenCL or the finished arrays, counts back; list to tree: subdivide, "
-    "link, pack and filter; total: with grid, voxelize and transfer, without compiling; first: total of the first "
-    "run, with what was left to compile; ratio: list to tree, to cl, turn by turn";
+    "Builders run interleaved. Needs: colors, normals and rays, with uniform weights; table \"filter\" has the others. "
+    "Transfer: the mesh to the device, the list or the finished arrays from OpenGL to OpenCL, counts back. List to "
+    "tree: "
+    "subdivide, link, pack and filter. Total: with grid, voxelize and transfer, without compilation. First: total of "
+    "the "
+    "warm-up run, with compilation. Ratio: list to tree, relative to cl, within each round.";
 
 static void begin_builders(suite *all)
 {
-    result_table *table =
-        suite_add_table(all, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", builders_note);
+    result_table *table = suite_add_table(all, builders_id, "Builders: time per stage", builders_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -57,13 +58,13 @@ static void begin_builders(suite *all)
 }
 
 static const char share_note[] =
-    "interleaved; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
-    " to that, turn by turn";
+    "Interop paths run interleaved; occupancy only. Path \"none\": OpenCL makes the list itself. Ratio: voxelize and "
+    "transfer, relative to \"none\", within each round.";
 
 static void begin_share(suite *all)
 {
     result_table *table =
-        suite_add_table(all, share_id, "What it costs to bring a list from OpenGL to OpenCL", share_note);
+        suite_add_table(all, share_id, "Interop: moving the fragment list from OpenGL to OpenCL", share_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "list", "B");
@@ -153,7 +154,7 @@ static int run(suite *all, const input *source, unsigned depth)
 const suite_subject bench_builders = {
     .name = "build",
     .group = "all",
-    .summary = "OpenGL's compute shaders beside OpenCL, stage by stage, and the share paths",
+    .summary = "builders stage by stage, and the interop paths",
     .full = {.scenes = {"statue", "atrium"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000"}, .depths = {6, 7, 8}},
     .begin = begin,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What payload costs: by the weights of its means, and each kind of it alone. */
+/* The cost of attributes: all weightings, and each attribute by itself. */
 #include "bench/filter.h"
 
 #include <string.h>
@@ -8,9 +8,9 @@
 
 static const char table_id[] = "filter";
 
-/* What is built interleaved; the first is what the others are compared with. */
+/* The first is the one that the others are compared with. */
 static const struct {
-    const char *payload;
+    const char *attributes;
     uint32_t need;
     svo_weights weights;
 } forms[] = {
@@ -28,17 +28,17 @@ static const struct {
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 static const char note[] =
-    "interleaved, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; first: that of "
-    "the first run, with what was left to compile; ratio: of filter, to colors and normals weighed by area, turn by"
-    " turn";
+    "Rows run interleaved, with front end and builder cl. List to tree: subdivide, link, pack and filter. First: the "
+    "same in the warm-up run, with compilation. Ratio: of filter, relative to colors and normals weighted by area, "
+    "within each round.";
 
 static int begin(suite *all)
 {
-    result_table *table = suite_add_table(all, table_id, "Payload: by weights, and each kind alone", note);
+    result_table *table = suite_add_table(all, table_id, "Attributes: by weighting, and each by itself", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "nodes", "");
-    result_add_column(table, "payload", "");
+    result_add_column(table, "attributes", "");
     result_add_column(table, "weights", "");
     result_add_column(table, "clock", "");
     spread_add_columns(table, "filter", "ms");
@@ -68,7 +68,7 @@ static int run(suite *all, const input *source, unsigned depth)
     series_method methods[FORM_COUNT];
     memset(methods, 0, sizeof methods);
     for (size_t i = 0; i < FORM_COUNT; ++i) {
-        methods[i].name = forms[i].payload;
+        methods[i].name = forms[i].attributes;
         methods[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
         series_use_cl(all, &methods[i]);
     }
@@ -78,7 +78,7 @@ static int run(suite *all, const input *source, unsigned depth)
 const suite_subject bench_filter = {
     .name = "filter",
     .group = "all",
-    .summary = "payload by weights, and each kind of it alone",
+    .summary = "attributes: by weighting, and each by itself",
     .full = {.scenes = {"atrium", "statue"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

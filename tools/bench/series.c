@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds interleaved, and the order statistics of their stages. */
+/* Interleaved builds, and medians and quartiles of their stages. */
 #include "bench/series.h"
 
 #include <inttypes.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- ways ---- */
+/* ---- methods ---- */
 
 static void explain(series_method *method, const char *reason)
 {
@@ -105,15 +105,15 @@ static svo_status build(suite *all, const svo_mesh *mesh, unsigned depth, series
     return status;
 }
 
-/* ---- one turn ---- */
+/* ---- one round ---- */
 
-/* What a way may lack without the series being at fault. */
+/* Failures that leave the method out instead of ending the run. */
 static bool is_limit(svo_status status)
 {
     return status == SVO_UNSUPPORTED || status == SVO_NO_GL || status == SVO_OUT_OF_DEVICE_MEMORY;
 }
 
-int series_turn(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round)
+int series_run_round(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round)
 {
     if (method->reason[0] != '\0') {
         return PROGRAM_DONE;
@@ -123,7 +123,7 @@ int series_turn(suite *all, const svo_mesh *mesh, unsigned depth, series_method 
         explain(method, program_words(svo_device_message(all->opened.device)));
         return PROGRAM_DONE;
     }
-    method->turns = round;
+    method->rounds = round;
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(all->state, svo_device_message(all->opened.device));
 }
 
@@ -145,9 +145,9 @@ void series_release(series_method *methods, size_t method_count)
     }
 }
 
-/* ---- figures ---- */
+/* ---- statistics ---- */
 
-double series_turn_ms(const series_method *method, size_t round, unsigned clocks)
+double series_round_ms(const series_method *method, size_t round, unsigned clocks)
 {
     double sum = 0.0;
     for (unsigned clock = 0; clock < SERIES_CLOCKS; ++clock) {
@@ -156,38 +156,38 @@ double series_turn_ms(const series_method *method, size_t round, unsigned clocks
     return sum;
 }
 
-/* Over the turns of both: the sums of one, or their ratio to the other's. */
-static spread spread_over_turns(const series_method *method, const series_method *other, unsigned clocks)
+/* Over the rounds: the sums of one method, or their ratios to the other's. */
+static spread spread_over_rounds(const series_method *method, const series_method *other, unsigned clocks)
 {
     if (method->reason[0] != '\0' || (other != NULL && other->reason[0] != '\0')) {
         return spread_none();
     }
-    double *values = calloc(method->turns + 1, sizeof *values);
+    double *values = calloc(method->rounds + 1, sizeof *values);
     if (values == NULL) {
         return spread_none();
     }
-    for (size_t round = 1; round <= method->turns; ++round) {
+    for (size_t round = 1; round <= method->rounds; ++round) {
         values[round - 1] =
-            series_turn_ms(method, round, clocks) / (other != NULL ? series_turn_ms(other, round, clocks) : 1.0);
+            series_round_ms(method, round, clocks) / (other != NULL ? series_round_ms(other, round, clocks) : 1.0);
     }
-    const spread result = spread_of(values, method->turns);
+    const spread result = spread_of(values, method->rounds);
     free(values);
     return result;
 }
 
 spread series_ms(const series_method *method, unsigned clocks)
 {
-    return spread_over_turns(method, NULL, clocks);
+    return spread_over_rounds(method, NULL, clocks);
 }
 
 spread series_ratio(const series_method *method, const series_method *other, unsigned clocks)
 {
-    return spread_over_turns(method, other, clocks);
+    return spread_over_rounds(method, other, clocks);
 }
 
 double series_first_ms(const series_method *method, unsigned clocks)
 {
-    return method->reason[0] == '\0' ? series_turn_ms(method, 0, clocks) : (double)NAN;
+    return method->reason[0] == '\0' ? series_round_ms(method, 0, clocks) : (double)NAN;
 }
 
 const char *series_clock(const series_method *method, svo_stage stage)
@@ -217,19 +217,19 @@ static int check(suite *all, const input *source, const series_method *methods, 
     return PROGRAM_DONE;
 }
 
-/* "; gl-hw: reason" to the end of the note, unless it is there already. */
+/* Appends "Without gl-hw: reason." to the note, unless it is there already. */
 static void add_reasons(result_table *table, const series_method *methods, size_t method_count)
 {
     for (size_t i = 0; i < method_count && table != NULL; ++i) {
         char text[320];
-        snprintf(text, sizeof text, "%.40s: %.256s", methods[i].name, methods[i].reason);
+        snprintf(text, sizeof text, "Without %.40s: %.256s.", methods[i].name, methods[i].reason);
         if (methods[i].reason[0] != '\0' && strstr(table->note, text) == NULL) {
-            result_set_note(table, "%s; %s", table->note, text);
+            result_set_note(table, "%s %s", table->note, text);
         }
     }
 }
 
-static int take_turns(suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods, size_t method_count)
+static int run_rounds(suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods, size_t method_count)
 {
     if (!series_begin(all, methods, method_count)) {
         return program_fail(all->state, PROGRAM_FAILED, "out of memory");
@@ -237,7 +237,7 @@ static int take_turns(suite *all, const svo_mesh *mesh, unsigned depth, series_m
     int exit_code = PROGRAM_DONE;
     for (size_t round = 0; round <= all->repeats; ++round) {
         for (size_t i = 0; i < method_count && exit_code == PROGRAM_DONE; ++i) {
-            exit_code = series_turn(all, mesh, depth, &methods[i], round);
+            exit_code = series_run_round(all, mesh, depth, &methods[i], round);
         }
     }
     return exit_code;
@@ -247,7 +247,7 @@ int series_run(suite *all, const char *table_id, const input *source, unsigned d
                size_t method_count, series_row add_row)
 {
     result_table *table = result_find(all->results, table_id);
-    int exit_code = take_turns(all, source->mesh, depth, methods, method_count);
+    int exit_code = run_rounds(all, source->mesh, depth, methods, method_count);
     if (exit_code == PROGRAM_DONE) {
         exit_code = check(all, source, methods, method_count);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The front ends beside each other: triangles to exact fragments, by OpenCL alone and by OpenGL's rasterizer. */
+/* Compares the front ends: triangles to exact fragments by OpenCL alone and by OpenGL's rasterizer. */
 #include "bench/voxelize.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 static const char table_id[] = "voxelize";
 
 static const char note[] =
-    "front ends interleaved; transfer: the mesh to the device, the list to OpenCL, counts back; first: voxelize in the "
-    "first run, with what was left to compile; ratio: to cl, turn by turn";
+    "Front ends run interleaved. Transfer: the mesh to the device, the list to OpenCL, counts back. First: voxelize in "
+    "the warm-up run, with compilation. Ratio: to cl, within each round.";
 
 static int begin(suite *all)
 {
@@ -64,7 +64,7 @@ static int run(suite *all, const input *source, unsigned depth)
 const suite_subject bench_voxelize = {
     .name = "voxelize",
     .group = "all",
-    .summary = "the front ends, fragments per second",
+    .summary = "front ends: fragments per second",
     .full = {.scenes = {"atrium", "statue", "knot", "terrain", "needles", "dust"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000", "atrium:17000"}, .depths = {6, 8}},
     .begin = begin,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* E3: how far the colors and normals of voxels are from the means they stand for, and how much the order matters. */
+/* E3: errors of voxels' mean colors and normals, and their dependence on the order of samples. */
 #include "errors/e3_attributes.h"
 
 #include "errors/attribute_methods.h"
@@ -8,14 +8,14 @@ static result_table *begin_table(error_run *run)
 {
     result_table *table = result_add_table(run->results, "e3-attributes", "E3: attributes", "");
     result_set_note(table,
-                    "The mean color and normal of every leaf against the mean in double over the parts of triangles "
-                    "inside it, weighed by area. Colors: the worst channel, in 1/255; normals: the angle to the "
-                    "mean's direction, in degrees. The running average keeps three octets and a count of eight bits in "
-                    "one word, exchanged by compare-and-swap; float atomics add in the same way. Both get their "
-                    "samples ready made, one per (voxel, triangle) pair, and average leaves only; svocl's times "
-                    "(stages link and filter) hold the sampling, the clipping and all levels above too. Order: how far "
-                    "results differ between orders of the samples or triangles. All on the OpenCL device; medians of "
-                    "%zu rounds, interleaved, after one that does not count.",
+                    "Each leaf's mean color and normal, compared with the area-weighted mean in double over the parts "
+                    "of triangles inside it. Colors: error of the worst channel, in 1/255. Normals: angle to the "
+                    "direction of the mean, in degrees. The running average keeps three 8-bit channels and an 8-bit "
+                    "count in one word, updated by compare-and-swap; float atomics use compare-and-swap too. Both "
+                    "receive precomputed samples, one per (voxel, triangle) pair, and average leaves only; svocl's "
+                    "times (stages link and filter) include sampling, clipping and all levels above. Order: difference "
+                    "between orders of the samples or triangles. All methods run on the OpenCL device, interleaved. "
+                    "Medians of %zu rounds after a warm-up round.",
                     run->rounds);
     result_add_column(table, "attribute", "");
     result_add_column(table, "depth", "");
@@ -23,7 +23,7 @@ static result_table *begin_table(error_run *run)
     result_add_column(table, "method", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "error, mean", "");
-    result_add_column(table, "error, 99 % below", "");
+    result_add_column(table, "error, 99th percentile", "");
     result_add_column(table, "error, largest", "");
     result_add_column(table, "order, mean", "");
     result_add_column(table, "order, largest", "");
@@ -39,7 +39,7 @@ static void add_row(result_table *table, attribute kind, unsigned depth, double 
     result_add_text(table, "%s", one->method);
     result_add_number(table, one->ms);
     result_add_number(table, one->mean);
-    result_add_number(table, one->most);
+    result_add_number(table, one->percentile_99);
     result_add_number(table, one->largest);
     result_add_number(table, one->order_mean);
     result_add_number(table, one->order_largest);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* E5: the ways of E1 and E2 on meshes that get stiffer by one number at a time, to see where each of them breaks. */
+/* E5: the methods of E1 and E2 on meshes that become ill-conditioned by one number, to find where each fails. */
 #include "errors/e5_conditioning.h"
 
 #include <stdlib.h>
@@ -19,17 +19,19 @@ static const double values[CONDITIONING_COUNT][VALUES_MAX] = {
 
 static result_table *begin_table(error_run *run, size_t triangle_count, unsigned depth, size_t ray_count)
 {
-    result_table *table = result_add_table(run->results, "e5-conditioning", "E5: stiffness", "");
+    result_table *table = result_add_table(run->results, "e5-conditioning", "E5: ill-conditioned meshes", "");
     result_set_note(
         table,
-        "Voxelization: %zu triangles of random direction in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
-        "closed knot, from close by, as in E2. Aspect ratio: the triangles' longest edge over their height; for rays "
-        "the knot is flattened by so much. Offset: how many widths of the mesh it lies from the origin of coordinates, "
-        "along all axes; float32 ways and Embree get coordinates rounded to float32. Scale ratio: the grid's width "
-        "over three triangles' edges; for rays how many widths of the mesh they come from afar. Medians of %zu rounds, "
-        "interleaved, after one that does not count.",
+        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a closed "
+        "knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays the knot "
+        "is flattened by this factor. Offset: distance of the mesh from the origin along all axes, in widths of the "
+        "mesh; float32 methods and Embree get coordinates rounded to float32. Scale ratio: width of the grid over "
+        "three "
+        "edges of a triangle; for rays the distance of their origins in widths of the mesh. Medians of %zu rounds "
+        "after "
+        "a warm-up round; methods run interleaved.",
         triangle_count, 1u << depth, ray_count, run->rounds);
-    result_add_column(table, "of what", "");
+    result_add_column(table, "problem", "");
     result_add_column(table, "conditioning", "");
     result_add_column(table, "value", "");
     result_add_column(table, "method", "");
@@ -38,10 +40,10 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
     return table;
 }
 
-static void add_row(result_table *table, const char *what, conditioning family, double value, const char *method,
+static void add_row(result_table *table, const char *problem, conditioning family, double value, const char *method,
                     double ms, double error)
 {
-    result_add_text(table, "%s", what);
+    result_add_text(table, "%s", problem);
     result_add_text(table, "%s", conditioning_name(family));
     result_add_number(table, value);
     result_add_text(table, "%s", method);
@@ -79,7 +81,7 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
                                .vertex_count = knot->vertex_count,
                                .indices = knot->indices,
                                .triangle_count = knot->triangle_count};
-        const adversarial_set set = {.kind = AIM_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
+        const adversarial_set set = {.target = TARGET_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
         const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
         ray_method_result results[RAY_METHODS_MAX] = {0};
         size_t result_count = 0;
@@ -105,7 +107,7 @@ static int measure(error_run *run)
     int exit_code = knot != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
     for (int rays = 0; rays < 2 && exit_code == PROGRAM_DONE; ++rays) {
         for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
-            progress_step(run->state->progress, "E5: stiffness");
+            progress_step(run->state->progress, "E5: ill-conditioned meshes");
             for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
                 exit_code =
                     rays != 0

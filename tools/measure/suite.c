@@ -12,7 +12,7 @@
 #define REPEATS       11
 #define QUICK_REPEATS 3
 
-/* ---- what the options ask for ---- */
+/* ---- options ---- */
 
 static int read_scenes(suite *all, const char *list)
 {
@@ -88,7 +88,7 @@ const char *suite_scene_name(const input *source)
 result_table *suite_add_table(suite *all, const char *id, const char *title, const char *note)
 {
     result_table *table = result_add_table(all->results, id, title, note);
-    result_set_note(table, "medians and quartiles (q1, q3) of %zu run%s after the first, %s", all->repeats,
+    result_set_note(table, "Medians and quartiles (q1, q3) of %zu run%s after a warm-up run. %s", all->repeats,
                     all->repeats == 1 ? "" : "s", note);
     return table;
 }
@@ -119,7 +119,7 @@ static void describe_machine(const suite *all)
 
 /* ---- the run ---- */
 
-/* "scene:" before what begins with the name of one. */
+/* Puts "scene:" before a name that begins with that of a scene. */
 static void complete_name(const char *name, char *text, size_t text_bytes)
 {
     bool is_scene = false;

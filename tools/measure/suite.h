@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A run of measurements. A subject measures one thing: it adds empty tables to the results (result.h), then rows, either
- * for one scene and depth after the other or all by itself. A suite opens what subjects share and runs those that are
- * asked for. Which subjects there are is the caller's list.
+ * A run of measurements. A subject measures one thing: it adds empty tables to the results (result.h), then rows,
+ * either for one scene and depth after the other or all by itself. A suite opens what subjects share and runs those
+ * that are asked for. Which subjects there are is the caller's list.
  */
 #ifndef SVOCL_TOOLS_MEASURE_SUITE_H
 #define SVOCL_TOOLS_MEASURE_SUITE_H

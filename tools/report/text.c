@@ -98,15 +98,15 @@ text_number text_format_number(double number)
     return result;
 }
 
-double text_choose_unit(const result_table *table, size_t column, const char **unit)
+double text_choose_unit(const result_table *shown, size_t column, const char **unit)
 {
     double most = 0.0;
-    *unit = table->columns[column].unit;
+    *unit = shown->columns[column].unit;
     if (strcmp(*unit, "B") != 0) {
         return 1.0;
     }
-    for (size_t row = 0; row < result_row_count(table); ++row) {
-        const result_cell *cell = result_cell_at(table, row, column);
+    for (size_t row = 0; row < result_row_count(shown); ++row) {
+        const result_cell *cell = result_cell_at(shown, row, column);
         most = cell->kind == RESULT_NUMBER && cell->number > most ? cell->number : most;
     }
     *unit = most >= 0x1p20 ? "MiB" : most >= 0x1p13 ? "KiB" : "bytes";

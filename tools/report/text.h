@@ -31,6 +31,6 @@ text_number text_format_number(double number);
 
 /* The unit that a column is shown in, and the divisor of its numbers: bytes get the one that suits the largest of them,
    other columns keep theirs. */
-double text_choose_unit(const result_table *table, size_t column, const char **unit);
+double text_choose_unit(const result_table *shown, size_t column, const char **unit);
 
 #endif
