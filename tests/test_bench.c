@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl bench: the promised tables with their columns, positive figures in them, and wrong usage. No time is judged. */
+/* svocl bench: tables with their columns and positive values, and wrong usage. Times are not tested. */
 #include <stdio.h>
 #include <string.h>
 
@@ -73,8 +73,7 @@ static void front_ends_are_measured(void **state)
     cJSON_Delete(document);
 }
 
-/* Each subject once on next to nothing: all tables are there, and those that need no other program's library have
-   rows. */
+/* Each subject once on a tiny scene: all tables are there, and those that need no optional library have rows. */
 static void every_subject_adds_its_tables(void **state)
 {
     (void)state;
@@ -102,8 +101,8 @@ static void every_subject_adds_its_tables(void **state)
     expect_files(kept, 1);
 }
 
-/* The published figures stand beside ours, with their hardware. */
-static void older_systems_are_named(void **state)
+/* Tables have the published values and name their hardware. */
+static void published_values_name_their_hardware(void **state)
 {
     (void)state;
     need_builds();
@@ -143,7 +142,7 @@ static void wrong_usage_is_exit_code_2(void **state)
     expect_files(NULL, 0);
 }
 
-static void scenes_that_are_none_are_named(void **state)
+static void unknown_scenes_are_named(void **state)
 {
     (void)state;
     need_builds();
@@ -155,9 +154,11 @@ static void scenes_that_are_none_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(front_ends_are_measured),        IN_FOLDER(every_subject_adds_its_tables),
-        IN_FOLDER(older_systems_are_named),        IN_FOLDER(wrong_usage_is_exit_code_2),
-        IN_FOLDER(scenes_that_are_none_are_named),
+        IN_FOLDER(front_ends_are_measured),
+        IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER(published_values_name_their_hardware),
+        IN_FOLDER(wrong_usage_is_exit_code_2),
+        IN_FOLDER(unknown_scenes_are_named),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

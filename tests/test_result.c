@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of measurements: what is written as JSON reads back the same, and text that is no such thing is refused by
-   name. */
+/* Tables of measurements: JSON reads back as it was written, and invalid text is refused with the reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

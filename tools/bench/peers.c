@@ -214,15 +214,16 @@ static int compare(suite *all, const input *source, unsigned depth, bool with_em
     peer_runs runs = {0};
     peer_mesh made;
     series_use_cl(all, &method);
-    int exit_code = make_peer_mesh(source->mesh, depth, &made)
-                        ? PROGRAM_DONE
-                        : program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = run_rounds(all, &made, depth, &method, &runs, with_embree);
+    int exit_code = PROGRAM_DONE;
+    if (!make_peer_mesh(source->mesh, depth, &made)) {
+        exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
+        goto cleanup;
     }
+    exit_code = run_rounds(all, &made, depth, &method, &runs, with_embree);
     if (exit_code == PROGRAM_DONE && method.reason[0] == '\0') {
         (with_embree ? add_embree : add_openvdb)(all, source, depth, &method, &runs);
     }
+cleanup:
     free(runs.times);
     free(runs.ratios);
     series_release(&method, 1);

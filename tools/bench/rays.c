@@ -274,27 +274,35 @@ static unsigned count_threads(const options *given)
     return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
-static int run_bench(ray_bench *bench)
+/* What the bench owns by then is released by release(). */
+static int prepare(ray_bench *bench)
 {
     program *state = bench->state;
     int exit_code = input_open(state, &bench->work.source);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open(state, &bench->work.opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = snap_mesh(bench);
+    exit_code = session_open(state, &bench->work.opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
+    exit_code = snap_mesh(bench);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE && state->options.versus != 0) {
-        exit_code = open_peer(bench);
+    exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = make_rays(bench);
-    }
+    exit_code = state->options.versus != 0 ? open_peer(bench) : PROGRAM_DONE;
+    return exit_code != PROGRAM_DONE ? exit_code : make_rays(bench);
+}
+
+static int run_bench(ray_bench *bench)
+{
+    int exit_code = prepare(bench);
     for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
-        progress_step(state->progress, "tracing rays");
+        progress_step(bench->state->progress, "tracing rays");
         exit_code = measure_set(bench, &bench->sets[k]);
         if (exit_code == PROGRAM_DONE) {
             judge_set(bench, &bench->sets[k]);
@@ -321,6 +329,26 @@ static void release(ray_bench *bench)
     free(bench->positions);
 }
 
+/* Saves, and prints as JSON or as a table. */
+static int show(const ray_bench *bench)
+{
+    const options *given = &bench->state->options;
+    cJSON *document = to_json(bench);
+    if (given->output_path != NULL) {
+        const int exit_code = json_save(bench->state, given->output_path, document);
+        if (exit_code != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return exit_code;
+        }
+    }
+    if (given->json) {
+        return json_print(bench->state, document);
+    }
+    cJSON_Delete(document);
+    print_table(bench);
+    return PROGRAM_DONE;
+}
+
 int bench_rays_alone(program *state)
 {
     options *given = &state->options;
@@ -338,17 +366,9 @@ int bench_rays_alone(program *state)
     given->depth_for_rays = !given->has_depth;
     program_begin_progress(state, 3 + SET_COUNT);
     int exit_code = run_bench(&bench);
-    cJSON *document = exit_code == PROGRAM_DONE ? to_json(&bench) : NULL;
-    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
-        exit_code = json_save(state, given->output_path, document);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = show(&bench);
     }
-    if (exit_code == PROGRAM_DONE && given->json) {
-        exit_code = json_print(state, document);
-        document = NULL;
-    } else if (exit_code == PROGRAM_DONE) {
-        print_table(&bench);
-    }
-    cJSON_Delete(document);
     release(&bench);
     return exit_code;
 }

@@ -82,24 +82,28 @@ static svo_status build(suite *all, const svo_mesh *mesh, unsigned depth, series
 {
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
+    cl_command_queue queue = all->opened.queue;
     method->plan.struct_size = sizeof method->plan;
     method->report = (svo_build_report){.struct_size = sizeof method->report};
     const double start_ms = input_now_ms();
     svo_status status = svo_plan_create(all->opened.device, mesh, depth, &method->plan, &plan);
-    if (status == SVO_OK) {
-        status = method->in_gl ? opengl_build(all->opened.gl, plan, all->opened.queue, &tree, &method->report)
-                               : svo_build(plan, method->frontend, all->opened.queue, &tree, &method->report);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
-    if (status == SVO_OK) {
-        keep_times(&method->report, input_now_ms() - start_ms, times);
-        keep_facts(plan, tree, method);
+    status = method->in_gl ? opengl_build(all->opened.gl, plan, queue, &tree, &method->report)
+                           : svo_build(plan, method->frontend, queue, &tree, &method->report);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
-    if (status == SVO_OK && method->for_rays) {
+    keep_times(&method->report, input_now_ms() - start_ms, times);
+    keep_facts(plan, tree, method);
+    if (method->for_rays) {
         const double built_ms = input_now_ms();
-        status = svo_tree_prepare_rays(tree, all->opened.queue);
+        status = svo_tree_prepare_rays(tree, queue);
         times[SERIES_RAYS] = input_now_ms() - built_ms;
         method->ray_bytes = svo_tree_ray_bytes(tree);
     }
+cleanup:
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     return status;

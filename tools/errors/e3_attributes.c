@@ -45,6 +45,21 @@ static void add_row(result_table *table, attribute kind, unsigned depth, double 
     result_add_number(table, one->order_largest);
 }
 
+static int measure_depth(error_run *run, result_table *table, const svo_mesh *mesh, attribute kind, unsigned depth)
+{
+    attribute_method_result results[ATTRIBUTE_METHODS_MAX] = {0};
+    size_t result_count = 0;
+    double pairs_per_leaf = 0.0;
+    const int exit_code = attribute_methods_measure(run, mesh, kind, depth, results, &result_count, &pairs_per_leaf);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    for (size_t i = 0; i < result_count; ++i) {
+        add_row(table, kind, depth, pairs_per_leaf, &results[i]);
+    }
+    return PROGRAM_DONE;
+}
+
 static int measure(error_run *run)
 {
     const unsigned last_depth = run->quick ? 7 : 9;
@@ -54,14 +69,7 @@ static int measure(error_run *run)
     for (attribute kind = ATTRIBUTE_COLOR; kind < ATTRIBUTE_COUNT && exit_code == PROGRAM_DONE; ++kind) {
         progress_step(run->state->progress, "E3: attributes");
         for (unsigned depth = 3; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-            attribute_method_result results[ATTRIBUTE_METHODS_MAX] = {0};
-            size_t result_count = 0;
-            double pairs_per_leaf = 0.0;
-            exit_code =
-                attribute_methods_measure(run, scene_mesh(made), kind, depth, results, &result_count, &pairs_per_leaf);
-            for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-                add_row(table, kind, depth, pairs_per_leaf, &results[i]);
-            }
+            exit_code = measure_depth(run, table, scene_mesh(made), kind, depth);
         }
     }
     scene_destroy(&made);

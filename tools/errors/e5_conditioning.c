@@ -74,24 +74,27 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
 {
     svo_ray *rays = calloc(ray_count, sizeof *rays);
     double *positions = calloc(knot->vertex_count * 3 + 1, sizeof *positions);
-    int exit_code = rays != NULL && positions != NULL ? PROGRAM_DONE : errors_fail(run);
-    if (exit_code == PROGRAM_DONE) {
-        const svo_mesh mesh = {.struct_size = sizeof mesh,
-                               .positions_double = positions,
-                               .vertex_count = knot->vertex_count,
-                               .indices = knot->indices,
-                               .triangle_count = knot->triangle_count};
-        const adversarial_set set = {.target = TARGET_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
-        const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
-        ray_method_result results[RAY_METHODS_MAX] = {0};
-        size_t result_count = 0;
-        ill_conditioned_positions(knot, family, value, positions);
-        adversarial_rays(&mesh, &set, ray_count, rays);
-        exit_code = ray_methods_measure(run, &given, results, &result_count);
-        for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
-        }
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions_double = positions,
+                           .vertex_count = knot->vertex_count,
+                           .indices = knot->indices,
+                           .triangle_count = knot->triangle_count};
+    const adversarial_set set = {.target = TARGET_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
+    const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
+    ray_method_result results[RAY_METHODS_MAX] = {0};
+    size_t result_count = 0;
+    int exit_code = PROGRAM_DONE;
+    if (rays == NULL || positions == NULL) {
+        exit_code = errors_fail(run);
+        goto cleanup;
     }
+    ill_conditioned_positions(knot, family, value, positions);
+    adversarial_rays(&mesh, &set, ray_count, rays);
+    exit_code = ray_methods_measure(run, &given, results, &result_count);
+    for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
+        add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
+    }
+cleanup:
     free(positions);
     free(rays);
     return exit_code;

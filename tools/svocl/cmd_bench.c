@@ -102,6 +102,26 @@ static void print_tables(const result_set *results)
     }
 }
 
+/* Saves, and prints as JSON or as tables. */
+static int show(program *state, const result_set *results)
+{
+    const options *given = &state->options;
+    cJSON *document = result_to_json(results);
+    if (given->output_path != NULL) {
+        const int exit_code = json_save(state, given->output_path, document);
+        if (exit_code != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return exit_code;
+        }
+    }
+    if (given->json) {
+        return json_print(state, document);
+    }
+    cJSON_Delete(document);
+    print_tables(results);
+    return PROGRAM_DONE;
+}
+
 static int run_subjects(program *state)
 {
     result_set *results = result_create();
@@ -109,33 +129,27 @@ static int run_subjects(program *state)
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
     int exit_code = suite_collect(state, subjects, state->options.subject, results);
-    cJSON *document = exit_code == PROGRAM_DONE ? result_to_json(results) : NULL;
-    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
-        exit_code = json_save(state, state->options.output_path, document);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = show(state, results);
     }
-    if (exit_code == PROGRAM_DONE && state->options.json) {
-        exit_code = json_print(state, document);
-        document = NULL;
-    } else if (exit_code == PROGRAM_DONE) {
-        print_tables(results);
-    }
-    cJSON_Delete(document);
     result_destroy(&results);
     return exit_code;
 }
 
 int command_bench(program *state)
 {
+    const options *given = &state->options;
     int exit_code = check_subject(state);
-    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
-        exit_code = output_check(state, state->options.output_path);
-    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (strcmp(state->options.subject, "rays") == 0 && state->options.scenes == NULL && state->options.depths == NULL) {
+    exit_code = given->output_path != NULL ? output_check(state, given->output_path) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
         return bench_rays_alone(state);
     }
     exit_code = check_options(state);
-    return exit_code == PROGRAM_DONE ? run_subjects(state) : exit_code;
+    return exit_code != PROGRAM_DONE ? exit_code : run_subjects(state);
 }
