@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The grid is flooded from outside; half-open voxels are 6-separating, so that the flood stays outside a closed
+/* A flood fill from outside finds the enclosed voxels: half-open voxels are 6-separating, so it stays outside a closed
    surface. */
 #include "errors/detail_measures.h"
 
@@ -107,7 +107,7 @@ static void flood(const cells *grid)
     }
 }
 
-/* Faces: those of the surface's cells towards the outside, the usual estimate of its area. */
+/* Faces: those of surface cells towards the outside, the common estimate of the area. */
 static void count_cells(const cells *grid, double *inside, double *surface, double *faces)
 {
     const size_t steps[3] = {1, grid->width, grid->width * grid->width};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Sets of tables as JSON, in both directions. What is read comes from a file and is checked field by field. */
+#include "measure/result_json.h"
+
 #include <stdio.h>
 #include <string.h>
-
-#include "measure/result.h"
 
 /* ---- writing ---- */
 

@@ -1,28 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two older systems that built sparse voxel octrees of rasterized triangles on graphics hardware: their published
- * tables, made again with scenes of as many triangles, or of such a kind. Neither their scenes nor their hardware are
- * here: the published figures stand beside ours for the scale of things, with what they were measured on.
+ * Tables of two older systems, measured again: a master's thesis on an octree-building library for the GPU (2020) and
+ * one on voxel cone tracing (2016). Their scenes and hardware are not available, so the scenes here have the same
+ * number of triangles or the same kind of content. The published values give the scale and name their hardware.
  */
+#include "bench/thesis_tables.h"
+
 #include <math.h>
 
 #include "bench/series.h"
+#include "bench/sizes.h"
 
-/* ---- older-a: structures at small depths ---- */
+/* ---- thesis-2020: structures at small depths ---- */
 
-static const char structure_id[] = "older-a";
+static const char structure_id[] = "thesis-2020";
 
 static const char structure_note[] =
-    "ours: terrains of as many triangles, front end and builder cl, colors and normals; structure: subdivide, link,"
-    " pack and filter; transfer: the mesh to the device, counts back; total: with grid and voxelize. Published for "
-    "these counts of triangles at depth 6: structure built in 163 to 1,182 s on a GTX 960 (which scene took how long"
-    " is not known here)";
+    "svocl: terrains with the same numbers of triangles, front end and builder cl, colors and normals. Structure: "
+    "subdivide, link, pack and filter. Transfer: the mesh to the device, counts back. Total: with grid and voxelize. "
+    "Published for these numbers of triangles at depth 6: structure built in 163 to 1,182 s on a GTX 960; the time of "
+    "each scene is not known.";
 
-static int begin_structure(bench_suite *all)
+static int begin_structure(suite *all)
 {
     result_table *table =
-        bench_add_table(all, structure_id,
-                        "The first older system's table: scenes of 3,538, 2,243 and 26,220 triangles", structure_note);
+        suite_add_table(all, structure_id, "Octree-building thesis (2020): scenes of 3,538, 2,243 and 26,220 triangles",
+                        structure_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -42,7 +45,7 @@ static void add_structure(result_table *table, const input *source, unsigned dep
 {
     (void)first;
     const bool published = depth == 6;
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.leaf_count);
@@ -55,16 +58,17 @@ static void add_structure(result_table *table, const input *source, unsigned dep
     result_add_text(table, "%s", published ? "GTX 960" : "");
 }
 
-static int run_structure(bench_suite *all, const input *source, unsigned depth)
+static int run_structure(suite *all, const input *source, unsigned depth)
 {
     series_method method = {.name = "cl", .plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}};
     series_use_cl(all, &method);
     return series_run(all, structure_id, source, depth, &method, 1, add_structure);
 }
 
-const bench_subject bench_older_structure = {
-    .name = "older-a",
-    .summary = "an older system's table: scenes of 3,538, 2,243 and 26,220 triangles",
+const suite_subject bench_thesis_2020 = {
+    .name = "thesis-2020",
+    .group = "all",
+    .summary = "a thesis on octree building: scenes of 3,538, 2,243 and 26,220 triangles",
     .full = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {3, 4, 5, 6}},
     .quick = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {3, 4, 5, 6}},
     .fixed = true,
@@ -72,9 +76,9 @@ const bench_subject bench_older_structure = {
     .run = run_structure,
 };
 
-/* ---- older-b: memory at three resolutions ---- */
+/* ---- thesis-2016: memory at three resolutions ---- */
 
-static const char memory_id[] = "older-b";
+static const char memory_id[] = "thesis-2016";
 
 /* At 512^3, on a Radeon HD 5850. */
 static const struct {
@@ -82,16 +86,17 @@ static const struct {
 } published = {110, 1944, 111, 51035, 599186, 4576};
 
 static const char memory_note[] =
-    "ours: an atrium of its own kind, front end and builder cl, occupancy alone; build: subdivide, link, pack and "
-    "filter; first build: the first run, with what was left to compile; second build: the runs after it; sparse "
-    "octree: OpenCL buffers; full octree: 4 bytes for each node that could be there, computed. Published: an atrium "
-    "at 512^3 on a Radeon HD 5850, 36 bytes a fragment in its list, its two builds as it names them";
+    "svocl: another atrium, front end and builder cl, occupancy only. Build: subdivide, link, pack and filter. First "
+    "build: the warm-up run, with compilation. Second build: the runs after it. Sparse octree: OpenCL buffers. Full "
+    "octree: 4 bytes for each node of a complete octree, computed. Published: an atrium at 512^3 on a Radeon HD 5850, "
+    "with 36 bytes per fragment; the names of the two builds are the thesis's.";
 
-static int begin_memory(bench_suite *all)
+static int begin_memory(suite *all)
 {
-    result_table *table = bench_add_table(
-        all, memory_id, "The second older system's table: 128^3, 256^3 and 512^3, memory and two builds", memory_note);
-    result_add_column(table, "whose", "");
+    result_table *table = suite_add_table(
+        all, memory_id, "Voxel cone tracing thesis (2016): memory and build times at 128^3, 256^3 and 512^3",
+        memory_note);
+    result_add_column(table, "system", "");
     result_add_column(table, "hardware", "");
     result_add_column(table, "voxels per axis", "");
     result_add_column(table, "fragments", "");
@@ -139,16 +144,17 @@ static void add_memory(result_table *table, const input *source, unsigned depth,
     }
 }
 
-static int run_memory(bench_suite *all, const input *source, unsigned depth)
+static int run_memory(suite *all, const input *source, unsigned depth)
 {
     series_method method = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
     series_use_cl(all, &method);
     return series_run(all, memory_id, source, depth, &method, 1, add_memory);
 }
 
-const bench_subject bench_older_memory = {
-    .name = "older-b",
-    .summary = "another older system's table: memory and times at 128^3, 256^3 and 512^3",
+const suite_subject bench_thesis_2016 = {
+    .name = "thesis-2016",
+    .group = "all",
+    .summary = "a thesis on voxel cone tracing: memory and times at 128^3, 256^3 and 512^3",
     .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .fixed = true,

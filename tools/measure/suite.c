@@ -1,33 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Goes through the subjects: opens the session and each scene, calls the subject for each depth. */
-#include "bench/bench.h"
+/* Reads the options, opens the session and each scene, and calls the subjects for each depth. */
+#include "measure/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "errors/bench_errors.h"
 #include "svocl/version.h"
 
 #define REPEATS       11
 #define QUICK_REPEATS 3
 
-static const bench_subject *const subjects[] = {
-    &bench_voxelize,    &bench_builders,     &bench_filter, &bench_startup,         &bench_rays,
-    &bench_leaving_out, &bench_scene_sizes,  &bench_memory, &bench_older_structure, &bench_older_memory,
-    &bench_peer_embree, &bench_peer_openvdb,
-};
-#define SUBJECT_COUNT (sizeof subjects / sizeof subjects[0])
+/* ---- options ---- */
 
-const bench_subject *bench_describe(size_t index)
-{
-    return index < SUBJECT_COUNT ? subjects[index] : NULL;
-}
-
-/* ---- what the options ask for ---- */
-
-static int read_scenes(bench_suite *all, const char *list)
+static int read_scenes(suite *all, const char *list)
 {
     size_t count = 0;
     all->scene_text = strdup(list);
@@ -39,9 +26,9 @@ static int read_scenes(bench_suite *all, const char *list)
         if (comma != NULL) {
             *comma++ = '\0';
         }
-        if (*name == '\0' || count + 1 == BENCH_LIST_MAX) {
+        if (*name == '\0' || count + 1 == SUITE_LIST_MAX) {
             return program_fail(all->state, PROGRAM_WRONG_USAGE, "--scenes '%s' is not a list of 1 to %d names", list,
-                                BENCH_LIST_MAX - 1);
+                                SUITE_LIST_MAX - 1);
         }
         all->scenes[count++] = name;
         name = comma;
@@ -49,7 +36,7 @@ static int read_scenes(bench_suite *all, const char *list)
     return PROGRAM_DONE;
 }
 
-static int read_depths(bench_suite *all, const char *list)
+static int read_depths(suite *all, const char *list)
 {
     size_t count = 0;
     for (const char *text = list; *text != '\0';) {
@@ -57,9 +44,9 @@ static int read_depths(bench_suite *all, const char *list)
         const unsigned long depth = strtoul(text, &end, 10);
         const bool is_number = *text >= '0' && *text <= '9' && depth >= SVO_DEPTH_MIN && depth <= SVO_DEPTH_MAX;
         const bool more = *end == ',' && end[1] != '\0';
-        if (!is_number || (*end != '\0' && !more) || count + 1 == BENCH_LIST_MAX) {
+        if (!is_number || (*end != '\0' && !more) || count + 1 == SUITE_LIST_MAX) {
             return program_fail(all->state, PROGRAM_WRONG_USAGE,
-                                "--depths '%s' is not a list of 1 to %d depths, %d to %d", list, BENCH_LIST_MAX - 1,
+                                "--depths '%s' is not a list of 1 to %d depths, %d to %d", list, SUITE_LIST_MAX - 1,
                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
         }
         all->depths[count++] = (unsigned)depth;
@@ -68,7 +55,7 @@ static int read_depths(bench_suite *all, const char *list)
     return PROGRAM_DONE;
 }
 
-static int read_options(bench_suite *all)
+static int read_options(suite *all)
 {
     const options *given = &all->state->options;
     all->quick = given->quick != 0;
@@ -80,9 +67,9 @@ static int read_options(bench_suite *all)
     return exit_code;
 }
 
-static bench_work work_of(const bench_suite *all, const bench_subject *subject)
+static suite_work work_of(const suite *all, const suite_subject *subject)
 {
-    bench_work work = all->quick ? subject->quick : subject->full;
+    suite_work work = all->quick ? subject->quick : subject->full;
     if (all->scenes[0] != NULL && !subject->fixed) {
         memcpy(work.scenes, all->scenes, sizeof work.scenes);
     }
@@ -92,16 +79,16 @@ static bench_work work_of(const bench_suite *all, const bench_subject *subject)
     return work;
 }
 
-const char *bench_scene_name(const input *source)
+const char *suite_scene_name(const input *source)
 {
     const char *slash = strrchr(source->name, '/');
     return slash != NULL ? slash + 1 : strncmp(source->name, "scene:", 6) == 0 ? source->name + 6 : source->name;
 }
 
-result_table *bench_add_table(bench_suite *all, const char *id, const char *title, const char *note)
+result_table *suite_add_table(suite *all, const char *id, const char *title, const char *note)
 {
     result_table *table = result_add_table(all->results, id, title, note);
-    result_set_note(table, "medians and quartiles (q1, q3) of %zu run%s after the first, %s", all->repeats,
+    result_set_note(table, "Medians and quartiles (q1, q3) of %zu run%s after a warm-up run. %s", all->repeats,
                     all->repeats == 1 ? "" : "s", note);
     return table;
 }
@@ -127,7 +114,7 @@ static const char *instruction_set(void)
 #endif
 }
 
-static void describe_machine(const bench_suite *all)
+static void describe_machine(const suite *all)
 {
     result_machine *machine = &all->results->machine;
     const cl_device_id device = svo_device_cl_device(all->opened.device);
@@ -145,7 +132,7 @@ static void describe_machine(const bench_suite *all)
 
 /* ---- the run ---- */
 
-/* "scene:" before what begins with the name of one. */
+/* Puts "scene:" before a name that begins with that of a scene. */
 static void complete_name(const char *name, char *text, size_t text_bytes)
 {
     bool is_scene = false;
@@ -158,7 +145,7 @@ static void complete_name(const char *name, char *text, size_t text_bytes)
 }
 
 /* One scene at every depth. */
-static int run_scene(bench_suite *all, const bench_subject *subject, const char *name, const unsigned *depths)
+static int run_scene(suite *all, const suite_subject *subject, const char *name, const unsigned *depths)
 {
     char text[1024];
     input source;
@@ -178,9 +165,12 @@ static int run_scene(bench_suite *all, const bench_subject *subject, const char 
     return exit_code;
 }
 
-static int run_subject(bench_suite *all, const bench_subject *subject)
+static int run_subject(suite *all, const suite_subject *subject)
 {
-    const bench_work work = work_of(all, subject);
+    if (subject->run_all != NULL) {
+        return subject->run_all(all);
+    }
+    const suite_work work = work_of(all, subject);
     int exit_code = subject->begin(all);
     for (size_t i = 0; work.scenes[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
         exit_code = run_scene(all, subject, work.scenes[i], work.depths);
@@ -188,9 +178,9 @@ static int run_subject(bench_suite *all, const bench_subject *subject)
     return exit_code;
 }
 
-static unsigned count_steps(const bench_suite *all, const bench_subject *subject)
+static unsigned count_steps(const suite *all, const suite_subject *subject)
 {
-    const bench_work work = work_of(all, subject);
+    const suite_work work = work_of(all, subject);
     unsigned scenes = 0;
     unsigned depths = 0;
     while (work.scenes[scenes] != NULL) {
@@ -199,45 +189,47 @@ static unsigned count_steps(const bench_suite *all, const bench_subject *subject
     while (work.depths[depths] != 0) {
         ++depths;
     }
-    return scenes * depths;
+    return subject->run_all != NULL ? subject->step_count : scenes * depths;
 }
 
-static bool is_meant(const bench_subject *subject, const char *wanted)
+bool suite_is_wanted(const suite_subject *subject, const char *wanted)
 {
-    return strcmp(wanted, "all") == 0 || strcmp(wanted, subject->name) == 0;
+    return strcmp(wanted, subject->group) == 0 || strcmp(wanted, subject->name) == 0;
 }
 
-static int run_all(bench_suite *all, const char *wanted)
+static int run_wanted(suite *all, const suite_subject *const *subjects, const char *wanted)
 {
     unsigned steps = 0;
-    for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
-        steps += is_meant(subjects[i], wanted) ? count_steps(all, subjects[i]) : 0;
+    for (size_t i = 0; subjects[i] != NULL; ++i) {
+        steps += suite_is_wanted(subjects[i], wanted) ? count_steps(all, subjects[i]) : 0;
     }
-    program_begin_progress(all->state, steps + bench_errors_step_count(wanted));
+    program_begin_progress(all->state, steps);
     int exit_code = session_open_both(all->state, &all->opened);
-    if (exit_code == PROGRAM_DONE) {
-        describe_machine(all);
+    if (exit_code != PROGRAM_DONE) {
+        goto cleanup;
     }
-    for (size_t i = 0; i < SUBJECT_COUNT && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = is_meant(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
+    describe_machine(all);
+    for (size_t i = 0; subjects[i] != NULL; ++i) {
+        exit_code = suite_is_wanted(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
+        if (exit_code != PROGRAM_DONE) {
+            goto cleanup;
+        }
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = bench_errors_fill(all, wanted);
-    }
-    if (exit_code == PROGRAM_DONE && !result_is_whole(all->results)) {
+    if (!result_is_whole(all->results)) {
         exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for the tables");
     }
+cleanup:
     session_close(&all->opened);
     return exit_code;
 }
 
-int bench_collect(program *state, const char *subject, result_set *results)
+int suite_collect(program *state, const suite_subject *const *subjects, const char *wanted, result_set *results)
 {
-    bench_suite all = {.state = state, .results = results};
+    suite all = {.state = state, .results = results};
     const options given = state->options; /* a subject may change them for its own work */
     int exit_code = read_options(&all);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = run_all(&all, subject);
+        exit_code = run_wanted(&all, subjects, wanted);
     }
     progress_destroy(&state->progress);
     state->options = given;
