@@ -51,7 +51,7 @@ typedef struct svo_render_options {
  * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
  * Returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY.
  */
-SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
 /*
@@ -68,7 +68,7 @@ SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, con
  * tree's device.
  * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR.
  */
-SVO_API svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue);
+SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
 /* Bytes it takes on the device; 0 before it is made. */
 SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
 
@@ -99,13 +99,13 @@ typedef enum svo_trace_flags {
  * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
  * SVO_CL_ERROR.
  */
-SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
-                                          uint32_t flags, cl_command_queue queue, cl_uint num_wait,
-                                          const cl_event *wait, cl_event *event);
+SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
+                                          cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                          cl_event *event);
 
 /* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
-SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
-                                  uint32_t flags, cl_command_queue queue);
+SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
+                                  cl_command_queue queue);
 
 /*
  * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the
@@ -116,11 +116,11 @@ SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo
  * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All
  * else as for svo_tree_trace_enqueue.
  */
-SVO_API svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
                                             cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
                                             cl_event *event);
 /* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
-SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
+SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results,
                                     size_t point_count, cl_command_queue queue);
 
 /*
@@ -150,7 +150,7 @@ SVO_API const char *svo_tree_kernel_options(void);
    tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS, coverage
    half-open or closed, whose boxes this call makes unless they are there (svo_tree_prepare_rays).
    Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR. */
-SVO_API svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index);
+SVO_API svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 
 #ifdef __cplusplus
 }

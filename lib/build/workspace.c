@@ -241,6 +241,37 @@ void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *
     *info = workspace->info;
 }
 
+/* Takes a tree out of its workspace when the tree is destroyed. */
+typedef struct membership {
+    svo_i_attachment attachment;
+    svo_tree *tree;
+} membership;
+
+static void end_membership(svo_i_attachment *attachment)
+{
+    svo_i_tree_leave_workspace(((membership *)attachment)->tree);
+    free(attachment);
+}
+
+/* An empty tree that leaves the workspace when it is destroyed, or NULL when out of memory. */
+static svo_tree *new_member(svo_workspace *workspace)
+{
+    svo_tree *tree = svo_i_tree_new();
+    membership *member = calloc(1, sizeof *member);
+    if (tree == NULL || member == NULL) {
+        svo_tree_destroy(&tree);
+        free(member);
+        return NULL;
+    }
+    *member = (membership){.attachment.destroy = end_membership, .tree = tree};
+    svo_i_attachment_add(&tree->attachments, &member->attachment);
+    tree->device = workspace->device;
+    tree->workspace = workspace;
+    tree->next = workspace->trees;
+    workspace->trees = tree;
+    return tree;
+}
+
 svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
 {
     static const char function[] = "svo_workspace_make_tree";
@@ -248,15 +279,11 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
         return svo_i_device_fail(workspace != NULL ? workspace->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
                                  function, workspace == NULL ? "workspace" : "out");
     }
-    svo_tree *tree = svo_i_tree_new();
+    svo_tree *tree = new_member(workspace);
     svo_status status = SVO_OK;
     if (tree == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", function);
     }
-    tree->device = workspace->device;
-    tree->workspace = workspace;
-    tree->next = workspace->trees;
-    workspace->trees = tree;
     for (size_t i = 0; i < workspace->allocations.count && status == SVO_OK; ++i) {
         const svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {

@@ -9,7 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "core/program.h"
 #include "svocl/layout.h"
 
 /* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
@@ -362,7 +361,7 @@ void svo_device_destroy(svo_device **device)
     if (device == NULL || *device == NULL) {
         return;
     }
-    svo_i_program_cache_destroy((*device)->programs);
+    svo_i_attachments_clear(&(*device)->attachments);
     clReleaseContext((*device)->context);
     clReleaseDevice((*device)->device);
     free((*device)->name);

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The device's insides: message, limits, buffers, the program cache. */
+/* The device handle's fields, its messages and its buffers. */
 #ifndef SVO_LIB_CORE_DEVICE_H
 #define SVO_LIB_CORE_DEVICE_H
 
 #include <stdbool.h>
 
+#include "core/attachment.h"
 #include "core/message.h"
 #include "svocl/device.h"
-
-typedef struct svo_i_program_cache svo_i_program_cache; /* program.h */
 
 struct svo_device {
     cl_context context;
@@ -19,7 +18,7 @@ struct svo_device {
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
     bool is_cpu;
-    svo_i_program_cache *programs;
+    svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
     svo_message message;
 };

@@ -46,6 +46,4 @@ typedef struct svo_i_argument {
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
 
-void svo_i_program_cache_destroy(svo_i_program_cache *cache);
-
 #endif

@@ -9,10 +9,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "build/workspace.h"
 #include "core/device.h"
 #include "core/message.h"
-#include "rays/rays.h"
 #include "svocl/plan.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -21,15 +19,7 @@
 
 svo_tree *svo_i_tree_new(void)
 {
-    svo_tree *tree = calloc(1, sizeof *tree);
-    if (tree != NULL) {
-        tree->bvh = calloc(1, sizeof *tree->bvh);
-    }
-    if (tree != NULL && tree->bvh == NULL) {
-        free(tree);
-        return NULL;
-    }
-    return tree;
+    return calloc(1, sizeof(svo_tree));
 }
 
 void svo_tree_destroy(svo_tree **tree)
@@ -37,14 +27,13 @@ void svo_tree_destroy(svo_tree **tree)
     if (tree == NULL || *tree == NULL) {
         return;
     }
-    svo_i_tree_leave_workspace(*tree);
+    svo_i_attachments_clear(&(*tree)->attachments);
     svo_i_tree_forget(*tree);
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if ((*tree)->buffers[i] != NULL) {
             clReleaseMemObject((*tree)->buffers[i]);
         }
     }
-    free((*tree)->bvh);
     free(*tree);
     *tree = NULL;
 }
@@ -56,7 +45,7 @@ void svo_i_tree_forget(svo_tree *tree)
         tree->host[i] = NULL;
     }
     tree->downloaded = false;
-    svo_i_rays_release(tree);
+    svo_i_attachments_clear(&tree->derived);
 }
 
 void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)

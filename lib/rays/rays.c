@@ -17,6 +17,33 @@ extern const char svo_i_source_rays[];
 
 /* ---- the BVH ---- */
 
+/* The BVH on the device, derived from the tree's geometry. */
+typedef struct device_bvh {
+    svo_i_attachment attachment;
+    cl_mem nodes, leaves;
+    uint64_t bytes; /* of both */
+    float reach; /* the largest coordinate of a vertex */
+} device_bvh;
+
+static void release_bvh(svo_i_attachment *attachment)
+{
+    device_bvh *bvh = (device_bvh *)attachment;
+    cl_mem buffers[] = {bvh->nodes, bvh->leaves};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    free(bvh);
+}
+
+/* The tree's BVH; all zero before it is made. */
+static device_bvh find_bvh(const svo_tree *tree)
+{
+    const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
+    return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
+}
+
 /* The largest coordinate there is, at least the width of the grid. */
 static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
@@ -73,30 +100,36 @@ static svo_status upload(const svo_tree *tree, const char *function, cl_command_
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
 }
 
-/* Makes the boxes of geometry on the host and takes them to the device. */
-static svo_status make_bvh(const svo_tree *tree, const char *function, cl_command_queue queue,
-                           const svo_i_bvh_source *source)
+/* Builds the BVH on the host, uploads it and attaches it to the tree. */
+static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queue queue, const svo_i_bvh_source *source)
 {
-    struct svo_i_tree_bvh *to = tree->bvh;
-    svo_i_bvh bvh;
-    if (!svo_i_bvh_make(source, &bvh)) {
-        svo_i_bvh_free(&bvh);
-        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the boxes of %u triangles",
-                                 function, source->triangle_count);
+    svo_status status = SVO_OK;
+    svo_i_bvh bvh = {.nodes = NULL};
+    device_bvh *to = calloc(1, sizeof *to);
+    if (to == NULL || !svo_i_bvh_make(source, &bvh)) {
+        status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH of %u triangles",
+                                   function, source->triangle_count);
+        goto cleanup;
     }
     const size_t node_bytes = bvh.node_count * sizeof *bvh.nodes;
     const size_t leaf_bytes = bvh.leaf_words * sizeof *bvh.leaves;
-    svo_status status = upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes);
-    if (status == SVO_OK) {
-        status = upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves);
-    }
+    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes));
+    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
+    to->attachment.destroy = release_bvh;
     to->bytes = node_bytes + leaf_bytes;
     to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    svo_i_attachment_add(&tree->derived, &to->attachment);
+    to = NULL;
+
+cleanup:
     svo_i_bvh_free(&bvh);
+    if (to != NULL) {
+        release_bvh(&to->attachment);
+    }
     return status;
 }
 
-static svo_status prepare_on(const svo_tree *tree, const char *function, cl_command_queue queue)
+static svo_status prepare_on(svo_tree *tree, const char *function, cl_command_queue queue)
 {
     static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
                                                SVO_TREE_LIST};
@@ -128,9 +161,9 @@ static svo_status prepare_on(const svo_tree *tree, const char *function, cl_comm
     return status;
 }
 
-svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue)
+svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    if (tree->bvh->leaves != NULL) {
+    if (find_bvh(tree).leaves != NULL) {
         return SVO_OK;
     }
     cl_command_queue own = NULL;
@@ -142,28 +175,13 @@ svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_com
         }
     }
     const svo_status status = prepare_on(tree, function, own != NULL ? own : queue);
-    if (status != SVO_OK) {
-        svo_i_rays_release(tree);
-    }
     if (own != NULL) {
         clReleaseCommandQueue(own);
     }
     return status;
 }
 
-void svo_i_rays_release(const svo_tree *tree)
-{
-    cl_mem *const buffers[] = {&tree->bvh->nodes, &tree->bvh->leaves};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        if (*buffers[i] != NULL) {
-            clReleaseMemObject(*buffers[i]);
-            *buffers[i] = NULL;
-        }
-    }
-    tree->bvh->bytes = 0;
-}
-
-svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
+svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
 {
     static const char function[] = "svo_tree_prepare_rays";
     if (tree == NULL) {
@@ -178,7 +196,7 @@ svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
-    return tree != NULL ? tree->bvh->bytes : 0;
+    return tree != NULL ? find_bvh(tree).bytes : 0;
 }
 
 /* ---- kernel arguments ---- */
@@ -216,7 +234,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
     params->reserved = 0;
-    params->reach = tree->bvh->reach;
+    params->reach = find_bvh(tree).reach;
     return SVO_OK;
 }
 
@@ -255,7 +273,7 @@ svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel 
     return SVO_OK;
 }
 
-svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
     /* Voxels can be asked for without triangles. */
@@ -264,14 +282,15 @@ svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_ke
     if (status == SVO_OK) {
         status = fill_params(tree, function, &params);
     }
+    const device_bvh bvh = find_bvh(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(tree->bvh->nodes), SVO_I_ARGUMENT(tree->bvh->leaves), SVO_I_ARGUMENT(params)};
+        SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};
     return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
                             : status;
 }
 
-svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index)
+svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)
 {
     static const char function[] = "svo_tree_set_args";
     if (tree == NULL || kernel == NULL) {

@@ -322,7 +322,7 @@ static svo_status check_payload(svo_device *device, const svo_tree *tree)
 }
 
 /* The kernel of a view without light, all its arguments set. */
-static svo_status prepare_view(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+static svo_status prepare_view(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                const picture *drawn, cl_kernel *out)
 {
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
@@ -371,7 +371,7 @@ static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const
                : status;
 }
 
-static svo_status prepare(svo_device *device, const svo_tree *tree, const svo_render_options *options, picture *out)
+static svo_status prepare(svo_device *device, svo_tree *tree, const svo_render_options *options, picture *out)
 {
     const size_t pixel_bytes = (size_t)options->width * options->height * 4;
     svo_status status = svo_i_device_buffer(device, "svo_tree_render", "camera", CL_MEM_READ_ONLY,
@@ -413,7 +413,7 @@ static svo_status draw(svo_device *device, cl_command_queue queue, const picture
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, "svo_tree_render", call, error);
 }
 
-svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                            cl_command_queue queue, uint8_t *rgba)
 {
     if (device == NULL) {

@@ -49,7 +49,7 @@ static svo_status check_buffer(const svo_tree *tree, const batch *asked, const c
 
 /* ---- launches ---- */
 
-static svo_status make_kernel(const svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_kernel *out)
+static svo_status make_kernel(svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_kernel *out)
 {
     const cl_uint count = (cl_uint)asked->count;
     cl_program program = NULL;
@@ -68,7 +68,7 @@ static svo_status make_kernel(const svo_tree *tree, const batch *asked, cl_mem i
                             : status;
 }
 
-static svo_status enqueue(const svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
+static svo_status enqueue(svo_tree *tree, const batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
                           cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     svo_status status = check_batch(tree, asked, input, output, queue);
@@ -101,7 +101,7 @@ static svo_status enqueue(const svo_tree *tree, const batch *asked, cl_mem input
 }
 
 /* Host arrays through buffers of this call. */
-static svo_status go_through(const svo_tree *tree, const batch *asked, const void *input, void *output,
+static svo_status go_through(svo_tree *tree, const batch *asked, const void *input, void *output,
                              cl_command_queue queue, cl_mem buffers[2])
 {
     const size_t input_bytes = asked->count * asked->input_bytes;
@@ -132,7 +132,7 @@ static svo_status go_through(const svo_tree *tree, const batch *asked, const voi
     return status;
 }
 
-static svo_status run_blocking(const svo_tree *tree, const batch *asked, const void *input, void *output,
+static svo_status run_blocking(svo_tree *tree, const batch *asked, const void *input, void *output,
                                cl_command_queue queue)
 {
     const svo_status checked = check_batch(tree, asked, input, output, queue);
@@ -175,7 +175,7 @@ static svo_status ray_batch(const svo_tree *tree, const char *function, size_t r
                                    flags, (unsigned)SVO_TRACE_COUNT);
 }
 
-svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
+svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
                                   cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     cl_uint any = 0;
@@ -187,7 +187,7 @@ svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits
     return status == SVO_OK ? enqueue(tree, &asked, rays, hits, queue, num_wait, wait, event) : status;
 }
 
-svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
+svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
                           cl_command_queue queue)
 {
     cl_uint any = 0;
@@ -214,15 +214,15 @@ static batch point_batch(const char *function, size_t point_count)
                    .per_item = 1};
 }
 
-svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
                                     cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     const batch asked = point_batch("svo_tree_nearest_enqueue", point_count);
     return tree != NULL ? enqueue(tree, &asked, points, results, queue, num_wait, wait, event) : SVO_INVALID_ARGUMENT;
 }
 
-svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
-                            size_t point_count, cl_command_queue queue)
+svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results, size_t point_count,
+                            cl_command_queue queue)
 {
     const batch asked = point_batch("svo_tree_nearest", point_count);
     return tree != NULL ? run_blocking(tree, &asked, points, results, queue) : SVO_INVALID_ARGUMENT;

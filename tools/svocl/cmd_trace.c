@@ -63,7 +63,7 @@ static int make_rays(program *state, const svo_tree *tree, ray_table *out)
 }
 
 /* tree: on the device, and its arrays on the host. */
-static int trace(program *state, const session *opened, const svo_tree *tree)
+static int trace(program *state, const session *opened, svo_tree *tree)
 {
     ray_table cast = {0};
     progress_step(state->progress, "tracing rays");
