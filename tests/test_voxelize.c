@@ -15,7 +15,7 @@
 #include "compare_tree.h"
 #include "meshes.h"
 #include "scenes.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 /* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
 #define CL_ERROR_LIST(X)                            \

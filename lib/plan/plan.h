@@ -10,7 +10,7 @@
 
 #include "core/device.h"
 #include "plan/configuration.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 #include "svocl/plan.h"
 
 /* Triangles by the arithmetic their overlap test needs; see kernels/overlap.clh. */

@@ -11,7 +11,7 @@
 #include "core/program.h"
 #include "core/tree.h"
 #include "rays/rays.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 #include "svocl/plan.h"
 
 #define PICTURE_EDGE_MAX 16384u
