@@ -9,6 +9,7 @@
 #include "build/frontend.h"
 #include "build/frontend_choice.h"
 #include "compute/gl_build.h"
+#include "core/struct_size.h"
 #include "raster/gl_list.h"
 #include "raster/raster.h"
 #include "raster/selftest.h"
@@ -372,10 +373,6 @@ const char *svo_gl_build_reason(svo_gl *gl, uint32_t need)
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
-    if (options->struct_size != sizeof *options) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: options.struct_size is %zu, not %zu",
-                                 options->struct_size, sizeof *options);
-    }
     if ((unsigned)options->raster >= RASTERS || (unsigned)options->share >= SHARES) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
@@ -393,7 +390,9 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
                                  : context == NULL ? "context"
                                                    : "out");
     }
-    const svo_gl_options asked = options != NULL ? *options : (svo_gl_options){.struct_size = sizeof asked};
+    svo_gl_options asked;
+    SVO_I_TRY(svo_i_struct_read(&device->message, "svo_gl_create", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gl_options, share)));
     svo_status status = check_options(device, &asked);
     if (status != SVO_OK) {
         return status;

@@ -43,6 +43,7 @@ typedef struct svo_render_options {
     svo_camera camera;
     svo_render_view view;
 } svo_render_options;
+#define SVO_RENDER_OPTIONS_INIT SVO_STRUCT_INIT(svo_render_options)
 
 /*
  * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the

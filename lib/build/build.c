@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/frontend_choice.h"
+#include "core/struct_size.h"
+
 const char *svo_stage_name(svo_stage stage)
 {
     static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
@@ -371,9 +374,6 @@ const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue)
 static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue,
                                   svo_tree *const *out)
 {
-    if (frontend == NULL) {
-        return "frontend is NULL";
-    }
     if (frontend->device != plan->device) {
         return "frontend is of another device than plan";
     }
@@ -415,28 +415,15 @@ svo_status svo_i_build_compile(svo_i_build *build, svo_frontend *frontend)
     return status;
 }
 
-svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
-                     svo_build_report *report)
+static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                            svo_build_report *report)
 {
-    if (plan == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const char *wrong = wrong_argument(plan, frontend, queue, out);
-    if (wrong != NULL) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
-    }
-    if (report != NULL && report->struct_size != sizeof *report) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: report.struct_size is %zu, not %zu",
-                                 report->struct_size, sizeof *report);
-    }
-    svo_build_report unread = {0};
     svo_i_build build = {.device = plan->device,
                          .plan = plan,
                          .queue = queue,
                          .profiling = svo_i_queue_profiles(queue),
-                         .report = report != NULL ? report : &unread};
-    *build.report = (svo_build_report){.struct_size = sizeof *report,
-                                       .frontend = frontend->name,
+                         .report = report};
+    *build.report = (svo_build_report){.frontend = frontend->name,
                                        .share = frontend->share,
                                        .builder = frontend->make_tree != NULL ? frontend->builder
                                                                               : svo_builder_name(plan->options.builder),
@@ -462,4 +449,48 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     }
     *out = build.tree;
     return SVO_OK;
+}
+
+/* The sizes of svo_build_report. Its stage times are its last field, so that shorter reports have none. */
+svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report)
+{
+    return report == NULL ? SVO_OK
+                          : svo_i_struct_check(&device->message, function, "report", report,
+                                               SVO_I_STRUCT_SIZES(svo_build_report, renderer));
+}
+
+void svo_i_report_write(const svo_build_report *made, svo_build_report *report)
+{
+    if (report != NULL) {
+        (void)svo_i_struct_write(NULL, "", "report", made, report, SVO_I_STRUCT_SIZES(svo_build_report, renderer));
+    }
+}
+
+svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                     svo_build_report *report)
+{
+    if (plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(svo_i_report_check(plan->device, SVO_I_BUILD, report));
+    SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
+    SVO_I_TRY(svo_i_device_queue(plan->device, SVO_I_BUILD, queue, &queue));
+    const char *wrong = wrong_argument(plan, frontend, queue, out);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
+    }
+    svo_build_report made;
+    const svo_status status = run_build(plan, frontend, queue, out, &made);
+    svo_i_report_write(&made, report);
+    return status;
+}
+
+size_t svo_build_report_stage(const svo_build_report *report, size_t index, svo_stage_time *time)
+{
+    const size_t end_bytes = offsetof(svo_build_report, stage_times) + (index + 1) * sizeof report->stage_times[0];
+    const bool known = index < SVO_STAGE_COUNT && end_bytes <= report->struct_size;
+    if (time != NULL) {
+        *time = known ? report->stage_times[index] : (svo_stage_time){.clock = NULL};
+    }
+    return SVO_STAGE_COUNT;
 }

@@ -9,6 +9,10 @@
  */
 #include "build/frontend_choice.h"
 
+#include <stdlib.h>
+
+#include "build/frontend.h"
+
 /* Fewer expected fragments than this are made before OpenGL has started. */
 #define FEW_FRAGMENTS 1048576.0
 
@@ -37,4 +41,36 @@ bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *r
         svo_i_message_set(reason, "%s draws in hardware, faster than %s computes", renderer->name, device->name);
     }
     return false;
+}
+
+/* The device's own front end, attached to it. */
+typedef struct own_frontend {
+    svo_i_attachment attachment;
+    svo_frontend *frontend;
+} own_frontend;
+
+static void release_frontend(svo_i_attachment *attachment)
+{
+    svo_frontend_destroy(&((own_frontend *)attachment)->frontend);
+    free(attachment);
+}
+
+svo_status svo_i_default_frontend(svo_device *device, svo_frontend *given, svo_frontend **out)
+{
+    const svo_i_attachment *known = svo_i_attachment_find(device->attachments, release_frontend);
+    if (given != NULL || known != NULL) {
+        *out = given != NULL ? given : ((const own_frontend *)known)->frontend;
+        return SVO_OK;
+    }
+    svo_frontend *frontend = NULL;
+    SVO_I_TRY(svo_frontend_create_cl(device, &frontend));
+    own_frontend *own = calloc(1, sizeof *own);
+    if (own == NULL) {
+        svo_frontend_destroy(&frontend);
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_frontend_create_cl: no memory for the handle");
+    }
+    *own = (own_frontend){.attachment.destroy = release_frontend, .frontend = frontend};
+    svo_i_attachment_add(&device->attachments, &own->attachment);
+    *out = frontend;
+    return SVO_OK;
 }

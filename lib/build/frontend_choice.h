@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The rules by which a front end is chosen; svocl::gl tells them what it knows of the renderer. */
+/* Which front end to use: the default one, and the rules for a choice between OpenCL and OpenGL. */
 #ifndef SVO_LIB_BUILD_FRONTEND_CHOICE_H
 #define SVO_LIB_BUILD_FRONTEND_CHOICE_H
 
@@ -11,6 +11,10 @@ typedef struct svo_i_renderer {
     bool is_software; /* it draws on the CPU */
     bool in_place; /* OpenCL reads the list where OpenGL wrote it */
 } svo_i_renderer;
+
+/* The front end that is given, or for NULL the device's own of OpenCL alone, made on first use and owned by the
+   device. */
+svo_status svo_i_default_frontend(svo_device *device, svo_frontend *given, svo_frontend **out);
 
 SVO_I_SHARED_BEGIN
 

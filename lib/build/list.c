@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "build/build.h"
+#include "build/frontend_choice.h"
 
 /* Cutting chunks in halves until they fit ends long before this. */
 #define RERUNS_MAX 32u
@@ -149,9 +150,10 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = frontend == NULL                   ? "frontend is NULL"
-                        : frontend->device != plan->device ? "frontend is of another device than plan"
-                                                           : svo_i_wrong_queue(plan->device, queue);
+    SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
+    SVO_I_TRY(svo_i_device_queue(plan->device, "svo_plan_count", queue, &queue));
+    const char *wrong = frontend->device != plan->device ? "frontend is of another device than plan"
+                                                         : svo_i_wrong_queue(plan->device, queue);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
     }
