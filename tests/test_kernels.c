@@ -124,7 +124,9 @@ static void build(const request *asked, const method *by, built *out)
     out->weight_log2 = plan->weight_log2;
     svo_frontend_destroy(&cl);
     svo_plan_destroy(&plan);
+    out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(out->tree, &out->info);
+    out->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(out->tree, &out->arrays);
 }
 

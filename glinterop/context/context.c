@@ -6,6 +6,7 @@
 
 #include "context/wrap.h"
 #include "core/message.h"
+#include "core/struct_size.h"
 
 const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
 {
@@ -171,12 +172,14 @@ void svo_gl_context_destroy(svo_gl_context **context)
     *context = NULL;
 }
 
-void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info)
+svo_status svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info)
 {
-    info->kind = context->kind;
-    info->device_index = context->device_index;
-    info->vendor = context->functions.vendor;
-    info->renderer = context->functions.renderer;
-    info->version = context->functions.version_text;
-    info->is_software = svo_i_gl_is_software(&context->functions);
+    const svo_gl_context_info found = {.kind = context->kind,
+                                       .device_index = context->device_index,
+                                       .vendor = context->functions.vendor,
+                                       .renderer = context->functions.renderer,
+                                       .version = context->functions.version_text,
+                                       .is_software = svo_i_gl_is_software(&context->functions)};
+    return svo_i_struct_write(NULL, "svo_gl_context_get_info", "info", &found, info,
+                              SVO_I_STRUCT_SIZES(svo_gl_context_info, device_index));
 }

@@ -6,6 +6,7 @@
 
 #include "compute/builder.h"
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "frontend/choice.h"
 #include "plan/frontend_choice.h"
 #include "raster/rasterize.h"
@@ -83,10 +84,6 @@ static void release(void *self, svo_i_fragment_list *list)
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
-    if (options->struct_size != sizeof *options) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: options.struct_size is %zu, not %zu",
-                                 options->struct_size, sizeof *options);
-    }
     if ((unsigned)options->raster >= SVO_I_GL_RASTERS || (unsigned)options->share >= SVO_I_GL_SHARES) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
@@ -117,7 +114,9 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
                                  : context == NULL ? "context"
                                                    : "out");
     }
-    const svo_gl_options asked = options != NULL ? *options : (svo_gl_options){.struct_size = sizeof asked};
+    svo_gl_options asked;
+    SVO_I_TRY(svo_i_struct_read(&device->message, "svo_gl_create", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gl_options, share)));
     SVO_I_TRY(check_options(device, &asked));
     svo_gl *gl = calloc(1, sizeof *gl);
     if (gl == NULL) {

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_build: a build that waits. Has the fragment list made, runs the stages and hands out the tree. */
+#include "build/default_frontend.h"
 #include "build/list.h"
 #include "build/measure.h"
 #include "build/order.h"
+#include "build/report.h"
 #include "plan/buffers.h"
 #include "stages/constants.h"
-
-const char *svo_stage_name(svo_stage stage)
-{
-    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
-                                                       "subdivide", "pack",    "link",     "filter"};
-    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
-}
 
 /* Refuses what the fragment estimate says cannot fit, before anything is allocated. */
 static svo_status check_size(svo_i_build *build)
@@ -48,9 +43,6 @@ static svo_status run_stages(svo_i_build *build)
 static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue,
                                   svo_tree *const *out)
 {
-    if (frontend == NULL) {
-        return "frontend is NULL";
-    }
     if (frontend->device != plan->device) {
         return "frontend is of another device than plan";
     }
@@ -61,33 +53,19 @@ static const char *wrong_argument(const svo_plan *plan, const svo_frontend *fron
 static void begin_report(svo_build_report *report, const svo_plan *plan, const svo_frontend *frontend)
 {
     const char *builder = frontend->make_tree != NULL ? frontend->builder : svo_builder_name(plan->options.builder);
-    *report = (svo_build_report){.struct_size = sizeof *report,
-                                 .frontend = frontend->name,
+    *report = (svo_build_report){.frontend = frontend->name,
                                  .share = frontend->share,
                                  .builder = builder,
                                  .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     svo_i_report_add(report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
 }
 
-svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
-                     svo_build_report *report)
+static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                            svo_build_report *report)
 {
-    if (plan == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const char *wrong = wrong_argument(plan, frontend, queue, out);
-    if (wrong != NULL) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
-    }
-    if (report != NULL && report->struct_size != sizeof *report) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: report.struct_size is %zu, not %zu",
-                                 report->struct_size, sizeof *report);
-    }
     svo_status status = SVO_OK;
-    svo_build_report unread = {0};
-    svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, report != NULL ? report : &unread),
-                         .frontend = frontend};
-    begin_report(build.commands.report, plan, frontend);
+    svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, report), .frontend = frontend};
+    begin_report(report, plan, frontend);
     svo_i_plan_buffers_reset(plan);
     plan->built = true;
     build.tree = svo_i_tree_new();
@@ -100,10 +78,29 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     *out = build.tree;
     build.tree = NULL;
 cleanup:
-    build.commands.report->fragments = build.fragment_count;
-    build.commands.report->list_chunks = build.list.chunk_count;
+    report->fragments = build.fragment_count;
+    report->list_chunks = build.list.chunk_count;
     svo_i_commands_end(&build.commands);
     svo_i_build_release_scratch(&build);
     svo_tree_destroy(&build.tree);
+    return status;
+}
+
+svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
+                     svo_build_report *report)
+{
+    if (plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(svo_i_report_check(plan->device, SVO_I_BUILD, report));
+    SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
+    SVO_I_TRY(svo_i_device_queue(plan->device, SVO_I_BUILD, queue, &queue));
+    const char *wrong = wrong_argument(plan, frontend, queue, out);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
+    }
+    svo_build_report made;
+    const svo_status status = run_build(plan, frontend, queue, out, &made);
+    svo_i_report_write(&made, report);
     return status;
 }

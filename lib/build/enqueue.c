@@ -8,6 +8,7 @@
 
 #include "build/order.h"
 #include "build/pending.h"
+#include "build/report.h"
 #include "plan/estimate.h"
 
 /* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
@@ -266,13 +267,13 @@ static svo_status trim_tree(svo_tree *tree, cl_command_queue queue)
 static void fill_report(const svo_tree *tree, const svo_i_pending *pending, svo_build_report *report)
 {
     const svo_frontend *frontend = tree->workspace->frontend;
-    *report = pending->report;
-    report->struct_size = sizeof *report;
-    report->list_chunks = pending->build.list.chunk_count;
-    report->frontend = frontend->name;
-    report->builder = svo_builder_name(SVO_BUILDER_CL);
-    report->share = frontend->share;
-    report->renderer = frontend->renderer != NULL ? frontend->renderer : "";
+    svo_build_report made = pending->report;
+    made.list_chunks = pending->build.list.chunk_count;
+    made.frontend = frontend->name;
+    made.builder = svo_builder_name(SVO_BUILDER_CL);
+    made.share = frontend->share;
+    made.renderer = frontend->renderer != NULL ? frontend->renderer : "";
+    svo_i_report_write(&made, report);
 }
 
 svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report)
@@ -281,12 +282,10 @@ svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo
         return SVO_INVALID_ARGUMENT;
     }
     const char *wrong = tree->pending == NULL ? "tree has no build in flight" : svo_i_wrong_queue(tree->device, queue);
-    if (wrong == NULL && report != NULL && report->struct_size != sizeof *report) {
-        wrong = "report.struct_size is not sizeof(svo_build_report)";
-    }
     if (wrong != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", wrong);
     }
+    SVO_I_TRY(svo_i_report_check(tree->device, "svo_tree_finish", report));
     svo_status status = SVO_OK;
     svo_i_pending *pending = tree->pending;
     tree->pending = NULL;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/default_frontend.h"
 #include "build/measure.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
@@ -146,21 +147,15 @@ static svo_status count_fragments(svo_i_commands *commands, svo_frontend *fronte
     return status;
 }
 
-static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue)
-{
-    if (frontend == NULL) {
-        return "frontend is NULL";
-    }
-    return frontend->device != plan->device ? "frontend is of another device than plan"
-                                            : svo_i_wrong_queue(plan->device, queue);
-}
-
 svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue)
 {
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = wrong_argument(plan, frontend, queue);
+    SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
+    SVO_I_TRY(svo_i_device_queue(plan->device, "svo_plan_count", queue, &queue));
+    const char *wrong = frontend->device != plan->device ? "frontend is of another device than plan"
+                                                         : svo_i_wrong_queue(plan->device, queue);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
     }

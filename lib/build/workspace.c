@@ -8,6 +8,7 @@
 
 #include "build/measure.h"
 #include "build/pending.h"
+#include "core/struct_size.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 
@@ -88,17 +89,20 @@ static void release(svo_workspace *workspace)
     }
 }
 
+#define SIZES_OF_INFO SVO_I_STRUCT_SIZES(svo_workspace_info, scratch_alignment)
+
 svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info)
 {
     if (plan == NULL || info == NULL) {
         return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
                                  "svo_workspace_measure: %s is NULL", plan == NULL ? "plan" : "info");
     }
+    SVO_I_TRY(svo_i_struct_check(&plan->device->message, "svo_workspace_measure", "info", info, SIZES_OF_INFO));
     const svo_plan before = *plan;
     svo_workspace measured = {.device = plan->device, .plan = plan, .frontend = frontend};
     const svo_status status = measure(&measured);
     if (status == SVO_OK) {
-        *info = measured.info;
+        (void)svo_i_struct_write(NULL, "", "info", &measured.info, info, SIZES_OF_INFO);
     }
     release(&measured);
     *plan = before; /* nothing but its list was changed */
@@ -165,14 +169,10 @@ static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
     return status;
 }
 
-static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, const svo_workspace_options *options,
-                                  svo_workspace *const *out)
+static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, svo_workspace *const *out)
 {
     if (out == NULL) {
         return "out is NULL";
-    }
-    if (options != NULL && options->struct_size != sizeof *options) {
-        return "options.struct_size is not sizeof(svo_workspace_options)";
     }
     return svo_i_wrong_queue(plan->device, queue);
 }
@@ -180,11 +180,13 @@ static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, 
 svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
                                 const svo_workspace_options *options, svo_workspace **out)
 {
-    static const svo_workspace_options defaults = {.struct_size = sizeof defaults};
+    svo_workspace_options asked;
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = wrong_argument(plan, queue, options, out);
+    SVO_I_TRY(svo_i_struct_read(&plan->device->message, SVO_I_WORKSPACE, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_workspace_options, scratch)));
+    const char *wrong = wrong_argument(plan, queue, out);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
     }
@@ -193,12 +195,11 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_WORKSPACE ": no memory for the handle");
     }
     svo_status status = SVO_OK;
-    const svo_workspace_options *given = options != NULL ? options : &defaults;
     const svo_plan before = *plan;
     *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
     SVO_I_TRY_CLEANUP(measure(workspace));
-    SVO_I_TRY_CLEANUP(get_scratch(workspace, given));
-    SVO_I_TRY_CLEANUP(cut_scratch(workspace, given->scratch != NULL ? given->offset_bytes : 0));
+    SVO_I_TRY_CLEANUP(get_scratch(workspace, &asked));
+    SVO_I_TRY_CLEANUP(cut_scratch(workspace, asked.scratch != NULL ? asked.offset_bytes : 0));
     SVO_I_TRY_CLEANUP(compile(workspace, queue));
     *out = workspace;
     return SVO_OK;
@@ -226,9 +227,10 @@ void svo_workspace_destroy(svo_workspace **workspace)
     *workspace = NULL;
 }
 
-void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info)
+svo_status svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info)
 {
-    *info = workspace->info;
+    return svo_i_struct_write(&workspace->device->message, "svo_workspace_get_info", "info", &workspace->info, info,
+                              SIZES_OF_INFO);
 }
 
 /* Takes a tree out of its workspace when the tree is destroyed. */

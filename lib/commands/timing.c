@@ -4,8 +4,8 @@
 
 void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
 {
-    report->stages[stage].ms += ms;
-    report->stages[stage].clock = clock;
+    report->stage_times[stage].ms += ms;
+    report->stage_times[stage].clock = clock;
 }
 
 void svo_i_stage_begin(svo_i_commands *commands)

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 /* PoCL compiles launches of up to 65535 work-items apart from larger ones. */
 #define LARGE_ITEMS 131072u

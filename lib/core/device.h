@@ -36,6 +36,12 @@ const char *svo_i_cl_error_name(cl_int error);
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
 
+/* The message to write for a device; NULL without one (a tree from a file has none). */
+svo_message *svo_i_device_message(svo_device *device);
+
+/* The queue that is given, or for NULL the device's own in-order queue, made on first use and owned by the device. */
+svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out);
+
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
 SVO_I_SHARED_END

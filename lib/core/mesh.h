@@ -23,7 +23,7 @@ SVO_I_SHARED_BEGIN
 
 /* Checks the views, reads the arrays and packs them. Returns what the reader does, SVO_INVALID_ARGUMENT, or
    SVO_OUT_OF_HOST_MEMORY. */
-svo_status svo_i_mesh_read(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
+svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
                            svo_message *message);
 
 SVO_I_SHARED_END

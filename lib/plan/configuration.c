@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/struct_size.h"
 #include "plan/configuration.h"
 #include "plan/frontend_choice.h"
 
@@ -267,20 +268,38 @@ int svo_plan_has_stage(const svo_plan *plan, svo_stage stage)
     return 0;
 }
 
-size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
+size_t svo_plan_kernels_count(const svo_plan *plan)
 {
-    if (info != NULL && index < plan->work.kernels_count) {
-        info->name = plan->work.kernels[index].name;
-        info->defines = plan->work.kernels[index].defines;
-    }
     return plan->work.kernels_count;
 }
 
-size_t svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)
+svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
 {
-    if (entry != NULL && index < plan->work.left_out_count) {
-        entry->what = plan->work.left_out[index].what;
-        entry->reason = plan->work.left_out[index].reason.text;
+    static const char function[] = "svo_plan_get_kernels";
+    if (index >= plan->work.kernels_count) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function, index,
+                                 (size_t)plan->work.kernels_count);
     }
+    const svo_kernels_info found = {.name = plan->work.kernels[index].name,
+                                    .defines = plan->work.kernels[index].defines};
+    return svo_i_struct_write(&plan->device->message, function, "info", &found, info,
+                              SVO_I_STRUCT_SIZES(svo_kernels_info, name));
+}
+
+size_t svo_plan_left_out_count(const svo_plan *plan)
+{
     return plan->work.left_out_count;
+}
+
+svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)
+{
+    static const char function[] = "svo_plan_get_left_out";
+    if (index >= plan->work.left_out_count) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function, index,
+                                 (size_t)plan->work.left_out_count);
+    }
+    const svo_left_out found = {.what = plan->work.left_out[index].what,
+                                .reason = plan->work.left_out[index].reason.text};
+    return svo_i_struct_write(&plan->device->message, function, "entry", &found, entry,
+                              SVO_I_STRUCT_SIZES(svo_left_out, what));
 }

@@ -9,8 +9,8 @@
 #include <stdbool.h>
 
 #include "core/program.h"
+#include "shared/layout.h"
 #include "svocl/build.h"
-#include "svocl/layout.h"
 #include "svocl/plan.h"
 
 /* How kernels/voxelize.cl decides whether a triangle touches a voxel. */

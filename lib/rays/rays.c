@@ -92,10 +92,7 @@ static svo_status read_array(const svo_tree *tree, const char *function, cl_comm
 static svo_status upload(const svo_tree *tree, const char *function, cl_command_queue queue, const char *name,
                          const void *data, size_t bytes, cl_mem *out)
 {
-    const svo_status status = svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out));
     const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
 }
@@ -129,7 +126,7 @@ cleanup:
     return status;
 }
 
-static svo_status prepare_on(svo_tree *tree, const char *function, cl_command_queue queue)
+svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
     static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
                                                SVO_TREE_LIST};
@@ -137,46 +134,28 @@ static svo_status prepare_on(svo_tree *tree, const char *function, cl_command_qu
     const void *arrays[4] = {NULL};
     void *copies[4] = {NULL};
     svo_status status = SVO_OK;
-    bool outside = false;
-    for (int i = 0; i < 4 && status == SVO_OK; ++i) {
-        if (buffers[i] != SVO_TREE_LIST || outside) {
-            status = read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]);
-        }
-        outside =
-            i == 0 && status == SVO_OK ? reaches_outside(arrays[0], info->vertex_count, info->snap_bits) : outside;
-    }
-    if (status == SVO_OK) {
-        const svo_i_bvh_source source = {.vertices = arrays[0],
-                                         .indices = arrays[1],
-                                         .triangle_ids = arrays[2],
-                                         .list = arrays[3],
-                                         .list_count = info->list_count,
-                                         .triangle_count = (uint32_t)info->list_triangle_count,
-                                         .snap_bits = info->snap_bits};
-        status = make_bvh(tree, function, queue, &source);
-    }
-    for (int i = 0; i < 4; ++i) {
-        free(copies[i]);
-    }
-    return status;
-}
-
-svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
-{
     if (find_bvh(tree).leaves != NULL) {
         return SVO_OK;
     }
-    cl_command_queue own = NULL;
-    if (queue == NULL) {
-        cl_int error = CL_SUCCESS;
-        own = clCreateCommandQueue(tree->device->context, tree->device->device, 0, &error);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(tree->device, function, "clCreateCommandQueue", error);
-        }
+    SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
+    for (int i = 0; i < 3; ++i) {
+        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]));
     }
-    const svo_status status = prepare_on(tree, function, own != NULL ? own : queue);
-    if (own != NULL) {
-        clReleaseCommandQueue(own);
+    if (reaches_outside(arrays[0], info->vertex_count, info->snap_bits)) {
+        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[3], &arrays[3], &copies[3]));
+    }
+    const svo_i_bvh_source source = {.vertices = arrays[0],
+                                     .indices = arrays[1],
+                                     .triangle_ids = arrays[2],
+                                     .list = arrays[3],
+                                     .list_count = info->list_count,
+                                     .triangle_count = (uint32_t)info->list_triangle_count,
+                                     .snap_bits = info->snap_bits};
+    SVO_I_TRY_CLEANUP(make_bvh(tree, function, queue, &source));
+
+cleanup:
+    for (int i = 0; i < 4; ++i) {
+        free(copies[i]);
     }
     return status;
 }
@@ -187,11 +166,8 @@ svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (queue == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: queue is NULL", function);
-    }
-    const svo_status status = svo_i_rays_check(tree, function);
-    return status == SVO_OK ? svo_i_rays_prepare(tree, function, queue) : status;
+    SVO_I_TRY(svo_i_rays_check(tree, function));
+    return svo_i_rays_prepare(tree, function, queue);
 }
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
@@ -278,16 +254,15 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
     svo_ray_params params = {.depth = 0};
     /* Voxels can be asked for without triangles. */
     const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
-    svo_status status = triangles ? svo_i_rays_prepare(tree, function, NULL) : SVO_OK;
-    if (status == SVO_OK) {
-        status = fill_params(tree, function, &params);
+    if (triangles) {
+        SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
+    SVO_I_TRY(fill_params(tree, function, &params));
     const device_bvh bvh = find_bvh(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
         SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};
-    return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
-                            : status;
+    return svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
 }
 
 svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)

@@ -5,7 +5,7 @@
 
 #include "core/program.h"
 #include "core/tree.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 SVO_I_SHARED_BEGIN
 

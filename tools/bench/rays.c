@@ -68,7 +68,7 @@ static int snap_mesh(ray_bench *bench)
 /* Embree's copy of the triangles that the tree holds. */
 static int open_peer(ray_bench *bench)
 {
-    svo_tree_arrays arrays;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     const svo_tree_info *info = &bench->work.result.info;
     svo_tree_get_arrays(bench->work.result.tree, &arrays);
     float *vertices = calloc((size_t)info->vertex_count * 3 + 1, sizeof *vertices);
@@ -177,7 +177,7 @@ static int measure_set(ray_bench *bench, ray_set *set)
 
 static void judge_set(ray_bench *bench, ray_set *set)
 {
-    svo_tree_arrays arrays;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     const svo_tree_info *info = &bench->work.result.info;
     svo_tree_get_arrays(bench->work.result.tree, &arrays);
     const oracle_ray_scene snapped = {.vertices = arrays.vertices,

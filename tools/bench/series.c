@@ -58,13 +58,14 @@ static uint64_t bytes_of_tree(const svo_tree *tree)
 
 static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method *method)
 {
+    method->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &method->info);
     method->peak_bytes = svo_plan_peak_bytes(plan);
     method->tree_bytes = bytes_of_tree(tree);
     method->list_bytes = 0;
-    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    const size_t count = svo_plan_buffer_count(plan);
     for (size_t i = 0; i < count; ++i) {
-        svo_buffer_info buffer;
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         method->list_bytes += strcmp(buffer.name, "fragments") == 0 ? buffer.bytes : 0;
     }
@@ -73,7 +74,7 @@ static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method
 static void keep_times(const svo_build_report *report, double wall_ms, double *times)
 {
     for (size_t stage = 0; stage < SVO_STAGE_COUNT; ++stage) {
-        times[stage] = report->stages[stage].clock != NULL ? report->stages[stage].ms : 0.0;
+        times[stage] = report->stage_times[stage].clock != NULL ? report->stage_times[stage].ms : 0.0;
     }
     times[SERIES_WALL] = wall_ms;
 }
@@ -196,7 +197,7 @@ double series_first_ms(const series_method *method, unsigned clocks)
 
 const char *series_clock(const series_method *method, svo_stage stage)
 {
-    const char *clock = method->reason[0] == '\0' ? method->report.stages[stage].clock : NULL;
+    const char *clock = method->reason[0] == '\0' ? method->report.stage_times[stage].clock : NULL;
     return clock != NULL ? clock : "";
 }
 

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#include "svocl/layout.h"
+#include "svocl/ray_types.h"
 #include "svocl/mesh.h"
 
 typedef enum ray_target {

@@ -82,7 +82,7 @@ static double run_ours(void *user)
     svo_tree *tree = build(method->bench, method->weights, need_of(method->bench->kind), &report);
     const bool worked = tree != NULL;
     svo_tree_destroy(&tree);
-    return worked ? report.stages[SVO_STAGE_LINK].ms + report.stages[SVO_STAGE_FILTER].ms : -1.0;
+    return worked ? report.stage_times[SVO_STAGE_LINK].ms + report.stage_times[SVO_STAGE_FILTER].ms : -1.0;
 }
 
 static double run_kernel(void *user)
@@ -100,8 +100,8 @@ static bool find_ours(const attribute_method *method, double (*means)[3])
     if (tree == NULL) {
         return false;
     }
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     const bool same_leaves = info.leaf_count == bench->samples.leaf_count;
@@ -211,8 +211,8 @@ static void summarize(attribute_bench *bench, attribute_method_result *result)
 
 static bool prepare(attribute_bench *bench, const svo_mesh *mesh)
 {
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     bench->mesh = *mesh;
     bench->indices = calloc(mesh->triangle_count * 3 + 1, sizeof *bench->indices);
     if (bench->indices == NULL || mesh->indices == NULL || mesh->material_count > 0) {

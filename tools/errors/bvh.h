@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "svocl/layout.h"
+#include "svocl/ray_types.h"
 
 typedef struct bvh bvh;
 

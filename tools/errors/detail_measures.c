@@ -54,8 +54,8 @@ bool detail_reference_create(const session *opened, const svo_mesh *mesh, detail
         detail_reference_free(out);
         return false;
     }
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(out->tree, &info);
     svo_tree_get_arrays(out->tree, &arrays);
     measure_mesh(&info, &arrays, out);
@@ -181,8 +181,8 @@ static bool measure_distance(const detail_reference *reference, const svo_tree_i
 bool detail_measure(const detail_reference *reference, const svo_tree *tree, cl_command_queue queue,
                     detail_measures *out)
 {
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     uint64_t *codes = calloc((size_t)info.leaf_count + 1, sizeof *codes);

@@ -78,7 +78,7 @@ static int add_depth(error_run *run, result_table *table, const char *name, cons
                   svo_tree_download(work.tree, run->opened.queue) == SVO_OK &&
                   detail_measure(reference, work.tree, run->opened.queue, &found);
     if (worked) {
-        svo_tree_info info;
+        svo_tree_info info = SVO_TREE_INFO_INIT;
         svo_tree_get_info(work.tree, &info);
         const double voxel = info.edge / (double)(1u << depth);
         result_add_text(table, "%s", name);

@@ -153,7 +153,9 @@ static bool build_tree(ray_bench *bench)
     }
     svo_plan_destroy(&plan);
     if (worked) {
+        bench->info = (svo_tree_info)SVO_TREE_INFO_INIT;
         svo_tree_get_info(bench->tree, &bench->info);
+        bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
         svo_tree_get_arrays(bench->tree, &bench->arrays);
         bench->snapped =
             (oracle_ray_scene){.vertices = bench->arrays.vertices,

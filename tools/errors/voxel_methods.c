@@ -98,7 +98,7 @@ static double run_frontend(void *user)
     svo_tree *tree = NULL;
     const svo_status status = svo_build(bench->plan, method->frontend, bench->run->opened.queue, &tree, &report);
     svo_tree_destroy(&tree);
-    return status == SVO_OK ? report.stages[SVO_STAGE_VOXELIZE].ms : -1.0;
+    return status == SVO_OK ? report.stage_times[SVO_STAGE_VOXELIZE].ms : -1.0;
 }
 
 static void add_method(voxel_bench *bench, svo_frontend *frontend, float_method floats)
@@ -162,8 +162,8 @@ static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, ora
     with_lists.need = SVO_NEED_RAYS;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     uint64_t empty_leaf_count = 0;
     bool worked = svo_plan_create(bench->run->opened.device, bench->mesh, bench->depth, &with_lists, &plan) == SVO_OK &&
                   svo_build(plan, frontend, bench->run->opened.queue, &tree, NULL) == SVO_OK &&
@@ -219,7 +219,9 @@ static bool prepare(voxel_bench *bench)
     if (!worked) {
         return false;
     }
+    bench->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(bench->tree, &bench->info);
+    bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(bench->tree, &bench->arrays);
     const oracle_mesh mesh = {bench->arrays.vertices, bench->arrays.indices, bench->arrays.triangle_ids,
                               (size_t)bench->info.list_triangle_count};

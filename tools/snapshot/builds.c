@@ -143,7 +143,7 @@ static svo_status run_mode(const opened *session, svo_frontend *frontend, const 
 
 svo_status build_run(const opened *session, const svo_mesh *mesh, const request *asked, const method *by, build *out)
 {
-    *out = (build){.report = {.struct_size = sizeof out->report}};
+    *out = (build){.room = SVO_WORKSPACE_INFO_INIT, .report = SVO_BUILD_REPORT_INIT};
     svo_frontend *frontend = frontend_of(session, by->front);
     if (frontend == NULL) {
         return SVO_UNSUPPORTED;

@@ -12,7 +12,7 @@
 
 static void print_plan_info(const char *name, const svo_plan *plan)
 {
-    svo_plan_info info;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     line_text line = {.used = 0};
     svo_plan_get_info(plan, &info);
     line_text_add(&line, "snap_bits %u need %x constant %x triangles %" PRIu64 " refused %" PRIu64 " outside %" PRIu64,
@@ -28,8 +28,8 @@ static void print_plan_info(const char *name, const svo_plan *plan)
 static void list_buffers(const svo_plan *plan, line_text *line)
 {
     static const char *const certainties[] = {"exact", "bound", "estimate"};
-    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
-        svo_buffer_info buffer;
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         line_text_add(line, "%s %" PRIu64 " in %" PRIu64 " %s%s, ", buffer.name, buffer.bytes, buffer.count,
                       certainties[buffer.certainty], buffer.persistent != 0 ? " persistent" : "");
@@ -40,8 +40,8 @@ static void list_buffers(const svo_plan *plan, line_text *line)
 static void print_programs(const char *name, const svo_plan *plan)
 {
     line_text line = {.used = 0};
-    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
-        svo_kernels_info kernels;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         line_text_add(&line, "%s%s%s", i > 0 ? ", " : "", kernels.name, kernels.defines);
     }
@@ -52,8 +52,8 @@ static void print_left_out(const char *name, const svo_plan *plan)
 {
     line_text what = {.used = 0};
     line_text reasons = {.used = 0};
-    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
-        svo_left_out entry;
+    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+        svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         line_text_add(&what, "%s%s", i > 0 ? ", " : "", entry.what);
         line_text_add(&reasons, "%s%s", i > 0 ? "; " : "", entry.reason);
@@ -80,7 +80,7 @@ void describe_plan(const char *name, const svo_plan *plan)
 
 void describe_room(const char *name, svo_plan *plan, svo_frontend *frontend)
 {
-    svo_workspace_info info;
+    svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     line_text line = {.used = 0};
     const svo_status status = svo_workspace_measure(plan, frontend, &info);
     if (status != SVO_OK) {
@@ -95,7 +95,7 @@ void describe_room(const char *name, svo_plan *plan, svo_frontend *frontend)
 
 static void print_tree_info(const char *name, const svo_tree *tree)
 {
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     line_text line = {.used = 0};
     svo_tree_get_info(tree, &info);
     line_text_add(&line, "need %x constant %x weights %u payload_level %u nodes %" PRIu64 " inner %" PRIu64,
@@ -157,7 +157,9 @@ static void print_report(const char *name, const svo_build_report *report)
                   report->frontend != NULL ? report->frontend : "-", report->builder != NULL ? report->builder : "-",
                   report->share != NULL ? report->share : "-");
     for (size_t stage = 0; stage < SVO_STAGE_COUNT; ++stage) {
-        const char *clock = report->stages[stage].clock;
+        svo_stage_time time;
+        (void)svo_build_report_stage(report, stage, &time);
+        const char *clock = time.clock;
         line_text_add(&line, " %s", clock != NULL ? clock : "-");
     }
     line_print(name, "report", line.text);

@@ -44,8 +44,7 @@ static float next_random(uint64_t *state)
     return (float)(*state >> 40) * 0x1p-24f;
 }
 
-static void draw(const char *name, const opened *session, const svo_tree *tree, const char *from,
-                 const svo_camera *camera)
+static void draw(const char *name, const opened *session, svo_tree *tree, const char *from, const svo_camera *camera)
 {
     char part[LINE_NAME_BYTES];
     const size_t bytes = (size_t)PICTURE_WIDTH * PICTURE_HEIGHT * 4;
@@ -67,7 +66,7 @@ static void draw(const char *name, const opened *session, const svo_tree *tree, 
     free(rgba);
 }
 
-static void draw_all(const char *name, const opened *session, const svo_tree *tree, const svo_tree_info *info)
+static void draw_all(const char *name, const opened *session, svo_tree *tree, const svo_tree_info *info)
 {
     svo_camera camera;
     svo_camera_frame(tree, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &camera);
@@ -98,7 +97,7 @@ static void fill_rays(const svo_tree_info *info, svo_ray *rays)
     }
 }
 
-static void trace(const char *name, const opened *session, const svo_tree *tree, const svo_ray *rays)
+static void trace(const char *name, const opened *session, svo_tree *tree, const svo_ray *rays)
 {
     char part[LINE_NAME_BYTES];
     svo_hit *hits = calloc(RAY_COUNT, sizeof *hits);
@@ -114,7 +113,7 @@ static void trace(const char *name, const opened *session, const svo_tree *tree,
     free(hits);
 }
 
-static void ask_nearest(const char *name, const opened *session, const svo_tree *tree, const svo_tree_info *info)
+static void ask_nearest(const char *name, const opened *session, svo_tree *tree, const svo_tree_info *info)
 {
     uint64_t state = 2;
     svo_query_point *points = calloc(POINT_COUNT, sizeof *points);
@@ -154,7 +153,7 @@ static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 }
 
 /* Through a kernel of the program's own, as an application would. */
-static void trace_voxels(const char *name, const opened *session, const svo_tree *tree, const svo_ray *rays)
+static void trace_voxels(const char *name, const opened *session, svo_tree *tree, const svo_ray *rays)
 {
     const cl_context context = svo_device_cl_context(session->device);
     const size_t count = RAY_COUNT;
@@ -199,9 +198,9 @@ cleanup:
     }
 }
 
-void describe_queries(const char *name, const opened *session, const svo_tree *tree)
+void describe_queries(const char *name, const opened *session, svo_tree *tree)
 {
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     line_text line = {.used = 0};
     svo_ray *rays = calloc(RAY_COUNT, sizeof *rays);
     if (rays == NULL) {

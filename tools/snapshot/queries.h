@@ -6,6 +6,6 @@
 #include "builds.h"
 
 /* Of a finished, downloaded tree on the session's device. What a tree cannot be asked prints its status. */
-void describe_queries(const char *name, const opened *session, const svo_tree *tree);
+void describe_queries(const char *name, const opened *session, svo_tree *tree);
 
 #endif

@@ -24,7 +24,7 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
                   double trace_ms)
 {
     size_t met = 0;
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &info);
     for (size_t i = 0; i < count; ++i) {
         met += hits[i].triangle != SVO_NO_TRIANGLE;
