@@ -46,6 +46,8 @@ string(HEX "${text}" hex)
 string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
 string(REPEAT "." 100 line)
 string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
+# Bytes above 127 do not fit a signed char as numbers.
+string(REGEX REPLACE "0x([89a-f].)," "'\\\\x\\1'," bytes "${bytes}")
 file(WRITE ${OUTPUT}.tmp "extern const char ${NAME}[];\nconst char ${NAME}[] = {\n${bytes}0};\n")
 file(RENAME ${OUTPUT}.tmp ${OUTPUT})
 

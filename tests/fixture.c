@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 #include "scenes.h"
 
 void fixture_skip(fixture *opened, const char *reason)
@@ -105,9 +105,10 @@ fixture fixture_cl_of_group(void **state)
 /* The plan's buffers as they are now. */
 static void list_buffers(const svo_plan *plan, built *out)
 {
-    out->buffer_count = svo_plan_get_buffer(plan, 0, NULL);
+    out->buffer_count = svo_plan_buffer_count(plan);
     assert_in_range(out->buffer_count, 1, FIXTURE_BUFFERS_MAX);
     for (size_t i = 0; i < out->buffer_count; ++i) {
+        out->buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &out->buffers[i]);
     }
 }
@@ -135,11 +136,14 @@ void fixture_build_by(const fixture *opened, const svo_mesh *mesh, unsigned dept
     if (status != SVO_OK) {
         fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
     }
+    out->plan = (svo_plan_info)SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &out->plan);
     out->weight_log2 = plan->weight_log2;
     list_buffers(plan, out);
     svo_plan_destroy(&plan);
+    out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(out->tree, &out->info);
+    out->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(out->tree, &out->arrays);
 }
 

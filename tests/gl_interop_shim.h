@@ -9,6 +9,8 @@
 #ifndef SVOCL_TESTS_GL_INTEROP_SHIM_H
 #define SVOCL_TESTS_GL_INTEROP_SHIM_H
 
+#include <CL/cl_gl.h>
+
 #include "context/context.h"
 
 /* All zero: works, with cl_khr_gl_event. */

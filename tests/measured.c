@@ -17,10 +17,10 @@ static void take_plan(const svo_plan *plan)
 {
     current->planned_peak_bytes = svo_plan_peak_bytes(plan);
     current->planned_tree_bytes = svo_plan_tree_bytes(plan);
-    current->left_out_count = svo_plan_get_left_out(plan, 0, NULL);
+    current->left_out_count = svo_plan_left_out_count(plan);
     assert_in_range(current->left_out_count, 0, MEASURED_LEFT_OUT_MAX);
     for (size_t i = 0; i < current->left_out_count; ++i) {
-        svo_left_out entry;
+        svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         const char *space = strchr(entry.reason, ' ');
         if (strlen(entry.what) == 0 || space == NULL || strchr(space + 1, ' ') == NULL || strchr(entry.reason, '\n')) {
@@ -34,8 +34,8 @@ static void take_plan(const svo_plan *plan)
 static bool plan_has_program(const svo_plan *plan, const char *options)
 {
     bool found = false;
-    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
-        svo_kernels_info kernels;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         char expected[512];
         svo_plan_get_kernels(plan, i, &kernels);
         snprintf(expected, sizeof expected, "-cl-std=CL1.2%s", kernels.defines);
@@ -57,7 +57,7 @@ static void take_programs(const svo_plan *plan)
         snprintf(current->defines + defines_used, sizeof current->defines - defines_used, " %s ", counting_options(i));
         snprintf(current->kernels + kernels_used, sizeof current->kernels - kernels_used, ";%s;", counting_kernels(i));
     }
-    assert_int_equal(compiled.builds, svo_plan_get_kernels(plan, 0, NULL));
+    assert_int_equal(compiled.builds, svo_plan_kernels_count(plan));
     assert_int_equal(compiled.programs, compiled.builds);
     current->programs = compiled.programs;
     current->built_kernels = compiled.built_kernels;
@@ -69,8 +69,8 @@ static void take_memory(const svo_plan *plan)
     const counted allocated = counting_read();
     uint64_t bytes = 0;
     uint64_t count = 0;
-    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
-        svo_buffer_info buffer;
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         assert_int_equal(buffer.certainty, SVO_BYTES_EXACT);
         bytes += buffer.bytes;

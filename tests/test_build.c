@@ -353,7 +353,7 @@ static double total_ms(const svo_build_report *report)
 {
     double ms = 0.0;
     for (int stage = 0; stage < SVO_STAGE_COUNT; ++stage) {
-        ms += stage == SVO_STAGE_COMPILE ? 0.0 : report->stages[stage].ms;
+        ms += stage == SVO_STAGE_COMPILE ? 0.0 : report->stage_times[stage].ms;
     }
     return ms;
 }

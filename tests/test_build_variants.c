@@ -112,9 +112,9 @@ static void check_queue(void **state, cl_command_queue_properties properties, co
     for (size_t i = 0; i < 2; ++i) {
         svo_build_report report;
         assert_same_with(state, &(fixture_options){.queue_properties = properties, .share = shares[i]}, &report);
-        assert_string_equal(report.stages[SVO_STAGE_SUBDIVIDE].clock, clock);
-        assert_string_equal(report.stages[SVO_STAGE_FILTER].clock, clock);
-        assert_string_equal(report.stages[SVO_STAGE_VOXELIZE].clock, "wall");
+        assert_string_equal(report.stage_times[SVO_STAGE_SUBDIVIDE].clock, clock);
+        assert_string_equal(report.stage_times[SVO_STAGE_FILTER].clock, clock);
+        assert_string_equal(report.stage_times[SVO_STAGE_VOXELIZE].clock, "wall");
     }
 }
 

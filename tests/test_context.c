@@ -17,6 +17,7 @@
 #include "context/context.h"
 #include "core/device.h"
 #include "machine.h"
+#include "share/probe.h"
 #include "share/share.h"
 
 enum { BUFFER_WORDS = 1000, THREAD_ROUNDS = 50, SHARE_WORDS = 100003, SHARE_ROUNDS = 3 };
@@ -59,7 +60,7 @@ static bool buffer_works(const svo_gl_context *context, GLuint value)
 static void check_kind(svo_gl_context_kind kind)
 {
     svo_gl_context *context = context_or_skip(kind);
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(context, &info);
     assert_int_equal(info.kind, kind);
     assert_int_equal(info.device_index, 0);
@@ -132,6 +133,7 @@ static void egl_devices_are_found_by_name(void **state)
     svo_gl_context_info first, found;
     char part[9];
     svo_gl_context *context = context_or_skip(SVO_GL_EGL_DEVICE);
+    first = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(context, &first);
     part_of_name(first.renderer, part);
     svo_gl_context_destroy(&context);
@@ -141,6 +143,7 @@ static void egl_devices_are_found_by_name(void **state)
         if (svo_gl_context_create_named(names[i], &context, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
+        found = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
         svo_gl_context_get_info(context, &found);
         assert_int_equal(found.kind, SVO_GL_EGL_DEVICE);
         assert_int_equal(found.device_index, 0);
@@ -162,7 +165,7 @@ static void gpu_is_never_a_processor(void **state)
     svo_gl_context *context = NULL;
     const svo_status status = svo_gl_context_create_named("GPU", &context, &message);
     if (status == SVO_OK) {
-        svo_gl_context_info info;
+        svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
         svo_gl_context_get_info(context, &info);
         assert_int_equal(info.is_software, 0);
         svo_gl_context_destroy(&context);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5 on little work: svocl's own ways have no errors but those of rounding once, the usual ways have
- * those that are known of them, and every table has its ways. No time is judged.
+ * svocl bench e1 to e5 on small inputs: svocl's methods have no error beyond one rounding, common methods have their
+ * known errors, and every table has its methods. Times are not tested.
  */
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +22,7 @@ static double cell_of(const cJSON *table, const cJSON *row, const char *name)
 {
     const cJSON *cell = cJSON_GetArrayItem(row, column_of(table, name));
     if (!cJSON_IsNumber(cell)) {
-        fail_msg("%s: %s is no number", text_of(table, "id"), name);
+        fail_msg("%s: %s is not a number", text_of(table, "id"), name);
     }
     return cell->valuedouble;
 }
@@ -31,7 +31,7 @@ static const char *word_of(const cJSON *table, const cJSON *row, const char *nam
 {
     const cJSON *cell = cJSON_GetArrayItem(row, column_of(table, name));
     if (!cJSON_IsString(cell)) {
-        fail_msg("%s: %s is no text", text_of(table, "id"), name);
+        fail_msg("%s: %s is not a text", text_of(table, "id"), name);
     }
     return cell->valuestring;
 }
@@ -41,7 +41,7 @@ static bool begins(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-/* Rows whose way begins so: there are some, and all have that figure between the bounds. Returns the largest. */
+/* There are rows whose method begins so, and the value of each is within the bounds. Returns the largest. */
 static double expect_within(const cJSON *table, const char *method, const char *name, double low, double high)
 {
     double largest = -1.0;
@@ -50,11 +50,11 @@ static double expect_within(const cJSON *table, const char *method, const char *
     cJSON_ArrayForEach(row, array_of(table, "rows"))
     {
         if (begins(word_of(table, row, "method"), method)) {
-            const double figure = cell_of(table, row, name);
-            if (!(figure >= low && figure <= high)) {
-                fail_msg("%s: %s of %s is %g", text_of(table, "id"), name, word_of(table, row, "method"), figure);
+            const double value = cell_of(table, row, name);
+            if (!(value >= low && value <= high)) {
+                fail_msg("%s: %s of %s is %g", text_of(table, "id"), name, word_of(table, row, "method"), value);
             }
-            largest = figure > largest ? figure : largest;
+            largest = value > largest ? value : largest;
             ++count;
         }
     }
@@ -123,7 +123,7 @@ static void means_by_area_are_within_rounding(void **state)
     cJSON_Delete(document);
 }
 
-/* Half a diagonal is as far as a center can be from a surface that its voxel holds. */
+/* A voxel's center is at most half a diagonal from a surface inside the voxel. */
 static void levels_of_detail_keep_their_bounds(void **state)
 {
     (void)state;
@@ -144,7 +144,7 @@ static void levels_of_detail_keep_their_bounds(void **state)
     cJSON_Delete(document);
 }
 
-static void ill_conditioned_meshes_break_the_others(void **state)
+static void other_methods_fail_on_ill_conditioned_meshes(void **state)
 {
     (void)state;
     need_builds();
@@ -161,9 +161,11 @@ static void ill_conditioned_meshes_break_the_others(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(voxels_are_exact_in_integers_alone),      IN_FOLDER(adversarial_rays_are_right),
-        IN_FOLDER(means_by_area_are_within_rounding),       IN_FOLDER(levels_of_detail_keep_their_bounds),
-        IN_FOLDER(ill_conditioned_meshes_break_the_others),
+        IN_FOLDER(voxels_are_exact_in_integers_alone),
+        IN_FOLDER(adversarial_rays_are_right),
+        IN_FOLDER(means_by_area_are_within_rounding),
+        IN_FOLDER(levels_of_detail_keep_their_bounds),
+        IN_FOLDER(other_methods_fail_on_ill_conditioned_meshes),
     };
     return cmocka_run_group_tests_name("errors", tests, NULL, NULL);
 }

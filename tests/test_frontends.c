@@ -91,7 +91,7 @@ static void the_choice_gives_a_reason(void **state)
     print_message("%s: %s\n", svo_frontend_name(chosen), reason.text);
     assert_true(chosen == opened->cl || chosen == svo_gl_frontend(opened->gl));
     assert_true(strlen(reason.text) > 0);
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(opened->context, &info);
     if (strstr(info.renderer, "llvmpipe") != NULL) {
         assert_ptr_equal(chosen, opened->cl);

@@ -212,12 +212,12 @@ static void any_queue_will_do(void **state)
     svo_build_report report;
     assert_same_tree(&opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_RAYS}, &report);
     assert_string_equal(report.share, "none");
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(opened.context, &info);
     const char *clock = strstr(info.renderer, "llvmpipe") != NULL ? "wall" : "gl-timer";
-    assert_string_equal(report.stages[SVO_STAGE_SUBDIVIDE].clock, clock);
-    assert_string_equal(report.stages[SVO_STAGE_PACK].clock, clock);
-    assert_null(report.stages[SVO_STAGE_FILTER].clock);
+    assert_string_equal(report.stage_times[SVO_STAGE_SUBDIVIDE].clock, clock);
+    assert_string_equal(report.stage_times[SVO_STAGE_PACK].clock, clock);
+    assert_null(report.stage_times[SVO_STAGE_FILTER].clock);
     scene_destroy(&made);
     fixture_close(&opened);
 }
@@ -272,9 +272,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_plan_create(opened->device, scene_mesh(made), 4, NULL, &plan), SVO_OK);
     assert_int_equal(svo_gl_build(NULL, plan, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_gl_build(opened->gl, NULL, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gl_build(opened->gl, plan, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(opened->device), "svo_gl_build: queue is NULL");
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened->device), "svo_gl_build: out is NULL");
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, &report), SVO_INVALID_ARGUMENT);
     assert_null(tree);
     svo_plan_destroy(&plan);

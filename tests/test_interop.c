@@ -17,6 +17,7 @@
 #include "gl_interop_shim.h"
 #include "machine.h"
 #include "meshes.h"
+#include "share/interop.h"
 
 enum { DEPTH = 7, TRIANGLES = 300, REASON_BYTES = 512 };
 

@@ -20,7 +20,7 @@
 
 #include "fixture.h"
 #include "meshes.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #define KERNELS_MAX   64 /* names */
 #define HANDLES_MAX   256 /* cl_kernel that live at the same time, or did */

@@ -5,7 +5,7 @@
  * the fragments, on the cut of the list, or on what was in the buffers before (dirty_buffers.c).
  *
  * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
- * through in seconds.
+ * through in seconds. A second argument names the one test to run.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -124,7 +124,9 @@ static void build(const request *asked, const method *by, built *out)
     out->weight_log2 = plan->weight_log2;
     svo_frontend_destroy(&cl);
     svo_plan_destroy(&plan);
+    out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(out->tree, &out->info);
+    out->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(out->tree, &out->arrays);
 }
 
@@ -477,10 +479,13 @@ static void a_scene_that_defies_the_estimate_is_built_again(void **state)
 
 int main(int argc, char **argv)
 {
-    bench.small = argc == 2 && strcmp(argv[1], "small") == 0;
-    if (argc > 1 && !bench.small) {
-        print_error("usage: test_kernels [small]\n");
+    bench.small = argc > 1 && strcmp(argv[1], "small") == 0;
+    if (argc > 3 || (argc > 1 && !bench.small)) {
+        print_error("usage: test_kernels [small [TEST]]\n");
         return 2;
+    }
+    if (argc == 3) {
+        cmocka_set_test_filter(argv[2]);
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_exact),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The records of svocl/layout.h lie the same in memory for C, OpenCL C and GLSL (std430): a kernel and a shader write
+ * The records of shared/layout.h lie the same in memory for C, OpenCL C and GLSL (std430): a kernel and a shader write
  * back sizes and offsets, which are compared field by field. In C they follow each other without gaps, so that the list
  * of fields that all three go by (agree/layout_fields.h) leaves none out.
  */
@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "machine.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 /* Made by cmake/embed.cmake: layout.h, and the list of fields. */
 extern const char layout_source[];

@@ -80,7 +80,7 @@ static void assert_stages_are_planned(const svo_mesh *mesh, uint32_t need)
     measured_build(mesh, DEPTH, &options, &made);
     assert_int_equal(svo_plan_create(made.opened.device, mesh, DEPTH, &options, &plan), SVO_OK);
     for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
-        const int ran = made.result.report.stages[stage].clock != NULL;
+        const int ran = made.result.report.stage_times[stage].clock != NULL;
         if ((svo_plan_has_stage(plan, stage) != 0) != ran) {
             fail_msg("need %u: stage %s %s", need, svo_stage_name(stage), ran ? "ran unplanned" : "did not run");
         }
@@ -551,14 +551,14 @@ static planned plan_sheet(const sheet_mesh *sheet, unsigned depth, uint32_t need
     planned seen = {.left_out_count = 0};
     fixture_open_cl(&(fixture_options){0}, &opened);
     assert_int_equal(svo_plan_create(opened.device, &sheet->mesh, depth, &options, &plan), SVO_OK);
-    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
-        svo_kernels_info kernels;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         seen.is_wide = seen.is_wide || strstr(kernels.defines, "SVO_WIDE") != NULL;
     }
-    seen.left_out_count = svo_plan_get_left_out(plan, 0, NULL);
+    seen.left_out_count = svo_plan_left_out_count(plan);
     for (size_t i = 0; i < seen.left_out_count; ++i) {
-        svo_left_out entry;
+        svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         seen.leaves_out_wide = seen.leaves_out_wide || strcmp(entry.what, "128-bit products") == 0;
         seen.leaves_out_opengl = seen.leaves_out_opengl || strcmp(entry.what, "OpenGL") == 0;
@@ -668,7 +668,7 @@ static void levels_without_payload_in_files(void **state)
     assert_int_equal(svo_tree_load(path, &loaded, &message), SVO_OK);
     (void)remove(path);
     char hash[SVO_HASH_TEXT_BYTES];
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_get_info(loaded, &info);
     assert_int_equal(info.payload_level, 5);
     assert_int_equal(svo_tree_hash(loaded, SVO_HASH_ALL, hash), SVO_OK);

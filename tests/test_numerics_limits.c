@@ -183,7 +183,7 @@ static void assert_build_refused(const fixture *opened, svo_plan *plan, const ch
     print_message("%s\n", message);
     assert_int_equal(status, SVO_OUT_OF_DEVICE_MEMORY);
     assert_null(tree);
-    assert_null(report.stages[SVO_STAGE_VOXELIZE].clock);
+    assert_null(report.stage_times[SVO_STAGE_VOXELIZE].clock);
     if (strstr(message, "svo_build: ") != message || strstr(message, words) == NULL) {
         fail_msg("'%s' does not say '%s'", message, words);
     }
@@ -227,7 +227,7 @@ static void more_than_2_to_the_32_fragments_are_refused(void **state)
         const svo_plan_options options = {
             .struct_size = sizeof options, .need = SVO_NEED_NONE, .coverage = coverages[c]};
         svo_plan *plan = plan_of(opened, &made.mesh, 16, &options);
-        svo_plan_info info;
+        svo_plan_info info = SVO_PLAN_INFO_INIT;
         svo_plan_get_info(plan, &info);
         assert_true(info.expected_fragments >= 0x1p32 && info.expected_fragments < 0x1.01p32);
         assert_build_refused(opened, plan, "at depth 16, above 2^32 - 1");

@@ -18,6 +18,7 @@
 #include "golden.h"
 #include "machine.h"
 #include "oracle.h"
+#include "plan/chunking.h"
 #include "raster/raster.h"
 
 typedef struct mutant {
@@ -176,11 +177,11 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     svo_i_raster *raster = NULL;
-    svo_i_layout layout;
+    svo_i_chunking layout;
     uint32_t needed = 0;
     GLuint buffer = 0;
     assert_int_equal(svo_i_raster_create(plan->device, context, method, false, &raster), SVO_OK);
-    assert_int_equal(svo_i_layout_create(plan, UINT64_C(1) << 26, &layout), SVO_OK);
+    assert_int_equal(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout), SVO_OK);
     assert_int_equal(layout.chunk_count, 1);
     layout.chunks[0].capacity = 0;
     assert_int_equal(svo_i_gl_context_make_current(context, NULL), SVO_OK);
@@ -194,7 +195,7 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
     assert_int_equal(svo_i_raster_finish(raster, 1, &needed), SVO_OK);
     gl->DeleteBuffers(1, &buffer);
     svo_i_gl_context_release_current(context);
-    svo_i_layout_destroy(&layout);
+    svo_i_chunking_destroy(&layout);
     svo_i_raster_destroy(&raster);
     return needed;
 }

@@ -22,7 +22,7 @@ static svo_plan_info plan_info(const fixture *opened, const svo_mesh *mesh, unsi
 {
     options.struct_size = sizeof options;
     svo_plan *plan = NULL;
-    svo_plan_info info;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     if (svo_plan_create(opened->device, mesh, depth, &options, &plan) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened->device));
     }
@@ -252,11 +252,12 @@ static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, con
     options.struct_size = sizeof options;
     svo_plan *plan = NULL;
     assert_int_equal(svo_plan_create(opened->device, mesh, 7, &options, &plan), SVO_OK);
-    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    const size_t count = svo_plan_buffer_count(plan);
     assert_in_range(count, 1, FIXTURE_BUFFERS_MAX);
     uint64_t total_bytes = 0;
     for (size_t i = 0; i < count; ++i) {
-        assert_int_equal(svo_plan_get_buffer(plan, i, &buffers[i]), count);
+        buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;
+        assert_int_equal(svo_plan_get_buffer(plan, i, &buffers[i]), SVO_OK);
         assert_in_range(buffers[i].count, 1, 2);
         total_bytes += buffers[i].bytes;
     }
@@ -311,10 +312,11 @@ static void what_is_not_asked_for_is_not_there(void **state)
         assert_string_equal(actual.nodes_hash, nodes_hash);
         assert_tree_has_what_is_needed(&actual, bits);
         assert_plan_has_what_is_needed(actual.buffers, actual.buffer_count, bits);
-        assert_int_equal(actual.report.stages[SVO_STAGE_PACK].clock != NULL,
+        assert_int_equal(actual.report.stage_times[SVO_STAGE_PACK].clock != NULL,
                          (bits & (SVO_NEED_RAYS | SVO_NEED_MATERIAL)) != 0);
-        assert_int_equal(actual.report.stages[SVO_STAGE_FILTER].clock != NULL, (bits & ~(uint32_t)SVO_NEED_RAYS) != 0);
-        assert_int_equal(actual.report.stages[SVO_STAGE_LINK].clock != NULL,
+        assert_int_equal(actual.report.stage_times[SVO_STAGE_FILTER].clock != NULL,
+                         (bits & ~(uint32_t)SVO_NEED_RAYS) != 0);
+        assert_int_equal(actual.report.stage_times[SVO_STAGE_LINK].clock != NULL,
                          (bits & (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL)) != 0);
         svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
         const size_t count = predicted_buffers(opened, &mesh, &(svo_plan_options){.need = need}, predicted);
@@ -385,7 +387,7 @@ static void depths_out_of_range_are_refused(void **state)
 static void options_out_of_range_are_refused(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    svo_plan_options options = {.struct_size = sizeof options - 8};
+    svo_plan_options options = {.struct_size = sizeof options + 8};
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.struct_size"));
     options.struct_size = 0;
     assert_refused(opened, &small_mesh, 5, &options, WORDS("options.struct_size", "0"));
@@ -504,10 +506,6 @@ static void arguments_of_a_build_are_checked(void **state)
     svo_tree *tree = NULL;
     assert_int_equal(svo_plan_create(opened->device, &small_mesh, 5, NULL, &plan), SVO_OK);
     assert_int_equal(svo_build(NULL, frontend, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_build(plan, NULL, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(svo_device_message(opened->device), "svo_build: frontend"));
-    assert_int_equal(svo_build(plan, frontend, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(svo_device_message(opened->device), "queue"));
     assert_int_equal(svo_build(plan, frontend, opened->queue, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "out"));
     svo_build_report report = {.struct_size = 1};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of measurements: what is written as JSON reads back the same, and text that is no such thing is refused by
-   name. */
+/* Tables of measurements: JSON reads back as it was written, and invalid text is refused with the reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,6 +13,8 @@
 #include <string.h>
 
 #include "measure/result.h"
+#include "measure/result_json.h"
+#include "measure/result_text.h"
 #include "measure/spread.h"
 
 /* Two tables: one with every kind of cell, one without rows. */

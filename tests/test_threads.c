@@ -77,7 +77,7 @@ static void *work(void *pointer)
 static void check_threads(void **state, svo_gl_share share)
 {
     const fixture *opened = fixture_of_group(state);
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     owned_mesh meshes[MESHES];
     char hashes[MESHES][SVO_HASH_TEXT_BYTES];
     worker workers[THREADS];

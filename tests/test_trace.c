@@ -227,7 +227,7 @@ static reference_answer reference_pixel(const occupancy *voxels, const pinhole *
 
 /* ---- pictures ---- */
 
-static void render(const svo_tree *tree, const svo_camera *camera, uint8_t *rgba)
+static void render(svo_tree *tree, const svo_camera *camera, uint8_t *rgba)
 {
     const svo_render_options options = {sizeof options, WIDTH, HEIGHT, *camera, SVO_VIEW_SHADED};
     memset(rgba, 0x5a, (size_t)WIDTH * HEIGHT * 4);
@@ -422,7 +422,7 @@ static void the_same_picture_comes_twice(void **unused)
     free(voxels);
 }
 
-static double mean_brightness(const svo_tree *tree, const svo_camera *camera)
+static double mean_brightness(svo_tree *tree, const svo_camera *camera)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
     render(tree, camera, picture);
@@ -506,7 +506,7 @@ static void the_framing_camera_shows_all_and_fills_the_picture(void **unused)
 
 /* ---- bad arguments ---- */
 
-static void expect_refusal(const svo_tree *tree, const svo_render_options *options, const char *words)
+static void expect_refusal(svo_tree *tree, const svo_render_options *options, const char *words)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
     assert_int_equal(svo_tree_render(device, tree, options, queue, picture), SVO_INVALID_ARGUMENT);

@@ -15,7 +15,7 @@
 #include "compare_tree.h"
 #include "meshes.h"
 #include "scenes.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 
@@ -168,8 +168,8 @@ static void what_it_takes_is_reported(void **state)
     assert_int_equal(bytes_of(&actual, "mesh_items"), mesh->triangle_count * sizeof(svo_draw_item));
     assert_true(bytes_of(&actual, "fragments") >= actual.report.fragments * 8);
     assert_true(bytes_of(&actual, "counters") > 0);
-    assert_string_equal(actual.report.stages[SVO_STAGE_VOXELIZE].clock, "cl-event");
-    assert_true(actual.report.stages[SVO_STAGE_VOXELIZE].ms > 0.0);
+    assert_string_equal(actual.report.stage_times[SVO_STAGE_VOXELIZE].clock, "cl-event");
+    assert_true(actual.report.stage_times[SVO_STAGE_VOXELIZE].ms > 0.0);
     built_destroy(&actual);
     scene_destroy(&made);
 }
@@ -190,7 +190,7 @@ static void queues_of_all_kinds_give_the_same_tree(void **state)
         fixture_open_cl(&(fixture_options){.queue_properties = kinds[i]}, &other);
         fixture_build(&other, &made.mesh, 6, &options, &actual);
         assert_string_equal(actual.hash, expected.hash);
-        assert_string_equal(actual.report.stages[SVO_STAGE_VOXELIZE].clock,
+        assert_string_equal(actual.report.stage_times[SVO_STAGE_VOXELIZE].clock,
                             (kinds[i] & CL_QUEUE_PROFILING_ENABLE) != 0 ? "cl-event" : "wall");
         built_destroy(&actual);
         fixture_close(&other);

@@ -65,8 +65,10 @@ static void enqueue_and_hash(const fixture *opened, svo_plan *plan, int trim, bu
     succeed(opened, svo_build_enqueue(workspace, out->tree, opened->queue, 0, NULL, NULL));
     succeed(opened, svo_tree_finish(out->tree, opened->queue, trim, &out->report));
     svo_workspace_destroy(&workspace);
+    out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(out->tree, &out->info);
     hash_of(opened, out->tree, out->hash);
+    out->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(out->tree, &out->arrays);
 }
 
@@ -185,7 +187,7 @@ static void enqueuing_allocates_nothing(void **state)
         svo_workspace_destroy(&workspace);
         counting_begin();
         workspace = make_workspace(&opened, plan);
-        svo_workspace_info info;
+        svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
         svo_workspace_get_info(workspace, &info);
         assert_int_equal(counting_read().live_bytes, info.scratch_bytes);
         svo_tree *tree = make_tree(&opened, workspace);
@@ -243,9 +245,9 @@ static void builds_of_a_workspace_follow_each_other(void **state)
             succeed(&opened, svo_tree_finish(trees[i], queues[i], 0, &report));
             hash_of(&opened, trees[i], hash);
             assert_string_equal(hash, expected.hash);
-            assert_string_equal(report.stages[SVO_STAGE_SUBDIVIDE].clock, "cl-event");
-            assert_true(report.stages[SVO_STAGE_VOXELIZE].ms > 0.0);
-            assert_true(report.stages[SVO_STAGE_FILTER].ms > 0.0);
+            assert_string_equal(report.stage_times[SVO_STAGE_SUBDIVIDE].clock, "cl-event");
+            assert_true(report.stage_times[SVO_STAGE_VOXELIZE].ms > 0.0);
+            assert_true(report.stage_times[SVO_STAGE_FILTER].ms > 0.0);
             clReleaseEvent(done[i]);
         }
         clReleaseEvent(gate);
@@ -316,7 +318,7 @@ static void a_plan_stays_as_it_is_until_there_is_a_workspace(void **state)
     const cl_mem small = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, 16, NULL, NULL);
     const svo_workspace_options given = {.struct_size = sizeof given, .scratch = small};
     svo_workspace *workspace = NULL;
-    svo_workspace_info info;
+    svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
     assert_int_equal(svo_plan_peak_bytes(plan), peak);
     assert_int_equal(svo_workspace_measure(plan, NULL, &info), SVO_INVALID_ARGUMENT);
@@ -403,7 +405,7 @@ static void scratch_may_be_the_callers(void **state)
     built expected;
     fixture_build(&opened, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_ALL}, &expected);
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
-    svo_workspace_info info;
+    svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
     assert_in_range(info.scratch_bytes, 1, svo_plan_peak_bytes(plan));
     const uint64_t offset = 3 * info.scratch_alignment;
@@ -447,14 +449,14 @@ static void counting_first_makes_the_list_exact(void **state)
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 7, (svo_plan_options){.need = SVO_NEED_ALL});
     const uint64_t before = svo_plan_peak_bytes(plan);
     succeed(&opened, svo_plan_count(plan, opened.frontend, opened.queue));
-    svo_plan_info info;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &info);
     assert_int_equal(info.fragments, expected.info.fragments);
     assert_true(svo_plan_peak_bytes(plan) < before);
     unsigned exact = 0;
     unsigned bounds = 0;
-    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
-        svo_buffer_info buffer;
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         for (size_t k = 0; k < expected.buffer_count; ++k) {
             if (strcmp(expected.buffers[k].name, buffer.name) == 0 && buffer.certainty == SVO_BYTES_EXACT &&

@@ -125,7 +125,7 @@ static void info_says_that_it_is_wrapped(void **state)
 {
     (void)state;
     own_context own;
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     own_context_make_or_skip(false, &own);
     svo_gl_context *context = wrap();
     svo_gl_context_get_info(context, &info);

@@ -4,8 +4,10 @@
 
 #include <stdlib.h>
 
+#include "commands/timing.h"
 #include "meshes.h"
 #include "oracle.h"
+#include "plan/estimate.h"
 
 /* All pairs of a plan, of its kept triangles. */
 typedef struct walk {
@@ -140,7 +142,7 @@ static svo_status upload(const walk *w, const gathered *fragments, cl_command_qu
                                : svo_i_device_fail_cl(w->plan->device, "walk_frontend", "clEnqueueWriteBuffer", error);
 }
 
-static svo_status make_chunk(const walk *w, const svo_i_layout *layout, const svo_i_chunk *drawn, uint64_t *state,
+static svo_status make_chunk(const walk *w, const svo_i_chunking *layout, const svo_i_chunk *drawn, uint64_t *state,
                              cl_command_queue queue, svo_i_fragments *chunk)
 {
     gathered fragments = {.pairs = calloc(w->pairs.count + 1, sizeof *fragments.pairs)};
@@ -158,7 +160,7 @@ static svo_status make_chunk(const walk *w, const svo_i_layout *layout, const sv
     return status;
 }
 
-static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_t seed, cl_command_queue queue,
+static svo_status make_chunks(const walk *w, const svo_i_chunking *layout, uint64_t seed, cl_command_queue queue,
                               svo_i_fragment_list *list)
 {
     svo_status status = SVO_OK;
@@ -168,25 +170,26 @@ static svo_status make_chunks(const walk *w, const svo_i_layout *layout, uint64_
     return status;
 }
 
-static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
+static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
-    (void)queue;
+    (void)warm_up;
     (void)self;
     (void)plan;
     return SVO_OK;
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
-                           svo_i_fragment_list *list, svo_build_report *report)
+static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *layout,
+                           svo_i_fragment_list *list)
 {
+    const svo_plan *plan = commands->plan;
     const double start_ms = svo_i_now_ms();
     walk w;
     svo_status status = walk_make(plan, &w) ? SVO_OK : no_memory(plan);
     if (status == SVO_OK) {
-        status = make_chunks(&w, layout, ((const walk_frontend *)self)->seed, queue, list);
+        status = make_chunks(&w, layout, ((const walk_frontend *)self)->seed, commands->queue, list);
     }
     walk_free(&w);
-    svo_i_report_add(report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(commands->report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
     return status;
 }
 

@@ -8,7 +8,7 @@
 #ifndef SVOCL_TESTS_WALK_FRONTEND_H
 #define SVOCL_TESTS_WALK_FRONTEND_H
 
-#include "build/frontend.h"
+#include "commands/frontend.h"
 
 typedef struct walk_frontend {
     svo_frontend frontend; /* for svo_build */

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenGL contexts: what the kinds have in common, and how one is made current and given up again. */
+/* OpenGL contexts: what all kinds share, and how a context is made current and released. */
 #include "context/context.h"
 
 #include <stdlib.h>
 
+#include "context/wrap.h"
 #include "core/message.h"
+#include "core/struct_size.h"
 
 const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
 {
@@ -23,6 +25,8 @@ const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
     return "unknown context kind";
 }
 
+/* EGL and OSMesa know nothing of each other: each believes that its context stays current when the other binds one. Mesa's
+   drivers share one current context below both, and OSMesa would take EGL's for its own, so EGL is unbound first. */
 static void take_binding(svo_i_gl_binding *binding)
 {
     binding->taken = true;
@@ -46,7 +50,7 @@ svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *m
     *previous = (svo_i_gl_binding){0};
     if (!context->platform->is_current(context->native)) {
         take_binding(previous);
-        svo_status status = context->platform->make_current(context->native, message);
+        const svo_status status = context->platform->make_current(context->native, message);
         if (status != SVO_OK) {
             restore_binding(previous);
             return status;
@@ -83,11 +87,9 @@ const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *conte
 
 static svo_status load_functions(svo_gl_context *context, svo_message *message)
 {
-    svo_status status = svo_i_gl_context_make_current(context, message);
-    if (status != SVO_OK) {
-        return status;
-    }
-    status = svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
+    SVO_I_TRY(svo_i_gl_context_make_current(context, message));
+    const svo_status status =
+        svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
     svo_i_gl_context_release_current(context);
     return status;
 }
@@ -116,23 +118,19 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
+    svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = kind;
     context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
-    svo_status status = context->platform->create(kind, context->device_index, &context->native, message);
-    if (status == SVO_OK) {
-        status = load_functions(context, message);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_check_promise(context, message);
-    }
-    if (status != SVO_OK) {
-        svo_gl_context_destroy(&context);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(context->platform->create(kind, context->device_index, &context->native, message));
+    SVO_I_TRY_CLEANUP(load_functions(context, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_context_check_promise(context, message));
     *out = context;
-    return SVO_OK;
+    context = NULL;
+cleanup:
+    svo_gl_context_destroy(&context);
+    return status;
 }
 
 svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
@@ -146,20 +144,18 @@ svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *u
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
     }
+    svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = SVO_GL_WRAPPED;
     context->platform = &svo_i_wrap_platform;
-    svo_status status = context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message);
-    if (status == SVO_OK) {
-        status = svo_i_gl_load(&context->functions, get_proc_address, user, message);
-    }
-    if (status != SVO_OK) {
-        svo_i_message_rename(message, "svo_gl_context_wrap");
-        svo_gl_context_destroy(&context);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, message));
     *out = context;
     return SVO_OK;
+cleanup:
+    svo_i_message_rename(message, "svo_gl_context_wrap");
+    svo_gl_context_destroy(&context);
+    return status;
 }
 
 void svo_gl_context_destroy(svo_gl_context **context)
@@ -176,12 +172,14 @@ void svo_gl_context_destroy(svo_gl_context **context)
     *context = NULL;
 }
 
-void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info)
+svo_status svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info)
 {
-    info->kind = context->kind;
-    info->device_index = context->device_index;
-    info->vendor = context->functions.vendor;
-    info->renderer = context->functions.renderer;
-    info->version = context->functions.version_text;
-    info->is_software = svo_i_gl_is_software(&context->functions);
+    const svo_gl_context_info found = {.kind = context->kind,
+                                       .device_index = context->device_index,
+                                       .vendor = context->functions.vendor,
+                                       .renderer = context->functions.renderer,
+                                       .version = context->functions.version_text,
+                                       .is_software = svo_i_gl_is_software(&context->functions)};
+    return svo_i_struct_write(NULL, "svo_gl_context_get_info", "info", &found, info,
+                              SVO_I_STRUCT_SIZES(svo_gl_context_info, device_index));
 }

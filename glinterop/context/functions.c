@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Fills the table of OpenGL entry points of one context; called when a context is made, before anything is drawn. */
+/* Fills the table of a context's OpenGL entry points when the context is created. */
 #include "context/functions.h"
 
 #include <stddef.h>
@@ -29,7 +29,7 @@ static void store_function(svo_i_gl_functions *gl, const entry_point *entry, svo
     memcpy((char *)gl + entry->offset_bytes, &function, sizeof function);
 }
 
-/* Looks up all required functions and returns the name of the first one that is missing, or NULL. */
+/* Looks up all required functions. Returns the name of the first missing one, or NULL. */
 static const char *load_required(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user)
 {
     const char *missing = NULL;
@@ -72,7 +72,7 @@ static const char *driver_string(const svo_i_gl_functions *gl, GLenum name)
 
 static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
 {
-    GLint major = 0, minor = 0; /* stay 0 below OpenGL 3.0, which does not know the question */
+    GLint major = 0, minor = 0; /* stay 0 below OpenGL 3.0, which has no such query */
     gl->GetIntegerv(GL_MAJOR_VERSION, &major);
     gl->GetIntegerv(GL_MINOR_VERSION, &minor);
     gl->version = major * 10 + minor;
@@ -80,8 +80,9 @@ static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
     gl->renderer = driver_string(gl, GL_RENDERER);
     gl->version_text = driver_string(gl, GL_VERSION);
     if (gl->version_text[0] == '\0') {
-        return svo_i_fail(message, SVO_NO_GL,
-                          "svo_gl_context_create: the context does not say its version; is it current on this thread?");
+        return svo_i_fail(
+            message, SVO_NO_GL,
+            "svo_gl_context_create: the context does not report its version; is it current on this thread?");
     }
     if (gl->version < SVO_I_GL_MINIMUM_VERSION) {
         return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: OpenGL \"%s\" of \"%s\" is below %d.%d",
@@ -96,12 +97,12 @@ static const char *extension_name(const svo_i_gl_functions *gl, GLint index)
     return name != NULL ? name : "";
 }
 
-/* Joins the extension names into one string, so that they can be asked for without the context being current. */
+/* Joins the extension names into one string, to be searched without the context being current. */
 static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
 {
     GLint count = 0;
     gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    count = count < EXTENSIONS_MAX ? count : EXTENSIONS_MAX; /* whatever the driver says */
+    count = count < EXTENSIONS_MAX ? count : EXTENSIONS_MAX; /* in case the driver returns nonsense */
     size_t bytes = 1;
     for (GLint i = 0; i < count; ++i) {
         bytes += strlen(extension_name(gl, i)) + 1;
@@ -157,7 +158,7 @@ static void load_limits(svo_i_gl_functions *gl)
     }
 }
 
-/* Everything up to the extension names; what has been loaded by then is left in the table on failure. */
+/* Everything up to the extension names. A failure leaves the table partly filled. */
 static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
                             svo_message *message)
 {
@@ -165,19 +166,19 @@ static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_p
     if (gl->GetIntegerv == NULL || gl->GetString == NULL || gl->GetStringi == NULL) {
         return fail_missing(missing, message);
     }
-    /* A context that is too old lacks functions too; its version is then the better explanation. */
-    svo_status status = load_version(gl, message);
-    if (status == SVO_OK && missing != NULL) {
-        status = fail_missing(missing, message);
+    /* An old context lacks functions too, but its version explains the failure better. */
+    SVO_I_TRY(load_version(gl, message));
+    if (missing != NULL) {
+        return fail_missing(missing, message);
     }
-    return status == SVO_OK ? load_extensions(gl, message) : status;
+    return load_extensions(gl, message);
 }
 
 svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
                          svo_message *message)
 {
     *gl = (svo_i_gl_functions){0};
-    svo_status status = load_core(gl, get_proc_address, user, message);
+    const svo_status status = load_core(gl, get_proc_address, user, message);
     if (status != SVO_OK) {
         svo_i_gl_unload(gl);
         return status;
@@ -201,9 +202,8 @@ bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension)
 
 bool svo_i_gl_is_software(const svo_i_gl_functions *gl)
 {
-    /* Drivers on top of others name them in brackets: "zink (llvmpipe ...)". */
-    static const char *const names[] = {"llvmpipe",    "softpipe",           "swrast", "OpenSWR", "lavapipe",
-                                        "SwiftShader", "Software Rasterizer"};
+    /* A layered driver names the one below in brackets: "zink (llvmpipe ...)". */
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "SWR", "lavapipe", "SwiftShader", "Software"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strstr(gl->renderer, names[i]) != NULL) {
             return true;
@@ -214,7 +214,7 @@ bool svo_i_gl_is_software(const svo_i_gl_functions *gl)
 
 void svo_i_gl_clear_errors(const svo_i_gl_functions *gl)
 {
-    /* Bounded, since a lost context may report errors for ever. */
+    /* Bounded: a lost context may report errors forever. */
     for (int i = 0; i < 64 && gl->GetError() != GL_NO_ERROR; ++i) {
     }
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The OpenGL entry points of one context, and what the context says about itself.
+ * The OpenGL entry points of one context, its version, extensions and limits.
  *
- * Everything in glinterop/ calls OpenGL through this table and never by name, so that several contexts of different
- * drivers can live in one process and a machine without OpenGL can still run the program. The table is filled through
- * the context's own loader: eglGetProcAddress, OSMesaGetProcAddress or an integrator's function.
+ * Everything in glinterop/ calls OpenGL through this table and never by name. So contexts of different drivers can
+ * coexist in one process, and the program runs on a machine without OpenGL. The context's own loader fills the table:
+ * eglGetProcAddress, OSMesaGetProcAddress or the caller's function.
  *
- * A loader may hand out a pointer for any name, also for functions that the driver does not have. Optional functions
- * are therefore asked for only when the context's version or extensions promise them, and are NULL otherwise.
+ * A loader may return a pointer for any name, even for a function that the driver lacks. Optional functions are
+ * therefore looked up only when the context's version or extensions promise them, and are NULL otherwise.
  */
 #ifndef SVO_GLINTEROP_CONTEXT_FUNCTIONS_H
 #define SVO_GLINTEROP_CONTEXT_FUNCTIONS_H
@@ -18,14 +18,13 @@
 #include "context/library.h"
 #include "svocl/status.h"
 
-/* Versions are major * 10 + minor. 4.3 is what the front end needs; its functions are required. */
+/* Versions are major * 10 + minor. The front end requires 4.3 and all its functions. */
 #define SVO_I_GL_MINIMUM_VERSION 43
 #define SVO_I_GL_NEVER_CORE      1000
 
 /*
- * X(member, type, core version, extension): the one list of entry points, looked up as "gl" + member. Required where
- * the core version is at most SVO_I_GL_MINIMUM_VERSION; otherwise NULL unless the context has that version or
- * extension.
+ * X(member, type, core version, extension): the list of entry points, looked up as "gl" + member. Required where the
+ * core version is at most SVO_I_GL_MINIMUM_VERSION; otherwise NULL unless the context has that version or extension.
  */
 #define SVO_I_GL_FUNCTION_LIST(X)                                                                                  \
     X(GetError, PFNGLGETERRORPROC, 43, "")                                                                         \
@@ -127,8 +126,7 @@
     X(ConservativeRasterParameteriNV, PFNGLCONSERVATIVERASTERPARAMETERINVPROC, SVO_I_GL_NEVER_CORE,                \
       "GL_NV_conservative_raster_pre_snap_triangles")
 
-/* What the context can do, as far as anything in glinterop/ asks. Counts may be 0: some drivers give the vertex stage
-   no storage blocks. */
+/* The limits that glinterop/ reads. Counts may be 0: some drivers give the vertex stage no storage blocks. */
 typedef struct svo_i_gl_limits {
     GLint64 storage_block_bytes; /* GL_MAX_SHADER_STORAGE_BLOCK_SIZE */
     GLint storage_offset_alignment_bytes;
@@ -152,16 +150,16 @@ typedef struct svo_i_gl_functions {
     SVO_I_GL_FUNCTION_LIST(SVO_I_GL_MEMBER)
 #undef SVO_I_GL_MEMBER
     int version; /* major * 10 + minor */
-    const char *vendor, *renderer, *version_text; /* the driver's strings; live as long as the context */
+    const char *vendor, *renderer, *version_text; /* the driver's strings, valid as long as the context */
     char *extensions; /* separated by spaces; owned */
     svo_i_gl_limits limits;
 } svo_i_gl_functions;
 
 /*
- * Fills the table; the context must be current on this thread.
+ * Fills the table. Expects the context current.
  *
- * Returns SVO_NO_GL naming the function or the version that is missing, or SVO_OUT_OF_HOST_MEMORY; *gl is then all
- * zero. On success svo_i_gl_unload releases what the table owns; it may be called on a zeroed or unloaded table.
+ * Returns SVO_NO_GL naming the missing function or version, or SVO_OUT_OF_HOST_MEMORY; *gl is then all zero. Release
+ * the table by svo_i_gl_unload, which accepts a zeroed or unloaded one.
  */
 svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
                          svo_message *message);
@@ -170,10 +168,10 @@ void svo_i_gl_unload(svo_i_gl_functions *gl);
 /* Whether the context lists the extension, compared as a whole name. */
 bool svo_i_gl_has_extension(const svo_i_gl_functions *gl, const char *extension);
 
-/* Whether a processor renders, by the names of the known software renderers. */
+/* Whether a CPU renders, judged by the names of the known software renderers. */
 bool svo_i_gl_is_software(const svo_i_gl_functions *gl);
 
-/* Throws away errors that others left behind, so that the next svo_i_gl_check speaks of our own calls. */
+/* Discards errors of earlier calls, so that the next svo_i_gl_check reports only svocl's own. */
 void svo_i_gl_clear_errors(const svo_i_gl_functions *gl);
 /* SVO_OK, or SVO_GL_ERROR (SVO_OUT_OF_DEVICE_MEMORY for GL_OUT_OF_MEMORY): "function: step: GL_NAME (0x...)". */
 svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message);

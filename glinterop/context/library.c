@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Libraries loaded at run time and extension lists: the ground under context_egl.c and context_osmesa.c. */
+/* Libraries loaded at run time and extension lists, below egl.c, osmesa.c and wrap.c. */
 #include "context/library.h"
 
 #include <dlfcn.h>
@@ -33,7 +33,7 @@ void svo_i_library_close(void *library)
 
 svo_i_function svo_i_library_function(void *library, const char *name)
 {
-    /* POSIX lets dlsym's result be a function; ISO C has no cast for it, so the bytes are copied. */
+    /* POSIX lets dlsym return a function, but ISO C has no cast for it: copy the bytes. */
     void *symbol = dlsym(library, name);
     svo_i_function function;
     _Static_assert(sizeof function == sizeof symbol, "function pointers are as wide as object pointers");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Libraries loaded at run time, their entry points, and extension names in lists: what the contexts need before there
- * is any OpenGL. Includes no OpenGL header, since <GL/osmesa.h> and <GL/glcorearb.h> exclude each other.
+ * Libraries loaded at run time, their entry points, and extension lists: what contexts need before OpenGL is loaded.
+ * Includes no OpenGL header, since <GL/osmesa.h> and <GL/glcorearb.h> exclude each other.
  */
 #ifndef SVO_GLINTEROP_CONTEXT_LIBRARY_H
 #define SVO_GLINTEROP_CONTEXT_LIBRARY_H
@@ -10,25 +10,25 @@
 
 #include "svocl/status.h"
 
-/* Any entry point; converted to its real type before it is called. */
+/* Any entry point. Convert it to its real type before the call. */
 typedef void (*svo_i_function)(void);
 
-/* A context's loader; name includes the "gl". NULL when the function is not there. */
+/* A context's loader. name includes the "gl". Returns NULL when there is no such function. */
 typedef svo_i_function (*svo_i_get_proc_address)(void *user, const char *name);
 
 /*
- * Opens a shared library by its file name; SVO_NO_GL with the loader's words when that fails. It stays in the process
- * after svo_i_library_close, since drivers leave threads and thread-local destructors behind.
+ * Opens a shared library by its file name. Returns SVO_NO_GL with the loader's message. The library stays in the
+ * process after svo_i_library_close, since drivers leave threads and thread-local destructors behind.
  */
 svo_status svo_i_library_open(const char *file_name, void **library, svo_message *message);
-/* The library when somebody has loaded it already, else NULL; closed like an opened one. */
+/* The library if the process has loaded it, else NULL. Close it like an opened one. */
 void *svo_i_library_if_loaded(const char *file_name);
 void svo_i_library_close(void *library); /* NULL allowed */
 /* NULL when the library has no such function. */
 svo_i_function svo_i_library_function(void *library, const char *name);
 
-/* Whether a list separated by spaces holds the token as a whole word: "GL_NV_x_y" does not hold "GL_NV_x". list: NULL
-   counts as empty. An empty token is in no list. */
+/* Whether a space-separated list has the token as a whole word: "GL_NV_x_y" does not contain "GL_NV_x". list: NULL counts
+   as empty. An empty token is in no list. */
 bool svo_i_list_has_token(const char *list, const char *token);
 
 #endif

@@ -10,11 +10,11 @@
 #define CONSERVATIVE_RASTERIZATION_INTEL 0x83FE
 #define POLYGON_STIPPLE                  0x0B42
 
-/* When a context knows a capability. */
+/* Which contexts have a capability. */
 typedef enum known { ALWAYS = 0, COMPATIBILITY, NV, INTEL } known;
 
-/* Everything that would drop, move or add fragments, or write elsewhere. Off while svocl draws; the last two go on and
-   off in raster.c. Blending and logic operations are left alone: there is nothing to blend with. */
+/* Capabilities that drop, move or add fragments, or write elsewhere. All are off while svocl draws; raster.c toggles the
+   last two. Blending and logic operations need no entry: there is no color attachment. */
 static const struct {
     GLenum name;
     known known;
@@ -41,9 +41,9 @@ static const struct {
     {CONSERVATIVE_RASTERIZATION_INTEL, INTEL},
 };
 enum { CAPABILITY_COUNT = sizeof capabilities / sizeof capabilities[0] };
-_Static_assert(CAPABILITY_COUNT <= SVO_I_GL_STATE_CAPABILITIES_MAX, "there is room for all");
+_Static_assert(CAPABILITY_COUNT <= SVO_I_GL_STATE_CAPABILITIES_MAX, "svo_i_gl_state has room for all capabilities");
 
-/* Generic buffer bindings, and how they are asked for. */
+/* Generic buffer bindings and their queries. */
 static const struct {
     GLenum target, binding;
 } buffers[SVO_I_GL_STATE_BUFFERS] = {
@@ -130,7 +130,7 @@ void svo_i_gl_state_save(const svo_i_gl_functions *gl, svo_i_gl_state *out)
     }
 }
 
-/* The indexed bindings first: setting them sets the generic one too. */
+/* Indexed bindings first: setting one sets the generic binding too. */
 static void restore_buffers(const svo_i_gl_functions *gl, const svo_i_gl_state *state)
 {
     for (GLuint i = 0; i < storage_bindings(gl); ++i) {
@@ -147,7 +147,7 @@ static void restore_buffers(const svo_i_gl_functions *gl, const svo_i_gl_state *
     }
 }
 
-/* A core profile has one mode for both faces and refuses to be asked for one of them; it reports it once or twice. */
+/* A core profile has one mode for both faces and rejects a mode for one face. Drivers report it once or twice. */
 static void restore_polygon_mode(const svo_i_gl_functions *gl, const svo_i_gl_state *state)
 {
     const GLenum front = (GLenum)state->polygon_mode[0], back = (GLenum)state->polygon_mode[1];

@@ -6,13 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build/frontend.h"
-#include "build/frontend_choice.h"
+#include "commands/frontend.h"
+#include "plan/frontend_choice.h"
 #include "compute/gl_build.h"
+#include "core/struct_size.h"
 #include "raster/gl_list.h"
 #include "raster/raster.h"
 #include "raster/selftest.h"
 #include "share/share.h"
+#include "plan/estimate.h"
+#include "commands/timing.h"
 
 #define REASON_BYTES 512
 #define RASTERS      3
@@ -164,7 +167,7 @@ static svo_status prepare(void *self, svo_plan *plan, cl_command_queue queue)
 }
 
 /* A buffer for each chunk, given to GL. share: AUTO for a list that stays there. */
-static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+static svo_status make_chunks(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_chunking *layout,
                               cl_command_queue queue, svo_i_fragment_list *list)
 {
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
@@ -210,7 +213,7 @@ static double box_voxels(const svo_plan *plan, uint32_t triangle)
 }
 
 /* A list that was too small is made as large as the driver counted, so the count must be one that geometry allows. */
-static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk,
+static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk,
                               uint32_t needed)
 {
     const svo_i_chunk *target = &layout->chunks[chunk];
@@ -229,7 +232,7 @@ static svo_status check_count(svo_gl *gl, const svo_plan *plan, const svo_i_layo
     return SVO_OK;
 }
 
-static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_layout *layout, svo_i_fragment_list *list)
+static svo_status draw_chunks(svo_gl *gl, const svo_plan *plan, const svo_i_chunking *layout, svo_i_fragment_list *list)
 {
     uint32_t *needed = calloc(layout->chunk_count + 1u, sizeof *needed);
     if (needed == NULL) {
@@ -265,7 +268,7 @@ static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_
 }
 
 /* Draws the list by buffers of a share path, and hands it over; share AUTO: it stays in OpenGL. */
-static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_layout *layout,
+static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *plan, const svo_i_chunking *layout,
                               cl_command_queue queue, svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_status status = svo_i_gl_context_make_current(gl->context, &gl->device->message);
@@ -293,7 +296,7 @@ static svo_status voxelize_by(svo_gl *gl, svo_gl_share share, const svo_plan *pl
     return status;
 }
 
-static svo_status voxelize(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+static svo_status voxelize(void *self, svo_plan *plan, const svo_i_chunking *layout, cl_command_queue queue,
                            svo_i_fragment_list *list, svo_build_report *report)
 {
     svo_gl *gl = self;
@@ -329,7 +332,7 @@ static svo_status prepare_tree(void *self, svo_plan *plan, cl_command_queue queu
     return status == SVO_OK ? svo_i_compute_prepare(gl->compute, plan) : status;
 }
 
-static svo_status voxelize_in_gl(void *self, svo_plan *plan, const svo_i_layout *layout, cl_command_queue queue,
+static svo_status voxelize_in_gl(void *self, svo_plan *plan, const svo_i_chunking *layout, cl_command_queue queue,
                                  svo_i_fragment_list *list, svo_build_report *report)
 {
     return voxelize_by(self, SVO_GL_SHARE_AUTO, plan, layout, queue, list, report);
@@ -372,10 +375,6 @@ const char *svo_gl_build_reason(svo_gl *gl, uint32_t need)
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
-    if (options->struct_size != sizeof *options) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_gl_create: options.struct_size is %zu, not %zu",
-                                 options->struct_size, sizeof *options);
-    }
     if ((unsigned)options->raster >= RASTERS || (unsigned)options->share >= SHARES) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
@@ -393,7 +392,9 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
                                  : context == NULL ? "context"
                                                    : "out");
     }
-    const svo_gl_options asked = options != NULL ? *options : (svo_gl_options){.struct_size = sizeof asked};
+    svo_gl_options asked;
+    SVO_I_TRY(svo_i_struct_read(&device->message, "svo_gl_create", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gl_options, share)));
     svo_status status = check_options(device, &asked);
     if (status != SVO_OK) {
         return status;

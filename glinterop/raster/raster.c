@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Drawing: one program per class of triangles, one draw call per class and chunk. The framebuffer has no attachments;
- * all output goes to storage blocks.
+ * Draws triangles into chunks of fragments: one program per class of triangles, one draw call per class and chunk. The
+ * framebuffer has no attachments; all output goes to storage blocks.
  */
 #include "raster/raster.h"
 
 #include <stdlib.h>
 
+#include "context/shader.h"
 #include "context/state.h"
-#include "raster/shader.h"
+#include "core/message.h"
 
 #define FUNCTION         "svo_build"
 #define BINDING_VERTICES 0
 #define BINDING_INDICES  1
 #define BINDING_ITEMS    2
 #define BINDING_COUNTERS 3
-/* The least a chunk of the list may be told to take. */
+/* The smallest storage block limit that allows chunks of a useful size. */
 #define STORAGE_BLOCK_BYTES_MIN 16384
 
 /* GL_NV_conservative_raster, GL_NV_conservative_raster_pre_snap_triangles, GL_INTEL_conservative_rasterization. */
@@ -35,7 +36,7 @@ typedef struct raster_program {
     GLint depth, voxel_log2, open, view_origin, view_log2, first_item, chunk, capacity;
 } raster_program;
 
-/* What of a plan the shaders are compiled for, besides the class of triangles. */
+/* The properties of a plan that select a program, besides the class of triangles. */
 typedef struct variant {
     bool code48, thin;
 } variant;
@@ -73,7 +74,7 @@ svo_i_conservative svo_i_raster_hardware(const svo_i_gl_functions *gl, const cha
     return SVO_I_CONSERVATIVE_EXPAND;
 }
 
-/* The first step that failed, in the device's message. */
+/* SVO_OK, or the first OpenGL error with the step in the device's message. */
 static svo_status check(const svo_i_raster *raster, const char *step)
 {
     return svo_i_gl_check(raster->gl, FUNCTION, step, &raster->device->message);
@@ -89,21 +90,31 @@ static svo_status check_limits(svo_device *device, const svo_i_gl_functions *gl)
     }
     if (gl->limits.storage_block_bytes < STORAGE_BLOCK_BYTES_MIN) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                 "svo_gl_create: %s has a storage block limit of %lld bytes, "
-                                 "below %d",
-                                 gl->renderer, (long long)gl->limits.storage_block_bytes, STORAGE_BLOCK_BYTES_MIN);
+                                 "svo_gl_create: %s has a storage block limit of %lld bytes, below %d", gl->renderer,
+                                 (long long)gl->limits.storage_block_bytes, STORAGE_BLOCK_BYTES_MIN);
     }
     return SVO_OK;
+}
+
+static svo_status create_objects(svo_i_raster *raster)
+{
+    const svo_i_gl_functions *gl = raster->gl;
+    SVO_I_TRY(svo_i_gl_context_make_current(raster->context, &raster->device->message));
+    svo_i_gl_clear_errors(gl);
+    gl->GenVertexArrays(1, &raster->vertex_array);
+    gl->GenFramebuffers(1, &raster->framebuffer);
+    gl->GenBuffers(4, raster->buffers);
+    const svo_status status = check(raster, "creating objects");
+    svo_i_gl_context_release_current(raster->context);
+    return status;
 }
 
 svo_status svo_i_raster_create(svo_device *device, svo_gl_context *context, svo_i_conservative conservative,
                                bool no_int64, svo_i_raster **out)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
-    svo_status status = check_limits(device, gl);
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_limits(device, gl));
     svo_i_raster *raster = calloc(1, sizeof *raster);
     if (raster == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for the front end");
@@ -113,21 +124,12 @@ svo_status svo_i_raster_create(svo_device *device, svo_gl_context *context, svo_
     raster->gl = gl;
     raster->conservative = conservative;
     raster->int64 = !no_int64 && svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64");
-    status = svo_i_gl_context_make_current(context, &device->message);
-    if (status == SVO_OK) {
-        svo_i_gl_clear_errors(gl);
-        gl->GenVertexArrays(1, &raster->vertex_array);
-        gl->GenFramebuffers(1, &raster->framebuffer);
-        gl->GenBuffers(4, raster->buffers);
-        status = check(raster, "creating objects");
-        svo_i_gl_context_release_current(context);
-    }
-    if (status != SVO_OK) {
-        svo_i_raster_destroy(&raster);
-        return status;
-    }
+    SVO_I_TRY_CLEANUP(create_objects(raster));
     *out = raster;
     return SVO_OK;
+cleanup:
+    svo_i_raster_destroy(&raster);
+    return status;
 }
 
 void svo_i_raster_destroy(svo_i_raster **raster)
@@ -185,10 +187,7 @@ static svo_status link_program(svo_i_raster *raster, const GLuint shaders[2], ra
 {
     const svo_i_gl_functions *gl = raster->gl;
     const svo_i_shader_maker maker = {raster->device, gl, FUNCTION, "the shaders"};
-    const svo_status status = svo_i_shader_link(&maker, shaders, 2, &program->name);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_shader_link(&maker, shaders, 2, &program->name));
     const GLuint name = program->name;
     program->depth = gl->GetUniformLocation(name, "depth");
     program->voxel_log2 = gl->GetUniformLocation(name, "voxel_log2");
@@ -201,7 +200,7 @@ static svo_status link_program(svo_i_raster *raster, const GLuint shaders[2], ra
     return SVO_OK;
 }
 
-/* Drivers compile a shader when something is first drawn with it: one item of zeros, nothing of which is rasterized. */
+/* Drivers compile a shader at its first draw: draws one item of zeros, of which nothing is rasterized. */
 static svo_status warm_program(svo_i_raster *raster, const raster_program *program)
 {
     static const unsigned char zeros[256] = {0};
@@ -221,23 +220,25 @@ static svo_status warm_program(svo_i_raster *raster, const raster_program *progr
     return check(raster, "drawing nothing");
 }
 
+static svo_status build_program(svo_i_raster *raster, svo_i_class class_id, variant v, raster_program *program)
+{
+    svo_status status = SVO_OK;
+    GLuint shaders[2] = {0, 0}; /* vertex, fragment */
+    SVO_I_TRY_CLEANUP(compile_shader(raster, GL_VERTEX_SHADER, class_id, v, &shaders[0]));
+    SVO_I_TRY_CLEANUP(compile_shader(raster, GL_FRAGMENT_SHADER, class_id, v, &shaders[1]));
+    SVO_I_TRY_CLEANUP(link_program(raster, shaders, program));
+    program->points = class_id == SVO_I_CLASS_POINT;
+    SVO_I_TRY_CLEANUP(warm_program(raster, program));
+cleanup:
+    raster->gl->DeleteShader(shaders[0]);
+    raster->gl->DeleteShader(shaders[1]);
+    return status;
+}
+
 static svo_status compile_program(svo_i_raster *raster, svo_i_class class_id, variant v, raster_program *program)
 {
     const double start_ms = svo_i_now_ms();
-    GLuint shaders[2] = {0, 0}; /* of the vertices, of the fragments */
-    svo_status status = compile_shader(raster, GL_VERTEX_SHADER, class_id, v, &shaders[0]);
-    if (status == SVO_OK) {
-        status = compile_shader(raster, GL_FRAGMENT_SHADER, class_id, v, &shaders[1]);
-    }
-    if (status == SVO_OK) {
-        status = link_program(raster, shaders, program);
-    }
-    raster->gl->DeleteShader(shaders[0]);
-    raster->gl->DeleteShader(shaders[1]);
-    if (status == SVO_OK) {
-        program->points = class_id == SVO_I_CLASS_POINT;
-        status = warm_program(raster, program);
-    }
+    const svo_status status = build_program(raster, class_id, v, program);
     raster->device->compile_ms += svo_i_now_ms() - start_ms;
     return status;
 }
@@ -247,8 +248,7 @@ static GLuint view_log2_of(const svo_plan *plan)
     return plan->info.depth < SVO_I_VIEW_LOG2 ? plan->info.depth : SVO_I_VIEW_LOG2;
 }
 
-/* Everything that is not storage blocks: one viewport over the grid or a part of it, nothing written to a
-   framebuffer. */
+/* All state but the storage blocks: one viewport over the grid or a part of it, a framebuffer without attachments. */
 static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
 {
     const svo_i_gl_functions *gl = raster->gl;
@@ -279,19 +279,13 @@ svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
 {
     const variant v = variant_of(plan);
     svo_i_gl_clear_errors(raster->gl);
-    const svo_status ready = set_state(raster, plan);
-    if (ready != SVO_OK) {
-        return ready;
-    }
+    SVO_I_TRY(set_state(raster, plan));
     for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
         raster_program *program = &raster->programs[class_id][v.code48][v.thin];
         if (plan->class_begin[class_id] == plan->class_begin[class_id + 1] || program->name != 0) {
             continue;
         }
-        const svo_status status = compile_program(raster, class_id, v, program);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(compile_program(raster, class_id, v, program));
     }
     return SVO_OK;
 }
@@ -312,28 +306,30 @@ static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char 
     return check(raster, name);
 }
 
+/* One counter per chunk, all zero. */
+static svo_status upload_counters(svo_i_raster *raster, uint32_t chunk_count)
+{
+    uint32_t *zeros = calloc(chunk_count + 1u, sizeof *zeros);
+    if (zeros == NULL) {
+        return svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u counters", FUNCTION,
+                                 chunk_count);
+    }
+    const svo_status status =
+        upload_block(raster, BINDING_COUNTERS, "counters", zeros, (chunk_count + 1u) * sizeof *zeros);
+    free(zeros);
+    return status;
+}
+
 svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count)
 {
     const uint64_t triangles = plan->triangle_count;
+    const uint64_t vertices = plan->vertex_count;
     svo_i_gl_clear_errors(raster->gl);
-    svo_status status =
-        upload_block(raster, BINDING_VERTICES, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12);
-    if (status == SVO_OK) {
-        status = upload_block(raster, BINDING_INDICES, "indices", plan->indices, triangles * 12);
-    }
-    if (status == SVO_OK) {
-        status = upload_block(raster, BINDING_ITEMS, "items", plan->items, triangles * sizeof(svo_draw_item));
-    }
-    if (status == SVO_OK) {
-        uint32_t *zeros = calloc(chunk_count + 1u, sizeof *zeros);
-        if (zeros == NULL) {
-            return svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u counters", FUNCTION,
-                                     chunk_count);
-        }
-        status = upload_block(raster, BINDING_COUNTERS, "counters", zeros, (chunk_count + 1u) * sizeof *zeros);
-        free(zeros);
-    }
-    return status == SVO_OK ? set_state(raster, plan) : status;
+    SVO_I_TRY(upload_block(raster, BINDING_VERTICES, "vertices", plan->vertices, vertices * 12));
+    SVO_I_TRY(upload_block(raster, BINDING_INDICES, "indices", plan->indices, triangles * 12));
+    SVO_I_TRY(upload_block(raster, BINDING_ITEMS, "items", plan->items, triangles * sizeof(svo_draw_item)));
+    SVO_I_TRY(upload_counters(raster, chunk_count));
+    return set_state(raster, plan);
 }
 
 static void set_conservative(const svo_i_raster *raster, bool on)
@@ -354,7 +350,7 @@ static void set_conservative(const svo_i_raster *raster, bool on)
     }
 }
 
-/* Items of one draw call: vertex numbers must stay below 2^31. */
+/* The most items of one draw call: vertex numbers must stay below 2^31. */
 #define ITEMS_PER_CALL (1u << 28)
 
 static const raster_program *program_of(const svo_i_raster *raster, const svo_plan *plan, svo_i_class class_id)
@@ -375,7 +371,7 @@ static void draw_items(const svo_i_raster *raster, const svo_plan *plan, const s
     }
 }
 
-svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk)
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk)
 {
     const svo_i_gl_functions *gl = raster->gl;
     const svo_i_chunk *target = &layout->chunks[chunk];

@@ -1,43 +1,44 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The raster front end: one context's shaders and objects, and drawing a plan's triangles into chunks of fragments.
- * gl.c makes it a front end of the library; selftest.c checks it against a walk over the voxels.
+ * The rasterizer: the shaders and objects of one context, which draw a plan's triangles into chunks of fragments.
+ * rasterize.c makes the fragment list with it; selftest.c compares it with a walk over the voxels.
  */
 #ifndef SVO_GLINTEROP_RASTER_RASTER_H
 #define SVO_GLINTEROP_RASTER_RASTER_H
 
 #include "context/context.h"
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 
-/* What makes rasterization conservative. */
+/* The method that makes rasterization conservative. */
 typedef enum svo_i_conservative {
     SVO_I_CONSERVATIVE_EXPAND = 0, /* the vertex shader */
     SVO_I_CONSERVATIVE_NV, /* GL_NV_conservative_raster_pre_snap_triangles */
-    SVO_I_CONSERVATIVE_INTEL /* GL_INTEL_conservative_rasterization, after a margin by the vertex shader */
+    SVO_I_CONSERVATIVE_INTEL /* GL_INTEL_conservative_rasterization, with a margin added by the vertex shader */
 } svo_i_conservative;
 
-/* The hardware's way, or SVO_I_CONSERVATIVE_EXPAND with the reason (static string) why there is none. */
+/* The hardware's method, or SVO_I_CONSERVATIVE_EXPAND and the reason (a static string) why it has none. */
 svo_i_conservative svo_i_raster_hardware(const svo_i_gl_functions *gl, const char **reason);
 
 typedef struct svo_i_raster svo_i_raster;
 
-/* no_int64: two-word integers in the shaders even where the context has 64-bit ones. Compiles nothing yet. The context
-   must outlive it. Returns SVO_UNSUPPORTED naming a limit of the context, SVO_GL_ERROR or SVO_OUT_OF_HOST_MEMORY. */
+/* Compiles nothing yet. The context must outlive the rasterizer. no_int64: the shaders use two-word integers even where
+   the context has 64-bit ones. Returns SVO_UNSUPPORTED naming a limit of the context, SVO_GL_ERROR or
+   SVO_OUT_OF_HOST_MEMORY. */
 svo_status svo_i_raster_create(svo_device *device, svo_gl_context *context, svo_i_conservative conservative,
                                bool no_int64, svo_i_raster **out);
 void svo_i_raster_destroy(svo_i_raster **raster);
 
 /* The calls below expect the context current. */
 
-/* Compiles what the plan's draws need. SVO_COMPILE_FAILED with the first line of the log in the message. */
+/* Compiles the programs that the plan's draws need. SVO_COMPILE_FAILED with the first line of the log. */
 svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan);
-/* Uploads the snapped mesh and the items, and makes room for that many counters, set to zero. */
+/* Uploads the snapped mesh and the items, and one zero counter per chunk. */
 svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count);
-/* Draws one chunk; the fragments' storage block is bound to SVO_I_RASTER_FRAGMENTS by the caller. */
-svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_layout *layout, uint32_t chunk);
-/* Waits, and reads the fragments each chunk needs. */
+/* Draws one chunk into the storage block that the caller has bound to SVO_I_RASTER_FRAGMENTS. */
+svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk);
+/* Waits, and reads how many fragments each chunk needs. */
 svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, uint32_t *needed);
-/* Gives back the GL memory of the mesh. */
+/* Frees the OpenGL memory of the mesh. */
 void svo_i_raster_drop(svo_i_raster *raster);
 
 /* The binding of the fragments' storage block. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The start-up check of hardware-conservative rasterization. Drivers differ in what they do with needles and triangles
- * below a pixel; whoever misses one voxel here is not used.
+ * The start-up test of hardware-conservative rasterization. Drivers differ on needles and on triangles smaller than a
+ * pixel; a driver that misses a voxel here is not used.
  */
 #include "raster/selftest.h"
 
@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/message.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 #include "shared/overlap.clh"
 
 #define TEST_DEPTH     6u
@@ -20,7 +23,7 @@ static uint32_t next_random(uint32_t *state)
     return *state >> 8;
 }
 
-/* Integer coordinates on a grid of 2^20 units: small triangles, needles, slivers of one unit, large ones, in turn. */
+/* Integer coordinates on a grid of 2^20 units: a mix of small triangles, needles, slivers of one unit and large ones. */
 static void make_vertices(double *positions)
 {
     static const int32_t extents[4] = {12000, 900, 300000, 60000};
@@ -143,66 +146,68 @@ static int compare_fragments(const void *left, const void *right)
     return a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : 0;
 }
 
-/* Draws the plan into a buffer of its own; *words by malloc. */
+/* Draws the plan into a buffer of its own and reads the fragments. words: room for capacity fragments. */
 static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
-                       uint64_t capacity, uint32_t **words, uint32_t *needed)
+                       uint64_t capacity, uint32_t *words, uint32_t *needed)
 {
-    svo_i_layout layout;
-    svo_status status = svo_i_layout_create(plan, UINT64_C(1) << 26, &layout);
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_i_chunking layout;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout));
     layout.chunks[0].capacity = capacity;
-    *words = malloc((size_t)capacity * 8);
     GLuint buffer = 0;
     gl->GenBuffers(1, &buffer);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(capacity * 8), NULL, GL_STREAM_READ);
-    status = *words != NULL ? svo_i_raster_prepare(raster, plan) : SVO_OUT_OF_HOST_MEMORY;
-    if (status == SVO_OK) {
-        status = svo_i_raster_upload(raster, plan, 1);
-    }
-    if (status == SVO_OK) {
-        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
-        status = svo_i_raster_draw(raster, plan, &layout, 0);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_raster_finish(raster, 1, needed);
-    }
-    if (status == SVO_OK) {
-        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-        gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(capacity * 8), *words);
-        status = svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message);
-    }
+    SVO_I_TRY_CLEANUP(svo_i_raster_prepare(raster, plan));
+    SVO_I_TRY_CLEANUP(svo_i_raster_upload(raster, plan, 1));
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
+    SVO_I_TRY_CLEANUP(svo_i_raster_draw(raster, plan, &layout, 0));
+    SVO_I_TRY_CLEANUP(svo_i_raster_finish(raster, 1, needed));
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(capacity * 8), words);
+    SVO_I_TRY_CLEANUP(svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message));
+cleanup:
     gl->DeleteBuffers(1, &buffer);
-    svo_i_layout_destroy(&layout);
+    svo_i_chunking_destroy(&layout);
     return status;
 }
 
-static void compare(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
-                    char *reason, size_t reason_bytes)
+/* Writes "" to reason when both arrays hold the same fragments in any order, else how they differ. Sorts both. */
+static void report_difference(uint32_t *drawn, uint32_t *expected, uint32_t needed, uint64_t count, char *reason,
+                              size_t reason_bytes)
 {
+    if (needed != count) {
+        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu", needed,
+                       (unsigned long long)count);
+        return;
+    }
+    qsort(drawn, (size_t)count, 8, compare_fragments);
+    qsort(expected, (size_t)count, 8, compare_fragments);
+    const bool same = memcmp(drawn, expected, (size_t)count * 8) == 0;
+    (void)snprintf(reason, reason_bytes, "%s", same ? "" : "the self-test found other fragments than the walk");
+}
+
+static svo_status compare(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
+                          char *reason, size_t reason_bytes)
+{
+    svo_status status = SVO_OK;
     uint32_t *expected = NULL;
     uint32_t *drawn = NULL;
     uint64_t count = 0;
     uint32_t needed = 0;
-    svo_status status = svo_i_walk(plan, &expected, &count);
-    if (status == SVO_OK) {
-        status = draw(device, gl, raster, plan, count + 1, &drawn, &needed);
+    SVO_I_TRY_CLEANUP(svo_i_walk(plan, &expected, &count));
+    drawn = malloc((size_t)(count + 1) * 8);
+    if (drawn == NULL) {
+        status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for %llu fragments",
+                                   (unsigned long long)count);
+        goto cleanup;
     }
-    if (status != SVO_OK) {
-        (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
-    } else if (needed != count) {
-        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu", needed,
-                       (unsigned long long)count);
-    } else {
-        qsort(drawn, (size_t)count, 8, compare_fragments);
-        qsort(expected, (size_t)count, 8, compare_fragments);
-        const bool same = memcmp(drawn, expected, (size_t)count * 8) == 0;
-        (void)snprintf(reason, reason_bytes, "%s", same ? "" : "the self-test found other fragments than the walk");
-    }
+    SVO_I_TRY_CLEANUP(draw(device, gl, raster, plan, count + 1, drawn, &needed));
+    report_difference(drawn, expected, needed, count, reason, reason_bytes);
+cleanup:
     free(expected);
     free(drawn);
+    return status;
 }
 
 void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_raster *raster, char *reason,
@@ -221,7 +226,10 @@ void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_ra
         svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
         (void)snprintf(reason, reason_bytes, "the self-test could not start: %s", device->message.text);
     } else {
-        compare(device, svo_i_gl_context_functions(context), raster, plan, reason, reason_bytes);
+        const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
+        if (compare(device, gl, raster, plan, reason, reason_bytes) != SVO_OK) {
+            (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+        }
         svo_i_gl_context_release_current(context);
     }
     svo_plan_destroy(&plan);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * cl_khr_gl_sharing: whether a device and a context offer it, and its functions. share.c makes buffers by it,
- * share_probe.c puts it to a self-test.
+ * probe.c puts it to a self-test.
  *
  * Specification: The OpenCL Extension Specification, version 1.2, sections 9.7 (cl_khr_gl_sharing) and 9.8
  * (cl_khr_gl_event). Nothing is called that the device does not promise: some drivers abort the process in functions
@@ -14,22 +14,7 @@
 #include <CL/cl_gl.h>
 #include <stdbool.h>
 
-#include "svocl/gl.h"
-
-/* The OpenCL calls by which the extension is found. A table per context, so that tests can put a driver of their own
-   there. */
-typedef struct svo_i_opencl {
-    cl_int(CL_API_CALL *GetDeviceInfo)(cl_device_id device, cl_device_info what, size_t bytes, void *value,
-                                       size_t *value_bytes);
-    cl_int(CL_API_CALL *GetContextInfo)(cl_context context, cl_context_info what, size_t bytes, void *value,
-                                        size_t *value_bytes);
-    cl_context(CL_API_CALL *CreateContext)(const cl_context_properties *properties, cl_uint device_count,
-                                           const cl_device_id *devices,
-                                           void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *),
-                                           void *user, cl_int *error);
-    void *(CL_API_CALL *GetExtensionFunctionAddressForPlatform)(cl_platform_id platform, const char *name);
-} svo_i_opencl;
-extern const svo_i_opencl svo_i_opencl_installed; /* the ICD loader's */
+#include "context/context.h"
 
 /* X(member): the extension's functions that svocl uses, looked up as "cl" + member. */
 #define SVO_I_SHARING_FUNCTION_LIST(X) \

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. share_probe.c says which path
+/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. probe.c says which path
    works. */
 #include "share/share.h"
 

@@ -12,37 +12,10 @@
 #ifndef SVO_GLINTEROP_SHARE_SHARE_H
 #define SVO_GLINTEROP_SHARE_SHARE_H
 
-#include <stddef.h>
-
-#include "context/context.h"
-#include "core/device.h"
-
-/*
- * Why a share path works or not on this pair: "" in reason if it does, else one line. `sharing` and `host` are put to a
- * round trip.
- *
- * share: not AUTO. reason: not NULL, at least one byte; longer reasons are cut. Leaves the device's message as it was.
- */
-void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason,
-                       size_t reason_bytes);
+#include "share/shared_buffer.h"
 
 /* The most bytes a shared buffer can have: the smaller of OpenGL's storage block and OpenCL's largest allocation. */
 size_t svo_i_share_limit_bytes(const svo_device *device, const svo_gl_context *context);
-
-typedef struct svo_i_share_buffer {
-    svo_device *device;
-    svo_gl_context *context;
-    svo_gl_share share;
-    size_t bytes;
-    GLuint name; /* the OpenGL buffer */
-    size_t offset_bytes; /* where the shared bytes begin in it: OpenCL may want a coarser alignment */
-    cl_mem memory; /* the OpenCL buffer; its byte 0 is the OpenGL buffer's byte offset_bytes */
-    unsigned char *pointer; /* host: where OpenGL's mapping holds the shared bytes; NULL otherwise */
-    cl_command_queue mapping_queue; /* host: set while OpenCL has memory mapped, that is while OpenGL may write */
-    svo_i_interop sharing; /* sharing: the extension's functions */
-    cl_command_queue
-        acquiring_queue; /* sharing: set while OpenCL has acquired memory, that is while OpenGL may not write */
-} svo_i_share_buffer;
 
 /*
  * Makes a buffer of bytes (not 0) that both sides can use; it belongs to OpenCL at first and its content is undefined.

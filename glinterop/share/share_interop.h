@@ -4,7 +4,7 @@
 #ifndef SVO_GLINTEROP_SHARE_SHARE_INTEROP_H
 #define SVO_GLINTEROP_SHARE_SHARE_INTEROP_H
 
-#include "share/share.h"
+#include "share/shared_buffer.h"
 
 /* The OpenCL side of a buffer whose OpenGL side has its size. */
 svo_status svo_i_share_interop_create(svo_i_share_buffer *buffer);

@@ -63,9 +63,9 @@ typedef struct svo_stage_time {
     const char *clock; /* "wall", "cl-event" or "gl-timer"; NULL: the stage did not run */
 } svo_stage_time;
 
+#define SVO_STAGE_CAPACITY 64
 typedef struct svo_build_report {
     size_t struct_size; /* sizeof(svo_build_report), set by the caller */
-    svo_stage_time stages[SVO_STAGE_COUNT];
     uint64_t fragments;
     uint64_t inner_nodes; /* of svo_tree_finish: see there; else 0 */
     uint32_t list_chunks;
@@ -74,7 +74,11 @@ typedef struct svo_build_report {
     const char *builder; /* "cl", "sorted"; "gl-compute" (svo_gl_build); static strings */
     const char *share; /* how the list got to OpenCL: "none" (it was made there), "sharing", "host", "copy" */
     const char *renderer; /* OpenGL's name of what rasterized; lives as long as the context; "" without OpenGL */
+    svo_stage_time stage_times[SVO_STAGE_CAPACITY]; /* read by svo_build_report_stage */
 } svo_build_report;
+#define SVO_BUILD_REPORT_INIT SVO_STRUCT_INIT(svo_build_report)
+
+SVO_API size_t svo_build_report_stage(const svo_build_report *report, size_t index, svo_stage_time *time);
 
 /*
  * Builds the tree of a plan and waits for it. Grows capacities and reruns when they were too small, and reports that; a
@@ -112,13 +116,16 @@ typedef struct svo_workspace_options {
     cl_mem scratch;
     uint64_t offset_bytes;
 } svo_workspace_options;
+#define SVO_WORKSPACE_OPTIONS_INIT SVO_STRUCT_INIT(svo_workspace_options)
 
 typedef struct svo_workspace_info {
+    size_t struct_size; /* sizeof(svo_workspace_info) */
     uint64_t scratch_bytes; /* exact; buffers that are not needed at the same time share it */
     uint64_t scratch_alignment; /* bytes; CL_DEVICE_MEM_BASE_ADDR_ALIGN */
     uint64_t tree_bytes; /* of a tree with room for the capacities */
     uint64_t fragment_capacity, inner_capacity; /* fragments and inner nodes there is room for */
 } svo_workspace_info;
+#define SVO_WORKSPACE_INFO_INIT SVO_STRUCT_INIT(svo_workspace_info)
 
 /* What svo_workspace_create would ask for, without changing the plan. frontend: see there. Returns what it returns. */
 SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info);
@@ -142,7 +149,7 @@ SVO_API svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, 
 /* Waits for builds in flight. NULL and a pointer to NULL are allowed. Trees made from it live on; those of builds in
    flight have to be finished first. */
 SVO_API void svo_workspace_destroy(svo_workspace **workspace);
-SVO_API void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info);
+SVO_API svo_status svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info);
 
 /* A tree without content, with room for the plan's capacities, for svo_build_enqueue alone. */
 SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out);

@@ -31,6 +31,7 @@ typedef struct svo_device_options {
     const char *device_name; /* svo_device_create_default: part of "platform: device", any case, or "P.D" indices;
                                 NULL: the first GPU, else the first device */
 } svo_device_options;
+#define SVO_DEVICE_OPTIONS_INIT SVO_STRUCT_INIT(svo_device_options)
 
 /*
  * Wraps the caller's context and one of its devices; both are retained until svo_device_destroy. Compiles nothing.

@@ -40,11 +40,13 @@ svo_gl_context_kind_name(svo_gl_context_kind kind); /* "surfaceless", "egl-devic
 typedef struct svo_gl_context svo_gl_context;
 
 typedef struct svo_gl_context_info {
+    size_t struct_size; /* sizeof(svo_gl_context_info) */
     svo_gl_context_kind kind;
     uint32_t device_index; /* EGL device number; 0 otherwise */
     const char *vendor, *renderer, *version; /* live as long as the context */
     uint32_t is_software; /* not 0: a processor renders (llvmpipe and its like) */
 } svo_gl_context_info;
+#define SVO_GL_CONTEXT_INFO_INIT SVO_STRUCT_INIT(svo_gl_context_info)
 
 /* EGL devices there are; 0 without EGL or EGL_EXT_device_enumeration. */
 SVO_API uint32_t svo_gl_egl_device_count(void);
@@ -86,7 +88,7 @@ SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address,
                                        svo_message *message);
 
 SVO_API void svo_gl_context_destroy(svo_gl_context **context);
-SVO_API void svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
+SVO_API svo_status svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context_info *info);
 
 /*
  * As svo_mesh_read, for buffers of OpenGL. What OpenGL commands before it write to them is seen, whatever wrote it.
@@ -131,6 +133,7 @@ typedef struct svo_gl_options {
     svo_gl_share share;
     uint32_t no_int64; /* not 0: two-word integers in the shaders even where ARB_gpu_shader_int64 exists. For tests. */
 } svo_gl_options;
+#define SVO_GL_OPTIONS_INIT SVO_STRUCT_INIT(svo_gl_options)
 
 typedef struct svo_gl svo_gl;
 

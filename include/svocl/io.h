@@ -59,6 +59,7 @@ typedef struct svo_save_options {
     size_t struct_size; /* sizeof(svo_save_options) */
     uint32_t compress; /* not 0: zstd per chunk where that makes it smaller */
 } svo_save_options;
+#define SVO_SAVE_OPTIONS_INIT SVO_STRUCT_INIT(svo_save_options)
 
 /*
  * Writes a .svo file: to a temporary name beside path, flushed, then renamed; on failure nothing is left and an old
@@ -86,6 +87,7 @@ typedef struct svo_import_options {
     /* Path of a program that calls svo_import_child_main() first thing in main(); NULL: /proc/self/exe. */
     const char *child_program;
 } svo_import_options;
+#define SVO_IMPORT_OPTIONS_INIT SVO_STRUCT_INIT(svo_import_options)
 
 /* A mesh read from a file, its arrays owned by the handle. */
 typedef struct svo_import svo_import;

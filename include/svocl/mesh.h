@@ -58,6 +58,7 @@ typedef struct svo_mesh {
     const svo_texture *textures;
     size_t texture_count;
 } svo_mesh;
+#define SVO_MESH_INIT SVO_STRUCT_INIT(svo_mesh)
 
 /* Where one array of a mesh lies: in an OpenCL buffer for svo_mesh_read, in an OpenGL buffer for svo_gl_mesh_read. The
    other of the two is not looked at. All zero: the mesh has no such array. */
@@ -78,6 +79,7 @@ typedef struct svo_mesh_buffers {
     svo_mesh_view normals, colors, uvs; /* per vertex: 3 floats, RGBA8, 2 floats */
     svo_mesh_view triangle_materials; /* per triangle: uint16_t */
 } svo_mesh_buffers;
+#define SVO_MESH_BUFFERS_INIT SVO_STRUCT_INIT(svo_mesh_buffers)
 
 /* Arrays on the host, owned. Thread-safety: reading is safe from several threads. */
 typedef struct svo_mesh_copy svo_mesh_copy;

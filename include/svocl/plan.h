@@ -99,8 +99,10 @@ typedef struct svo_plan_options {
     /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
     uint64_t chunk_bytes;
 } svo_plan_options;
+#define SVO_PLAN_OPTIONS_INIT SVO_STRUCT_INIT(svo_plan_options)
 
 typedef struct svo_plan_info {
+    size_t struct_size; /* sizeof(svo_plan_info) */
     uint32_t depth;
     uint32_t snap_bits; /* G: the grid is 2^G units wide; 20 up to depth 12, depth + 8 above */
     uint32_t coverage; /* svo_coverage */
@@ -117,6 +119,7 @@ typedef struct svo_plan_info {
     uint64_t fragments; /* their number, once svo_plan_count has found it; 0 before */
     double grid_ms; /* wall clock spent in validating, snapping and classifying */
 } svo_plan_info;
+#define SVO_PLAN_INFO_INIT SVO_STRUCT_INIT(svo_plan_info)
 
 /* How well the bytes of a buffer are known before a build. */
 typedef enum svo_certainty {
@@ -127,25 +130,31 @@ typedef enum svo_certainty {
 SVO_API const char *svo_certainty_name(svo_certainty certainty); /* "exact", "bound", "estimate"; static string */
 
 typedef struct svo_buffer_info {
+    size_t struct_size; /* sizeof(svo_buffer_info) */
     const char *name; /* static string */
     uint64_t bytes;
     uint64_t count; /* cl_mems it is split into */
     svo_certainty certainty; /* SVO_BYTES_EXACT after a build */
     int persistent; /* not 0: part of the tree; 0: scratch, released before the build ends */
 } svo_buffer_info;
+#define SVO_BUFFER_INFO_INIT SVO_STRUCT_INIT(svo_buffer_info)
 
 /* A program of kernels that a build of the plan compiles, unless the device has it already. */
 typedef struct svo_kernels_info {
+    size_t struct_size; /* sizeof(svo_kernels_info) */
     const char *name; /* "build", "voxelize", "sort"; static string */
     const char
         *defines; /* " -DSVO_COLOR -DSVO_WEIGHTS_AREA": which parts and variants of them; lives as long as the plan */
 } svo_kernels_info;
+#define SVO_KERNELS_INFO_INIT SVO_STRUCT_INIT(svo_kernels_info)
 
 /* Something that a build of the plan does without. */
 typedef struct svo_left_out {
+    size_t struct_size; /* sizeof(svo_left_out) */
     const char *what; /* "leaf lists", "color per node"; static string */
     const char *reason; /* one line; lives as long as the plan */
 } svo_left_out;
+#define SVO_LEFT_OUT_INIT SVO_STRUCT_INIT(svo_left_out)
 
 /*
  * Makes a plan. The mesh's arrays are not needed afterwards.
@@ -159,7 +168,7 @@ SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, uns
                                    const svo_plan_options *options, svo_plan **out);
 SVO_API void svo_plan_destroy(svo_plan **plan);
 
-SVO_API void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
+SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
 /* The depth that suits a tree whose triangles are asked for, 1 .. 12, whatever the plan's own depth: the deepest where
    the fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and
@@ -172,19 +181,22 @@ SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
    share "copy" its side of the list) is apart, and so are the buffers that kernels are tried on when they are compiled,
    which are released before the build allocates. svo_workspace_create makes it what a workspace and a tree hold.
    Returns their number; *info receives entry index, which must be below it; info may be NULL. */
-SVO_API size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
+SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
+SVO_API svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 /* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
 SVO_API uint64_t svo_plan_peak_bytes(const svo_plan *plan);
 SVO_API uint64_t svo_plan_tree_bytes(const svo_plan *plan);
 
 /* The programs of kernels, with the front end of OpenCL alone. Returns their number; *info receives entry index, which
    must be below it; info may be NULL. */
-SVO_API size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info);
+SVO_API size_t svo_plan_kernels_count(const svo_plan *plan);
+SVO_API svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info);
 
 /* What this mesh and this request have no use for: stages that do not run, buffers that do not exist, kernels and
    variants of them that are not compiled. Returns their number; *entry receives entry index, which must be below it;
    entry may be NULL. What was asked for is the same, bit for bit, as if all of it were done. */
-SVO_API size_t svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry);
+SVO_API size_t svo_plan_left_out_count(const svo_plan *plan);
+SVO_API svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry);
 
 #ifdef __cplusplus
 }

@@ -16,6 +16,22 @@
 extern "C" {
 #endif
 
+/*
+ * Structs that may grow begin with size_t struct_size, which says how much of the struct the caller knows. Each has a
+ * macro SVO_..._INIT, which sets it and makes everything else zero.
+ */
+#if defined(__cplusplus) && __cplusplus < 202002L
+#define SVO_STRUCT_INIT(type) \
+    {                         \
+        sizeof(type)          \
+    }
+#else
+#define SVO_STRUCT_INIT(type)       \
+    {                               \
+        .struct_size = sizeof(type) \
+    }
+#endif
+
 /* X(enumerator, value, text): the one list of status codes. Values are stable. */
 #define SVO_STATUS_LIST(X)                                                              \
     X(SVO_OK, 0, "ok")                                                                  \

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "svocl/layout.h"
+#include "svocl/ray_types.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
@@ -30,11 +30,11 @@ SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *ca
 /* What a picture shows. */
 typedef enum svo_render_view {
     SVO_VIEW_SHADED = 0, /* light, shadows, colors */
-    SVO_VIEW_NORMAL = SVO_VIEW_KIND_NORMAL, /* x, y, z as red, green, blue: the voxel's own, else its face's */
-    SVO_VIEW_DEPTH = SVO_VIEW_KIND_DEPTH, /* near ones bright */
-    SVO_VIEW_STEPS = SVO_VIEW_KIND_STEPS, /* cells the ray looked into, from blue to red at 64 */
-    SVO_VIEW_LEVEL = SVO_VIEW_KIND_LEVEL, /* a color for the level of the node it stopped at */
-    SVO_VIEW_TRIANGLES = SVO_VIEW_KIND_TRIANGLES /* a color for each triangle; needs SVO_NEED_RAYS */
+    SVO_VIEW_NORMAL = 1, /* x, y, z as red, green, blue: the voxel's own, else its face's */
+    SVO_VIEW_DEPTH = 2, /* near ones bright */
+    SVO_VIEW_STEPS = 3, /* cells the ray looked into, from blue to red at 64 */
+    SVO_VIEW_LEVEL = 4, /* a color for the level of the node it stopped at */
+    SVO_VIEW_TRIANGLES = 5 /* a color for each triangle; needs SVO_NEED_RAYS */
 } svo_render_view;
 
 typedef struct svo_render_options {
@@ -43,6 +43,7 @@ typedef struct svo_render_options {
     svo_camera camera;
     svo_render_view view;
 } svo_render_options;
+#define SVO_RENDER_OPTIONS_INIT SVO_STRUCT_INIT(svo_render_options)
 
 /*
  * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the
@@ -51,7 +52,7 @@ typedef struct svo_render_options {
  * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
  * Returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY.
  */
-SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
 /*
@@ -68,7 +69,7 @@ SVO_API svo_status svo_tree_render(svo_device *device, const svo_tree *tree, con
  * tree's device.
  * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR.
  */
-SVO_API svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue);
+SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
 /* Bytes it takes on the device; 0 before it is made. */
 SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
 
@@ -90,7 +91,7 @@ typedef enum svo_trace_flags {
  * that is not finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
  *
  * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray
- * (layout.h). hits: ray_count records svo_hit, written whole, in the order of the rays. ray_count: at most
+ * (ray_types.h). hits: ray_count records svo_hit, written whole, in the order of the rays. ray_count: at most
  * SVO_TRACE_RAYS_MAX. flags: one of svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event:
  * as in clEnqueueNDRangeKernel.
  *
@@ -99,13 +100,13 @@ typedef enum svo_trace_flags {
  * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
  * SVO_CL_ERROR.
  */
-SVO_API svo_status svo_tree_trace_enqueue(const svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
-                                          uint32_t flags, cl_command_queue queue, cl_uint num_wait,
-                                          const cl_event *wait, cl_event *event);
+SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
+                                          cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                          cl_event *event);
 
 /* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
-SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count,
-                                  uint32_t flags, cl_command_queue queue);
+SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
+                                  cl_command_queue queue);
 
 /*
  * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the
@@ -113,14 +114,14 @@ SVO_API svo_status svo_tree_trace(const svo_tree *tree, const svo_ray *rays, svo
  * inside the grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has
  * none.
  *
- * points: point_count records svo_query_point (layout.h). results: point_count records svo_nearest, written whole. All
+ * points: point_count records svo_query_point (ray_types.h). results: point_count records svo_nearest, written whole. All
  * else as for svo_tree_trace_enqueue.
  */
-SVO_API svo_status svo_tree_nearest_enqueue(const svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
+SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
                                             cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
                                             cl_event *event);
 /* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
-SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point *points, svo_nearest *results,
+SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results,
                                     size_t point_count, cl_command_queue queue);
 
 /*
@@ -133,7 +134,7 @@ SVO_API svo_status svo_tree_nearest(const svo_tree *tree, const svo_query_point 
  *
  *   SVO_TREE_PARAMETERS    among the kernel's parameters, SVO_TREE_ARGUMENTS of them
  *   SVO_TREE_MAKE(tree)    an svo_tree from these parameters
- *   svo_ray, svo_hit, svo_voxel_hit    as in layout.h
+ *   svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
  *   bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
  *   bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
  *   uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
@@ -150,7 +151,7 @@ SVO_API const char *svo_tree_kernel_options(void);
    tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS, coverage
    half-open or closed, whose boxes this call makes unless they are there (svo_tree_prepare_rays).
    Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR. */
-SVO_API svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index);
+SVO_API svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 
 #ifdef __cplusplus
 }

@@ -30,6 +30,7 @@ typedef struct svo_tree svo_tree;
 
 /* Header data: plain values. */
 typedef struct svo_tree_info {
+    size_t struct_size; /* sizeof(svo_tree_info) */
     uint32_t depth;
     uint32_t snap_bits; /* G */
     uint32_t coverage; /* svo_coverage */
@@ -46,9 +47,11 @@ typedef struct svo_tree_info {
     uint64_t vertex_count, list_triangle_count; /* geometry kept for rays: snapped vertices, accepted triangles */
     uint32_t level_begin[SVO_LEVELS_MAX]; /* level_begin[l] .. level_begin[l + 1]: nodes of level l */
 } svo_tree_info;
+#define SVO_TREE_INFO_INIT SVO_STRUCT_INIT(svo_tree_info)
 
 /* Host copies of the arrays; NULL where the tree does not hold them. Owned by the tree. */
 typedef struct svo_tree_arrays {
+    size_t struct_size; /* sizeof(svo_tree_arrays) */
     const uint8_t *child_mask; /* inner_count */
     const uint32_t *first_child; /* inner_count */
     /* Of payload_count = node_count - level_begin[payload_level] nodes, all of them unless that was asked for
@@ -64,6 +67,7 @@ typedef struct svo_tree_arrays {
     const uint16_t
         *fills; /* payload_count: area of the surface inside, 4096 = one face of the node; 65535: that or more */
 } svo_tree_arrays;
+#define SVO_TREE_ARRAYS_INIT SVO_STRUCT_INIT(svo_tree_arrays)
 
 typedef enum svo_tree_buffer {
     SVO_TREE_CHILD_MASK = 0,
@@ -82,7 +86,7 @@ typedef enum svo_tree_buffer {
 SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer); /* "child_mask", ...; static string */
 
 SVO_API void svo_tree_destroy(svo_tree **tree);
-SVO_API void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
+SVO_API svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
 /* The device buffer, laid out as the host array of the same name, but with one element where the payload is constant;
    NULL where the tree does not hold it or was not uploaded. Nothing writes to it any more. It is the tree's;
@@ -98,7 +102,7 @@ SVO_API svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue);
 SVO_API svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue);
 
 /* Host arrays; all NULL before svo_tree_download. */
-SVO_API void svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays);
+SVO_API svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays);
 
 typedef enum svo_hash_scope { SVO_HASH_ALL = 0, SVO_HASH_NODES = 1 } svo_hash_scope;
 #define SVO_HASH_TEXT_BYTES 33 /* 32 hexadecimal digits and a terminator */

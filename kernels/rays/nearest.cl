@@ -9,7 +9,7 @@
  * Launch: one work-item per point, one dimension, rounded up to whole groups. Reads the tree and the points; writes one
  * record per point. No atomics, no local memory.
  */
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #include "rays/rays.clh"
 

@@ -6,7 +6,7 @@
  * Reads child_mask, first_child and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
  * No atomics, no local memory.
  */
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #include "rays/voxels.clh"
 

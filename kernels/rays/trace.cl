@@ -9,7 +9,7 @@
  * Launch: one group per SVO_GROUP_ITEMS rays, one dimension, of SVO_GROUP_ITEMS / SVO_RAYS_PER_ITEM work-items.
  * Reads the tree and the rays; writes one record per ray. No atomics, no local memory.
  */
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #include "rays/ray_packet.clh"
 #include "rays/ray_stream.clh"

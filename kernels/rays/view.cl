@@ -5,7 +5,7 @@
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
  * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 #include "rays/rays.clh"
 

@@ -113,6 +113,9 @@ svo_status svo_i_build_run(svo_i_build *build, const char *name, const svo_i_arg
 
 /* What is wrong with the queue, or NULL. */
 const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue);
+/* Whether report, NULL allowed, can be written; and writes it. */
+svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report);
+void svo_i_report_write(const svo_build_report *made, svo_build_report *report);
 /* Whether the queue has CL_QUEUE_PROFILING_ENABLE. */
 bool svo_i_queue_profiles(cl_command_queue queue);
 /* What rays need of the mesh, into the tree. */

@@ -3,21 +3,13 @@
  * Builds that do not wait: the stages of build.c in a workspace's memory, with the plan's capacities in place of
  * counts. What the device counts is read when the tree is finished.
  */
-#include "build/workspace.h"
-
 #include <stdlib.h>
 #include <string.h>
 
-/* A build that was enqueued. */
-struct svo_i_pending {
-    svo_i_build build; /* without its events */
-    svo_frontend *frontend; /* that has to release the list; NULL: it is scratch */
-    svo_build_report report;
-    cl_event done;
-    svo_build_state state; /* read back when it is done */
-    cl_uint counter[2];
-    svo_i_pending *next; /* given up likewise */
-};
+#include "build/order.h"
+#include "build/pending.h"
+#include "build/report.h"
+#include "plan/estimate.h"
 
 /* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
 static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
@@ -47,125 +39,82 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     if (workspace->last != NULL) {
         all[count++] = workspace->last;
     }
-    const cl_int error = clEnqueueMarkerWithWaitList(build->queue, count, count > 0 ? all : NULL, &build->last);
+    const cl_int error =
+        clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
     free(all);
     return error == CL_SUCCESS
                ? SVO_OK
                : svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clEnqueueMarkerWithWaitList", error);
 }
 
-/* The list of a front end that draws now, waiting for what the build waits for: its count is the host's. */
+/* The list of a front end that draws at once, and waits for what the build waits for: the host has its count. */
 static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
-    svo_frontend *frontend = workspace->frontend;
-    const cl_int error = build->last != NULL ? clWaitForEvents(1, &build->last) : CL_SUCCESS;
+    svo_frontend *frontend = build->frontend;
+    const cl_int error = build->commands.last != NULL ? clWaitForEvents(1, &build->commands.last) : CL_SUCCESS;
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
     }
-    pending->frontend = frontend;
-    const svo_status status = frontend->voxelize(frontend->self, build->plan, &workspace->layout, build->queue,
-                                                 &build->list, &pending->report);
+    pending->owns_list = true;
+    SVO_I_TRY(frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list));
     const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
     pending->counter[0] = (cl_uint)needed;
     pending->counter[1] = (cl_uint)(needed >> 32);
     pending->state.overflow = needed > workspace->info.fragment_capacity ? SVO_SHORT_LIST : 0;
-    return status;
+    return SVO_OK;
 }
 
 static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
 {
-    svo_frontend *frontend = workspace->frontend;
-    return frontend->enqueue != NULL ? frontend->enqueue(&pending->build, &workspace->layout)
-                                     : draw_now(workspace, pending);
+    svo_i_build *build = &pending->build;
+    svo_frontend *frontend = build->frontend;
+    build->list.chunk_count = workspace->chunking.chunk_count;
+    build->list.chunks = calloc(build->list.chunk_count + 1u, sizeof *build->list.chunks);
+    if (build->list.chunks == NULL) {
+        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
+    }
+    return frontend->on_device
+               ? frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list)
+               : draw_now(workspace, pending);
 }
 
 /* All stages, and the counts on their way to the host. */
 static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
+    svo_i_commands *commands = &build->commands;
     build->fragment_count = workspace->info.fragment_capacity;
     svo_i_build_fill_info(build);
     svo_i_build_assume_counts(build);
-    build->list.chunk_count = workspace->layout.chunk_count;
-    build->list.chunks = calloc(build->list.chunk_count + 1u, sizeof *build->list.chunks);
-    if (build->list.chunks == NULL) {
-        return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
+    SVO_I_TRY(make_list(workspace, pending));
+    if (pending->state.overflow != 0) { /* known already */
+        return SVO_OK;
     }
-    svo_status status = make_list(workspace, pending);
-    if (status != SVO_OK || pending->state.overflow != 0) { /* known already */
-        return status;
+    SVO_I_TRY(svo_i_order_run(build));
+    if (build->list.counters != NULL) {
+        SVO_I_TRY(svo_i_commands_read(commands, build->list.counters, pending->counter, sizeof pending->counter));
     }
-    status = svo_i_build_make_arrays(build, workspace->frontend);
-    if (status == SVO_OK && build->counters != NULL) {
-        status = svo_i_build_read(build, build->counters, pending->counter, sizeof pending->counter);
-    }
-    return status == SVO_OK ? svo_i_build_read(build, build->state, &pending->state, sizeof pending->state) : status;
-}
-
-static void release_pending(svo_i_pending *pending)
-{
-    if (pending->done != NULL) {
-        clReleaseEvent(pending->done);
-    }
-    svo_i_build_take_spans(&pending->build);
-    if (pending->frontend != NULL) {
-        pending->frontend->release(pending->frontend->self, &pending->build.list);
-    }
-    free(pending->build.list.chunks);
-    free(pending->build.cursors);
-    free(pending);
-}
-
-static bool is_done(cl_event event)
-{
-    cl_int status = CL_QUEUED;
-    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL);
-    return status <= CL_COMPLETE;
-}
-
-void svo_i_workspace_release_given_up(svo_workspace *workspace, bool all)
-{
-    for (svo_i_pending **at = &workspace->given_up; *at != NULL;) {
-        svo_i_pending *pending = *at;
-        if (all || is_done(pending->done)) {
-            *at = pending->next;
-            release_pending(pending);
-        } else {
-            at = &pending->next;
-        }
-    }
-}
-
-/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to
-   it. */
-static void give_up(svo_workspace *workspace, svo_i_pending *pending)
-{
-    if (pending->done == NULL || is_done(pending->done)) {
-        release_pending(pending);
-    } else {
-        pending->next = workspace->given_up;
-        workspace->given_up = pending;
-    }
+    return svo_i_commands_read(commands, build->state, &pending->state, sizeof pending->state);
 }
 
 /* What the build holds on to when it has been enqueued, or given up. */
 static void close_build(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
-    if (build->stage_first != NULL) {
-        clReleaseEvent(build->stage_first);
-        build->stage_first = NULL;
+    if (build->commands.stage_first != NULL) {
+        clReleaseEvent(build->commands.stage_first);
+        build->commands.stage_first = NULL;
     }
     lend_buffers(workspace, build->tree, true);
-    if (build->last != NULL) {
+    if (build->commands.last != NULL) {
         if (workspace->last != NULL) {
             clReleaseEvent(workspace->last);
         }
-        workspace->last = build->last;
-        clRetainEvent(build->last);
-        pending->done = build->last;
-        build->last = NULL;
+        workspace->last = build->commands.last;
+        clRetainEvent(build->commands.last);
+        pending->done = build->commands.last;
+        build->commands.last = NULL;
     }
 }
 
@@ -197,30 +146,29 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (wrong != NULL) {
         return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
     }
-    svo_i_workspace_release_given_up(workspace, false);
+    svo_i_pending_release_given_up(workspace, false);
     svo_i_pending *pending = calloc(1, sizeof *pending);
     if (pending == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
     }
-    pending->build = (svo_i_build){.mode = SVO_I_BUILD_ENQUEUES,
-                                   .device = workspace->device,
-                                   .plan = workspace->plan,
-                                   .queue = queue,
-                                   .profiling = svo_i_queue_profiles(queue),
-                                   .program = workspace->program,
-                                   .report = &pending->report,
-                                   .in_place = true,
-                                   .allocations = &workspace->allocations,
-                                   .kept = &workspace->kept,
-                                   .tree = tree};
+    svo_status status = SVO_OK;
+    svo_i_build *build = &pending->build;
+    *build = (svo_i_build){.commands = svo_i_commands_begin(workspace->plan, queue, &pending->report),
+                           .frontend = workspace->frontend,
+                           .in_place = true,
+                           .tree = tree};
+    build->commands.mode = SVO_I_MODE_ENQUEUE;
+    build->commands.allocations = &workspace->allocations;
+    memcpy(build->programs, workspace->programs, sizeof build->programs);
     svo_i_tree_forget(tree);
     lend_buffers(workspace, tree, false);
-    svo_status status = wait_first(workspace, &pending->build, num_wait, wait);
-    status = status == SVO_OK ? enqueue_stages(workspace, pending) : status;
+    SVO_I_TRY_CLEANUP(wait_first(workspace, build, num_wait, wait));
+    SVO_I_TRY_CLEANUP(enqueue_stages(workspace, pending));
+cleanup:
     close_build(workspace, pending);
     clFlush(queue);
     if (status != SVO_OK) {
-        give_up(workspace, pending);
+        svo_i_pending_give_up(workspace, pending);
         return status;
     }
     tree->pending = pending;
@@ -244,7 +192,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
         return svo_i_build_fail_damaged(build);
     }
     if (state->overflow != 0) {
-        pending->report.inner_nodes = svo_i_plan_inner_nodes(build->plan, needed, true);
+        pending->report.inner_nodes = svo_i_plan_inner_nodes(build->commands.plan, needed, true);
         return svo_i_device_fail(tree->device, SVO_CAPACITY_EXCEEDED,
                                  "svo_tree_finish: the build needs room for %llu fragments, the plan has %llu, and for "
                                  "at most %llu inner nodes, the plan has %llu",
@@ -255,7 +203,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
     bool fits = false;
     tree->info.fragments = needed;
     tree->info.list_count = (tree->info.need & SVO_NEED_RAYS) != 0 ? needed : 0;
-    return svo_i_take_state(build, state, &fits);
+    return svo_i_build_take_state(build, state, &fits);
 }
 
 /* Payload that is stored once is zero in a tree without leaves. */
@@ -307,50 +255,25 @@ static svo_status trim_buffer(svo_tree *tree, svo_tree_buffer which, cl_command_
     return SVO_OK;
 }
 
-/* No more builds go into the tree. */
-static void leave_workspace(svo_tree *tree)
-{
-    svo_tree **at = tree->workspace != NULL ? &tree->workspace->trees : NULL;
-    while (at != NULL && *at != tree) {
-        at = &(*at)->next;
-    }
-    if (at != NULL) {
-        *at = tree->next;
-    }
-    tree->workspace = NULL;
-    tree->next = NULL;
-}
-
 static svo_status trim_tree(svo_tree *tree, cl_command_queue queue)
 {
-    svo_status status = SVO_OK;
-    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
-        status = tree->buffers[i] != NULL ? trim_buffer(tree, i, queue) : SVO_OK;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        SVO_I_TRY(tree->buffers[i] != NULL ? trim_buffer(tree, i, queue) : SVO_OK);
     }
-    leave_workspace(tree);
-    return status;
-}
-
-void svo_i_tree_leave_workspace(svo_tree *tree)
-{
-    if (tree->pending != NULL) {
-        clWaitForEvents(1, &tree->pending->done);
-        release_pending(tree->pending);
-        tree->pending = NULL;
-    }
-    leave_workspace(tree);
+    svo_i_pending_leave_workspace(tree);
+    return SVO_OK;
 }
 
 static void fill_report(const svo_tree *tree, const svo_i_pending *pending, svo_build_report *report)
 {
     const svo_frontend *frontend = tree->workspace->frontend;
-    *report = pending->report;
-    report->struct_size = sizeof *report;
-    report->list_chunks = pending->build.list.chunk_count;
-    report->frontend = frontend->name;
-    report->builder = svo_builder_name(SVO_BUILDER_CL);
-    report->share = frontend->share;
-    report->renderer = frontend->renderer != NULL ? frontend->renderer : "";
+    svo_build_report made = pending->report;
+    made.list_chunks = pending->build.list.chunk_count;
+    made.frontend = frontend->name;
+    made.builder = svo_builder_name(SVO_BUILDER_CL);
+    made.share = frontend->share;
+    made.renderer = frontend->renderer != NULL ? frontend->renderer : "";
+    svo_i_report_write(&made, report);
 }
 
 svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report)
@@ -359,24 +282,27 @@ svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo
         return SVO_INVALID_ARGUMENT;
     }
     const char *wrong = tree->pending == NULL ? "tree has no build in flight" : svo_i_wrong_queue(tree->device, queue);
-    if (wrong == NULL && report != NULL && report->struct_size != sizeof *report) {
-        wrong = "report.struct_size is not sizeof(svo_build_report)";
-    }
     if (wrong != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", wrong);
     }
+    SVO_I_TRY(svo_i_report_check(tree->device, "svo_tree_finish", report));
+    svo_status status = SVO_OK;
     svo_i_pending *pending = tree->pending;
     tree->pending = NULL;
     const cl_int error = clWaitForEvents(1, &pending->done);
-    svo_status status =
-        error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, "svo_tree_finish", "the build", error);
-    svo_i_build_take_spans(&pending->build);
+    svo_i_stage_collect(&pending->build.commands);
     svo_i_report_add(&pending->report, SVO_STAGE_GRID, tree->workspace->plan->info.grid_ms, "wall");
-    status = status == SVO_OK ? take_counts(tree, pending) : status;
+    if (error != CL_SUCCESS) {
+        status = svo_i_device_fail_cl(tree->device, "svo_tree_finish", "the build", error);
+        goto cleanup;
+    }
+    SVO_I_TRY_CLEANUP(take_counts(tree, pending));
+    SVO_I_TRY_CLEANUP(clear_constants(tree, queue));
+cleanup:
     if (report != NULL) {
         fill_report(tree, pending, report);
     }
-    release_pending(pending);
-    status = status == SVO_OK ? clear_constants(tree, queue) : status;
-    return status == SVO_OK && trim != 0 ? trim_tree(tree, queue) : status;
+    svo_i_pending_release(pending);
+    SVO_I_TRY(status);
+    return trim != 0 ? trim_tree(tree, queue) : SVO_OK;
 }

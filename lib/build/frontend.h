@@ -56,8 +56,8 @@ struct svo_frontend {
 /* Adds to a stage's time. clock: a static string. */
 static inline void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
 {
-    report->stages[stage].ms += ms;
-    report->stages[stage].clock = clock;
+    report->stage_times[stage].ms += ms;
+    report->stage_times[stage].clock = clock;
 }
 
 #endif

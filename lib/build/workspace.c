@@ -3,9 +3,14 @@
  * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not
  * wait (enqueue.c).
  */
-#include "build/workspace.h"
-
 #include <stdlib.h>
+#include <string.h>
+
+#include "build/measure.h"
+#include "build/pending.h"
+#include "core/struct_size.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"
 
@@ -34,14 +39,15 @@ static svo_status lay_out(svo_workspace *workspace)
     const uint64_t chunk = workspace->frontend->chunk_bytes_max;
     const uint64_t most = chunk < allocation ? chunk : allocation;
     const uint64_t asked = plan->options.chunk_bytes;
-    const svo_status status = svo_i_layout_create(plan, asked != 0 && asked < most ? asked : most, &workspace->layout);
-    if (status == SVO_OK && workspace->layout.chunk_count > 1) {
+    SVO_I_TRY(svo_i_chunking_create(plan, asked != 0 && asked < most ? asked : most, &workspace->chunking));
+    workspace->chunking.tile_cache = &workspace->tile_cache;
+    if (workspace->chunking.chunk_count > 1) {
         return svo_i_device_fail(workspace->device, SVO_UNSUPPORTED,
                                  SVO_I_WORKSPACE ": the list of about %.0f fragments takes %u chunks, and builds that "
                                                  "are enqueued have one",
-                                 plan->info.expected_fragments, workspace->layout.chunk_count);
+                                 plan->info.expected_fragments, workspace->chunking.chunk_count);
     }
-    return status;
+    return SVO_OK;
 }
 
 static uint64_t alignment_of(const svo_device *device)
@@ -55,22 +61,18 @@ static uint64_t alignment_of(const svo_device *device)
 static svo_status measure(svo_workspace *workspace)
 {
     svo_i_allocations *list = &workspace->allocations;
-    svo_status status = check(workspace->plan, workspace->frontend);
-    status = status == SVO_OK ? lay_out(workspace) : status;
+    SVO_I_TRY(check(workspace->plan, workspace->frontend));
+    SVO_I_TRY(lay_out(workspace));
     workspace->plan->built = true; /* capacities are what is allocated */
-    if (status == SVO_OK) {
-        status = svo_i_build_measure(workspace->plan, workspace->frontend, &workspace->layout, list, &workspace->kept);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_measure(workspace->plan, workspace->frontend, &workspace->chunking, list));
     workspace->info.scratch_alignment = alignment_of(workspace->device);
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {
         workspace->info.tree_bytes += list->entries[i].persistent ? list->entries[i].bytes : 0;
     }
-    workspace->info.fragment_capacity = workspace->layout.chunk_count > 0 ? workspace->layout.chunks[0].capacity : 0;
+    workspace->info.fragment_capacity =
+        workspace->chunking.chunk_count > 0 ? workspace->chunking.chunks[0].capacity : 0;
     workspace->info.inner_capacity = svo_i_plan_inner_nodes(workspace->plan, workspace->info.fragment_capacity,
                                                             workspace->plan->options.worst_case_nodes != 0);
     return SVO_OK;
@@ -78,14 +80,16 @@ static svo_status measure(svo_workspace *workspace)
 
 static void release(svo_workspace *workspace)
 {
-    svo_i_layout_destroy(&workspace->layout);
-    svo_i_tiles_free(&workspace->kept.tiles);
-    free(workspace->kept.begin);
+    svo_i_chunking_destroy(&workspace->chunking);
+    svo_i_tiles_free(&workspace->tile_cache.tiles);
+    free(workspace->tile_cache.begin);
     svo_i_allocations_free(&workspace->allocations);
     if (workspace->scratch != NULL) {
         clReleaseMemObject(workspace->scratch);
     }
 }
+
+#define SIZES_OF_INFO SVO_I_STRUCT_SIZES(svo_workspace_info, scratch_alignment)
 
 svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_workspace_info *info)
 {
@@ -93,11 +97,12 @@ svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_wor
         return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
                                  "svo_workspace_measure: %s is NULL", plan == NULL ? "plan" : "info");
     }
+    SVO_I_TRY(svo_i_struct_check(&plan->device->message, "svo_workspace_measure", "info", info, SIZES_OF_INFO));
     const svo_plan before = *plan;
     svo_workspace measured = {.device = plan->device, .plan = plan, .frontend = frontend};
     const svo_status status = measure(&measured);
     if (status == SVO_OK) {
-        *info = measured.info;
+        (void)svo_i_struct_write(NULL, "", "info", &measured.info, info, SIZES_OF_INFO);
     }
     release(&measured);
     *plan = before; /* nothing but its list was changed */
@@ -156,27 +161,18 @@ static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
 static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
 {
     svo_build_report unread = {0};
-    svo_i_build build = {.device = workspace->device, .plan = workspace->plan, .queue = queue, .report = &unread};
-    const svo_status status = svo_i_build_compile(&build, workspace->frontend);
-    if (build.last != NULL) {
-        clWaitForEvents(1, &build.last);
-        clReleaseEvent(build.last);
-    }
-    if (build.stage_first != NULL) {
-        clReleaseEvent(build.stage_first);
-    }
-    workspace->program = build.program;
+    svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &unread),
+                         .frontend = workspace->frontend};
+    const svo_status status = svo_i_compile(&build);
+    svo_i_commands_end(&build.commands);
+    memcpy(workspace->programs, build.programs, sizeof workspace->programs);
     return status;
 }
 
-static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, const svo_workspace_options *options,
-                                  svo_workspace *const *out)
+static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, svo_workspace *const *out)
 {
     if (out == NULL) {
         return "out is NULL";
-    }
-    if (options != NULL && options->struct_size != sizeof *options) {
-        return "options.struct_size is not sizeof(svo_workspace_options)";
     }
     return svo_i_wrong_queue(plan->device, queue);
 }
@@ -184,11 +180,13 @@ static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, 
 svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
                                 const svo_workspace_options *options, svo_workspace **out)
 {
-    static const svo_workspace_options defaults = {.struct_size = sizeof defaults};
+    svo_workspace_options asked;
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = wrong_argument(plan, queue, options, out);
+    SVO_I_TRY(svo_i_struct_read(&plan->device->message, SVO_I_WORKSPACE, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_workspace_options, scratch)));
+    const char *wrong = wrong_argument(plan, queue, out);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
     }
@@ -196,26 +194,19 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     if (workspace == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_WORKSPACE ": no memory for the handle");
     }
-    *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
-    const svo_workspace_options *given = options != NULL ? options : &defaults;
+    svo_status status = SVO_OK;
     const svo_plan before = *plan;
-    svo_status status = measure(workspace);
-    if (status == SVO_OK) {
-        status = get_scratch(workspace, given);
-    }
-    if (status == SVO_OK) {
-        status = cut_scratch(workspace, options != NULL && options->scratch != NULL ? options->offset_bytes : 0);
-    }
-    if (status == SVO_OK) {
-        status = compile(workspace, queue);
-    }
-    if (status != SVO_OK) {
-        svo_workspace_destroy(&workspace);
-        *plan = before; /* its list */
-        return status;
-    }
+    *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
+    SVO_I_TRY_CLEANUP(measure(workspace));
+    SVO_I_TRY_CLEANUP(get_scratch(workspace, &asked));
+    SVO_I_TRY_CLEANUP(cut_scratch(workspace, asked.scratch != NULL ? asked.offset_bytes : 0));
+    SVO_I_TRY_CLEANUP(compile(workspace, queue));
     *out = workspace;
     return SVO_OK;
+cleanup:
+    svo_workspace_destroy(&workspace);
+    *plan = before; /* its list */
+    return status;
 }
 
 void svo_workspace_destroy(svo_workspace **workspace)
@@ -227,7 +218,7 @@ void svo_workspace_destroy(svo_workspace **workspace)
         clWaitForEvents(1, &(*workspace)->last);
         clReleaseEvent((*workspace)->last);
     }
-    svo_i_workspace_release_given_up(*workspace, true);
+    svo_i_pending_release_given_up(*workspace, true);
     for (svo_tree *tree = (*workspace)->trees; tree != NULL; tree = tree->next) {
         tree->workspace = NULL;
     }
@@ -236,9 +227,41 @@ void svo_workspace_destroy(svo_workspace **workspace)
     *workspace = NULL;
 }
 
-void svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info)
+svo_status svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_info *info)
 {
-    *info = workspace->info;
+    return svo_i_struct_write(&workspace->device->message, "svo_workspace_get_info", "info", &workspace->info, info,
+                              SIZES_OF_INFO);
+}
+
+/* Takes a tree out of its workspace when the tree is destroyed. */
+typedef struct membership {
+    svo_i_attachment attachment;
+    svo_tree *tree;
+} membership;
+
+static void end_membership(svo_i_attachment *attachment)
+{
+    svo_i_pending_leave_workspace(((membership *)attachment)->tree);
+    free(attachment);
+}
+
+/* An empty tree that leaves the workspace when it is destroyed, or NULL when out of memory. */
+static svo_tree *new_member(svo_workspace *workspace)
+{
+    svo_tree *tree = svo_i_tree_new();
+    membership *member = calloc(1, sizeof *member);
+    if (tree == NULL || member == NULL) {
+        svo_tree_destroy(&tree);
+        free(member);
+        return NULL;
+    }
+    *member = (membership){.attachment.destroy = end_membership, .tree = tree};
+    svo_i_attachment_add(&tree->attachments, &member->attachment);
+    tree->device = workspace->device;
+    tree->workspace = workspace;
+    tree->next = workspace->trees;
+    workspace->trees = tree;
+    return tree;
 }
 
 svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
@@ -248,26 +271,22 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
         return svo_i_device_fail(workspace != NULL ? workspace->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
                                  function, workspace == NULL ? "workspace" : "out");
     }
-    svo_tree *tree = svo_i_tree_new();
     svo_status status = SVO_OK;
+    svo_tree *tree = new_member(workspace);
     if (tree == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", function);
     }
-    tree->device = workspace->device;
-    tree->workspace = workspace;
-    tree->next = workspace->trees;
-    workspace->trees = tree;
-    for (size_t i = 0; i < workspace->allocations.count && status == SVO_OK; ++i) {
+    for (size_t i = 0; i < workspace->allocations.count; ++i) {
         const svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            status = svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
-                                         (size_t)entry->bytes, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
+            cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
+            SVO_I_TRY_CLEANUP(svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
+                                                  (size_t)entry->bytes, buffer));
         }
-    }
-    if (status != SVO_OK) {
-        svo_tree_destroy(&tree);
-        return status;
     }
     *out = tree;
     return SVO_OK;
+cleanup:
+    svo_tree_destroy(&tree);
+    return status;
 }

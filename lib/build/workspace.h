@@ -5,6 +5,8 @@
 
 #include "build/build.h"
 
+typedef struct svo_i_pending svo_i_pending; /* a build that was enqueued: enqueue.c */
+
 struct svo_workspace {
     svo_device *device;
     svo_plan *plan;

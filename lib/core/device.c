@@ -9,8 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "core/program.h"
-#include "svocl/layout.h"
+#include "core/struct_size.h"
+#include "shared/layout.h"
 
 /* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
 #define CL_ERROR_LIST(X)                            \
@@ -72,11 +72,16 @@ const char *svo_i_cl_error_name(cl_int error)
     }
 }
 
+svo_message *svo_i_device_message(svo_device *device)
+{
+    return device != NULL ? &device->message : NULL;
+}
+
 svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    svo_i_fail_v(device != NULL ? &device->message : NULL, status, format, arguments);
+    svo_i_fail_v(svo_i_device_message(device), status, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -108,6 +113,41 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                  name, bytes, svo_i_cl_error_name(error), error);
     }
     *out = buffer;
+    return SVO_OK;
+}
+
+/* The device's own queue, attached to it. */
+typedef struct own_queue {
+    svo_i_attachment attachment;
+    cl_command_queue queue;
+} own_queue;
+
+static void release_queue(svo_i_attachment *attachment)
+{
+    clReleaseCommandQueue(((own_queue *)attachment)->queue);
+    free(attachment);
+}
+
+svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out)
+{
+    const svo_i_attachment *known = svo_i_attachment_find(device->attachments, release_queue);
+    if (given != NULL || known != NULL) {
+        *out = given != NULL ? given : ((const own_queue *)known)->queue;
+        return SVO_OK;
+    }
+    own_queue *own = calloc(1, sizeof *own);
+    if (own == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a queue", function);
+    }
+    cl_int error = CL_SUCCESS;
+    own->queue = clCreateCommandQueue(device->context, device->device, 0, &error);
+    if (error != CL_SUCCESS) {
+        free(own);
+        return svo_i_device_fail_cl(device, function, "clCreateCommandQueue", error);
+    }
+    own->attachment.destroy = release_queue;
+    svo_i_attachment_add(&device->attachments, &own->attachment);
+    *out = own->queue;
     return SVO_OK;
 }
 
@@ -227,10 +267,9 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     if (context == NULL || device == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_device_create: context, device or out is NULL");
     }
-    if (options != NULL && options->struct_size != sizeof *options) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_device_create: options.struct_size is %zu, not %zu",
-                          options->struct_size, sizeof *options);
-    }
+    svo_device_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, "svo_device_create", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
     svo_device *handle = calloc(1, sizeof *handle);
     char *name = full_name(device);
     if (handle == NULL || name == NULL) {
@@ -238,24 +277,23 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
         free(name);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_device_create: no memory for the handle");
     }
-    svo_status status = check_device(device, name, message);
-    if (status == SVO_OK) {
-        status = query_limits(handle, context, device, message);
-    }
-    if (status != SVO_OK) {
-        free(handle);
-        free(name);
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(check_device(device, name, message));
+    SVO_I_TRY_CLEANUP(query_limits(handle, context, device, message));
     handle->name = name;
-    handle->log = options != NULL ? options->log : NULL;
-    handle->log_user = options != NULL ? options->log_user : NULL;
+    handle->log = asked.log;
+    handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
     clRetainContext(context);
     clRetainDevice(device);
     *out = handle;
     return SVO_OK;
+
+cleanup:
+    free(handle);
+    free(name);
+    return status;
 }
 
 /* Whether part occurs in text, letters of either case alike. */
@@ -342,17 +380,17 @@ static svo_status find_device(const char *wanted, cl_device_id *out, svo_message
 svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message)
 {
     cl_device_id device = NULL;
-    const svo_status status = find_device(options != NULL ? options->device_name : NULL, &device, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_device_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, "svo_device_create_default", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
+    SVO_I_TRY(find_device(asked.device_name, &device, message));
     cl_int error = CL_SUCCESS;
     cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, &error);
     if (error != CL_SUCCESS) {
         return svo_i_fail(message, SVO_CL_ERROR, "svo_device_create_default: clCreateContext failed with %s (%d)",
                           svo_i_cl_error_name(error), error);
     }
-    const svo_status created = svo_device_create(context, device, options, out, message);
+    const svo_status created = svo_device_create(context, device, &asked, out, message);
     clReleaseContext(context);
     return created;
 }
@@ -362,7 +400,7 @@ void svo_device_destroy(svo_device **device)
     if (device == NULL || *device == NULL) {
         return;
     }
-    svo_i_program_cache_destroy((*device)->programs);
+    svo_i_attachments_clear(&(*device)->attachments);
     clReleaseContext((*device)->context);
     clReleaseDevice((*device)->device);
     free((*device)->name);

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The device's insides: message, limits, buffers, the program cache. */
+/* The device handle's fields, its messages and its buffers. */
 #ifndef SVO_LIB_CORE_DEVICE_H
 #define SVO_LIB_CORE_DEVICE_H
 
 #include <stdbool.h>
 
+#include "core/attachment.h"
 #include "core/message.h"
 #include "svocl/device.h"
-
-typedef struct svo_i_program_cache svo_i_program_cache; /* program.h */
 
 struct svo_device {
     cl_context context;
@@ -19,7 +18,7 @@ struct svo_device {
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
     bool is_cpu;
-    svo_i_program_cache *programs;
+    svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
     svo_message message;
 };
@@ -36,6 +35,12 @@ const char *svo_i_cl_error_name(cl_int error);
 /* A buffer of at least one byte, or SVO_OUT_OF_DEVICE_MEMORY naming buffer, bytes and limit. */
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
+
+/* The message to write for a device; NULL without one (a tree from a file has none). */
+svo_message *svo_i_device_message(svo_device *device);
+
+/* The queue that is given, or for NULL the device's own in-order queue, made on first use and owned by the device. */
+svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/device.h"
+#include "core/struct_size.h"
 
 struct svo_mesh_copy {
     svo_mesh mesh;
@@ -115,10 +116,6 @@ static svo_status widen_indices(const svo_i_mesh_reader *reader, size_t count, v
 
 static svo_status check_buffers(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_message *message)
 {
-    if (buffers->struct_size != sizeof *buffers) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: buffers.struct_size is %zu, not %zu", reader->function,
-                          buffers->struct_size, sizeof *buffers);
-    }
     if (buffers->index_bytes != 0 && buffers->index_bytes != 2 && buffers->index_bytes != 4) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: buffers.index_bytes %u is none of 0, 2, 4",
                           reader->function, buffers->index_bytes);
@@ -155,18 +152,19 @@ static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_
                                                        : SVO_OK;
 }
 
-svo_status svo_i_mesh_read(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
+svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
                            svo_message *message)
 {
-    svo_status status = check_buffers(buffers, reader, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    svo_mesh_buffers read;
+    const svo_mesh_buffers *buffers = &read;
+    SVO_I_TRY(svo_i_struct_read(message, reader->function, "buffers", given, &read,
+                                SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
+    SVO_I_TRY(check_buffers(buffers, reader, message));
     svo_mesh_copy *copy = calloc(1, sizeof *copy);
     if (copy == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the handle", reader->function);
     }
-    status = read_arrays(buffers, reader, copy, message);
+    const svo_status status = read_arrays(buffers, reader, copy, message);
     if (status != SVO_OK) {
         svo_mesh_copy_destroy(&copy);
         return status;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reading a mesh out of somebody's buffers: what is the same for OpenCL's (mesh.c) and OpenGL's
-   (glinterop/mesh_read.c). */
+   (glinterop/share/mesh_read.c). */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 
@@ -23,7 +23,7 @@ SVO_I_SHARED_BEGIN
 
 /* Checks the views, reads the arrays and packs them. Returns what the reader does, SVO_INVALID_ARGUMENT, or
    SVO_OUT_OF_HOST_MEMORY. */
-svo_status svo_i_mesh_read(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
+svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
                            svo_message *message);
 
 SVO_I_SHARED_END

@@ -8,12 +8,13 @@
 
 #define DEFINES_BYTES 512
 
-struct svo_i_program_cache {
-    svo_i_program_cache *next;
+/* A program that was compiled, attached to its device. */
+typedef struct compiled_program {
+    svo_i_attachment attachment;
     svo_i_program_kind kind;
     char defines[DEFINES_BYTES];
     cl_program program;
-};
+} compiled_program;
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_build[];
@@ -23,14 +24,24 @@ extern const char svo_i_source_sort[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 
-void svo_i_program_cache_destroy(svo_i_program_cache *cache)
+static void release_program(svo_i_attachment *attachment)
 {
-    while (cache != NULL) {
-        svo_i_program_cache *next = cache->next;
-        clReleaseProgram(cache->program);
-        free(cache);
-        cache = next;
+    compiled_program *entry = (compiled_program *)attachment;
+    clReleaseProgram(entry->program);
+    free(entry);
+}
+
+static const compiled_program *find_program(const svo_device *device, svo_i_program_kind kind, const char *defines)
+{
+    svo_i_attachment *at = svo_i_attachment_find(device->attachments, release_program);
+    while (at != NULL) {
+        const compiled_program *entry = (const compiled_program *)at;
+        if (entry->kind == kind && strcmp(entry->defines, defines) == 0) {
+            return entry;
+        }
+        at = svo_i_attachment_find(at->next, release_program);
     }
+    return NULL;
 }
 
 /* Reports a failed build: one line in the message, all of the log to the callback. */
@@ -84,13 +95,12 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     if (fresh != NULL) {
         *fresh = false;
     }
-    for (svo_i_program_cache *entry = device->programs; entry != NULL; entry = entry->next) {
-        if (entry->kind == kind && strcmp(entry->defines, defines) == 0) {
-            *out = entry->program;
-            return SVO_OK;
-        }
+    const compiled_program *known = find_program(device, kind, defines);
+    if (known != NULL) {
+        *out = known->program;
+        return SVO_OK;
     }
-    svo_i_program_cache *entry = calloc(1, sizeof *entry);
+    compiled_program *entry = calloc(1, sizeof *entry);
     if (entry == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
     }
@@ -108,8 +118,8 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     }
     memcpy(entry->defines, defines, strlen(defines) + 1);
     entry->kind = kind;
-    entry->next = device->programs;
-    device->programs = entry;
+    entry->attachment.destroy = release_program;
+    svo_i_attachment_add(&device->attachments, &entry->attachment);
     *out = entry->program;
     if (fresh != NULL) {
         *fresh = true;

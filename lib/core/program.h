@@ -36,11 +36,13 @@ svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_prog
 /* One argument: its bytes and where they are; a buffer is given by the address of its cl_mem, which may hold NULL. */
 typedef struct svo_i_argument {
     size_t bytes;
-    const void *value;
+    const void *value; /* NULL: local memory */
+    bool is_buffer;
 } svo_i_argument;
-#define SVO_I_ARGUMENT(variable) ((svo_i_argument){sizeof(variable), &(variable)})
+#define SVO_I_ARGUMENT(variable) \
+    ((svo_i_argument){sizeof(variable), &(variable), _Generic((variable), cl_mem : true, default : false)})
 /* Local memory for a work-group. */
-#define SVO_I_LOCAL(local_bytes) ((svo_i_argument){(local_bytes), NULL})
+#define SVO_I_LOCAL(local_bytes) ((svo_i_argument){(local_bytes), NULL, false})
 
 /* An array of arguments and their number, for the two parameters of that kind. */
 #define SVO_I_ARGUMENTS(array) (array), ((cl_uint)(sizeof(array) / sizeof((array)[0])))
@@ -48,7 +50,5 @@ typedef struct svo_i_argument {
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
-
-void svo_i_program_cache_destroy(svo_i_program_cache *cache);
 
 #endif

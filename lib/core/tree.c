@@ -9,10 +9,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "build/workspace.h"
 #include "core/device.h"
 #include "core/message.h"
-#include "rays/rays.h"
+#include "core/struct_size.h"
 #include "svocl/plan.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -21,15 +20,7 @@
 
 svo_tree *svo_i_tree_new(void)
 {
-    svo_tree *tree = calloc(1, sizeof *tree);
-    if (tree != NULL) {
-        tree->bvh = calloc(1, sizeof *tree->bvh);
-    }
-    if (tree != NULL && tree->bvh == NULL) {
-        free(tree);
-        return NULL;
-    }
-    return tree;
+    return calloc(1, sizeof(svo_tree));
 }
 
 void svo_tree_destroy(svo_tree **tree)
@@ -37,14 +28,13 @@ void svo_tree_destroy(svo_tree **tree)
     if (tree == NULL || *tree == NULL) {
         return;
     }
-    svo_i_tree_leave_workspace(*tree);
+    svo_i_attachments_clear(&(*tree)->attachments);
     svo_i_tree_forget(*tree);
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if ((*tree)->buffers[i] != NULL) {
             clReleaseMemObject((*tree)->buffers[i]);
         }
     }
-    free((*tree)->bvh);
     free(*tree);
     *tree = NULL;
 }
@@ -56,12 +46,13 @@ void svo_i_tree_forget(svo_tree *tree)
         tree->host[i] = NULL;
     }
     tree->downloaded = false;
-    svo_i_rays_release(tree);
+    svo_i_attachments_clear(&tree->derived);
 }
 
-void svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
+svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
 {
-    *info = tree->info;
+    return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_info", "info", &tree->info, info,
+                              SVO_I_STRUCT_SIZES(svo_tree_info, level_begin));
 }
 
 const char *svo_tree_buffer_name(svo_tree_buffer buffer)
@@ -164,19 +155,21 @@ cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer)
     return buffer < SVO_TREE_BUFFER_COUNT ? tree->buffers[buffer] : NULL;
 }
 
-void svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
+svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
 {
-    arrays->child_mask = tree->host[SVO_TREE_CHILD_MASK];
-    arrays->first_child = tree->host[SVO_TREE_FIRST_CHILD];
-    arrays->colors = tree->host[SVO_TREE_COLORS];
-    arrays->normals = tree->host[SVO_TREE_NORMALS];
-    arrays->list_begin = tree->host[SVO_TREE_LIST_BEGIN];
-    arrays->list = tree->host[SVO_TREE_LIST];
-    arrays->vertices = tree->host[SVO_TREE_VERTICES];
-    arrays->indices = tree->host[SVO_TREE_INDICES];
-    arrays->triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS];
-    arrays->materials = tree->host[SVO_TREE_MATERIALS];
-    arrays->fills = tree->host[SVO_TREE_FILLS];
+    const svo_tree_arrays held = {.child_mask = tree->host[SVO_TREE_CHILD_MASK],
+                                  .first_child = tree->host[SVO_TREE_FIRST_CHILD],
+                                  .colors = tree->host[SVO_TREE_COLORS],
+                                  .normals = tree->host[SVO_TREE_NORMALS],
+                                  .list_begin = tree->host[SVO_TREE_LIST_BEGIN],
+                                  .list = tree->host[SVO_TREE_LIST],
+                                  .vertices = tree->host[SVO_TREE_VERTICES],
+                                  .indices = tree->host[SVO_TREE_INDICES],
+                                  .triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS],
+                                  .materials = tree->host[SVO_TREE_MATERIALS],
+                                  .fills = tree->host[SVO_TREE_FILLS]};
+    return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_arrays", "arrays", &held, arrays,
+                              SVO_I_STRUCT_SIZES(svo_tree_arrays, first_child));
 }
 
 /* Bytes of an array the tree holds; 0 where it does not, or where the size does not fit the host. */
@@ -219,13 +212,35 @@ bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **arra
     return true;
 }
 
+/* Reads one array into memory of its own; *out stays NULL for an array that the tree does not hold. */
+static svo_status download_array(const svo_tree *tree, cl_command_queue queue, svo_tree_buffer buffer, void **out)
+{
+    static const char function[] = "svo_tree_download";
+    const size_t bytes = array_bytes(tree, buffer);
+    if (bytes == 0 || tree->buffers[buffer] == NULL) {
+        return SVO_OK;
+    }
+    *out = malloc(bytes);
+    if (*out == NULL) {
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
+                                 svo_tree_buffer_name(buffer), bytes);
+    }
+    const cl_int error = clEnqueueReadBuffer(queue, tree->buffers[buffer], CL_TRUE, 0, bytes, *out, 0, NULL, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
+    }
+    return svo_i_tree_repeat(tree, buffer, out)
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
+                                   svo_tree_buffer_name(buffer), host_bytes(tree, buffer));
+}
+
 svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 {
+    void *host[SVO_TREE_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
-    }
-    if (queue == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_download: queue is NULL");
     }
     if (tree->pending != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
@@ -234,45 +249,47 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     if (tree->downloaded) {
         return SVO_OK;
     }
-    void *host[SVO_TREE_BUFFER_COUNT] = {NULL};
-    svo_status status = SVO_OK;
-    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
-        const size_t bytes = array_bytes(tree, i);
-        if (bytes == 0 || tree->buffers[i] == NULL) {
-            continue;
-        }
-        host[i] = malloc(bytes);
-        if (host[i] == NULL) {
-            status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_download: %s needs %zu bytes",
-                                       svo_tree_buffer_name(i), bytes);
-            break;
-        }
-        const cl_int error = clEnqueueReadBuffer(queue, tree->buffers[i], CL_TRUE, 0, bytes, host[i], 0, NULL, NULL);
-        if (error != CL_SUCCESS) {
-            status = svo_i_device_fail_cl(tree->device, "svo_tree_download", "clEnqueueReadBuffer", error);
-        } else if (!svo_i_tree_repeat(tree, i, &host[i])) {
-            status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_download: %s needs %zu bytes",
-                                       svo_tree_buffer_name(i), host_bytes(tree, i));
-        }
+    if (tree->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
     }
-    if (status != SVO_OK) {
-        for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-            free(host[i]);
-        }
-        return status;
+    SVO_I_TRY(svo_i_device_queue(tree->device, "svo_tree_download", queue, &queue));
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        SVO_I_TRY_CLEANUP(download_array(tree, queue, i, &host[i]));
     }
     memcpy(tree->host, host, sizeof host);
+    memset(host, 0, sizeof host);
     tree->downloaded = true;
-    return SVO_OK;
+
+cleanup:
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        free(host[i]);
+    }
+    return status;
+}
+
+/* Makes a buffer of one array; *out stays NULL for an array that the tree does not hold. */
+static svo_status upload_array(const svo_tree *tree, svo_device *device, cl_command_queue queue, svo_tree_buffer buffer,
+                               cl_mem *out)
+{
+    static const char function[] = "svo_tree_upload";
+    const size_t bytes = array_bytes(tree, buffer);
+    if (!svo_i_tree_holds(&tree->info, buffer)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_device_buffer(device, function, svo_tree_buffer_name(buffer), CL_MEM_READ_ONLY, bytes, out));
+    const cl_int error = bytes > 0
+                             ? clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, tree->host[buffer], 0, NULL, NULL)
+                             : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
 }
 
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)
 {
-    if (tree == NULL || device == NULL || queue == NULL) {
+    cl_mem buffers[SVO_TREE_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
+    if (tree == NULL || device == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: %s is NULL",
-                                 tree == NULL     ? "tree"
-                                 : device == NULL ? "device"
-                                                  : "queue");
+                                 tree == NULL ? "tree" : "device");
     }
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: the tree is on %s already",
@@ -281,34 +298,21 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
     if (tree->device != NULL) {
         return SVO_OK;
     }
-    cl_mem buffers[SVO_TREE_BUFFER_COUNT] = {NULL};
-    svo_status status = SVO_OK;
-    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
-        if (!svo_i_tree_holds(&tree->info, i)) {
-            continue;
-        }
-        const size_t bytes = array_bytes(tree, i);
-        status = svo_i_device_buffer(device, "svo_tree_upload", svo_tree_buffer_name(i), CL_MEM_READ_ONLY, bytes,
-                                     &buffers[i]);
-        if (status == SVO_OK && bytes > 0) {
-            const cl_int error =
-                clEnqueueWriteBuffer(queue, buffers[i], CL_TRUE, 0, bytes, tree->host[i], 0, NULL, NULL);
-            if (error != CL_SUCCESS) {
-                status = svo_i_device_fail_cl(device, "svo_tree_upload", "clEnqueueWriteBuffer", error);
-            }
-        }
-    }
-    if (status != SVO_OK) {
-        for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-            if (buffers[i] != NULL) {
-                clReleaseMemObject(buffers[i]);
-            }
-        }
-        return status;
+    SVO_I_TRY(svo_i_device_queue(device, "svo_tree_upload", queue, &queue));
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        SVO_I_TRY_CLEANUP(upload_array(tree, device, queue, i, &buffers[i]));
     }
     memcpy(tree->buffers, buffers, sizeof buffers);
+    memset(buffers, 0, sizeof buffers);
     tree->device = device;
-    return SVO_OK;
+
+cleanup:
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    return status;
 }
 
 /* One array with its length before it, so that no two different trees feed the hash the same bytes. */

@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* The tree's insides, for the builder, the files and the ray caster. */
+/* The tree's fields and what is known of its arrays, for the builder, the files and the rays. */
 #ifndef SVO_LIB_CORE_TREE_H
 #define SVO_LIB_CORE_TREE_H
 
 #include <stdbool.h>
 
+#include "core/attachment.h"
 #include "core/message.h"
-#include "svocl/build.h"
+#include "svocl/tree.h"
 
-typedef struct svo_i_pending svo_i_pending; /* enqueue.c */
+struct svo_workspace;
+struct svo_i_pending;
 
 struct svo_tree {
     svo_tree_info info;
     svo_device *device; /* NULL: never on a device */
     cl_mem buffers[SVO_TREE_BUFFER_COUNT]; /* device copies, owned; NULL where absent */
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
-    struct svo_i_tree_bvh *bvh; /* rays.h; empty until rays are first asked for */
-    svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
+    svo_i_attachment *attachments; /* kept until the tree is destroyed */
+    svo_i_attachment *derived; /* made of the buffers, and released when they change */
+    struct svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
     svo_tree *next; /* of the workspace's trees */
-    svo_i_pending *pending; /* the build that is filling it; NULL: none */
+    struct svo_i_pending *pending; /* the build that is filling it; NULL: none */
     bool downloaded; /* host[] is what the tree holds (an array of no element stays NULL) */
 };
 
@@ -30,7 +33,7 @@ svo_tree *svo_i_tree_new(void);
 /* The array of that name; SVO_TREE_BUFFER_COUNT: none. */
 svo_tree_buffer svo_i_tree_buffer_named(const char *name);
 
-/* Lets go of what was made of the tree's buffers, which are about to change. */
+/* Releases the host arrays and all that is derived from the buffers, which are about to change. */
 void svo_i_tree_forget(svo_tree *tree);
 
 /* Whether info says the tree holds the array, whether as one element for all nodes, and its element count and bytes (on

@@ -134,7 +134,8 @@ static svo_status check_geometry(const check *job)
 svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message)
 {
     check job = {.info = &tree->info, .name = name, .message = message};
-    svo_tree_get_arrays(tree, &job.arrays);
+    job.arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
+    (void)svo_tree_get_arrays(tree, &job.arrays);
     SVO_I_TRY(check_nodes(&job));
     if ((job.info->need & SVO_NEED_RAYS) == 0) {
         return SVO_OK;

@@ -17,6 +17,7 @@
 #include <zstd.h>
 
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_format.h"
 
@@ -233,10 +234,9 @@ svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_
     if (tree == NULL || path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: %s is NULL", tree == NULL ? "tree" : "path");
     }
-    if (options != NULL && options->struct_size != sizeof *options) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: options.struct_size %zu is not %zu",
-                          options->struct_size, sizeof *options);
-    }
+    svo_save_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, "svo_tree_save", "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
     if (!tree->downloaded) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "svo_tree_save: the tree has no host arrays; call svo_tree_download first");
@@ -246,10 +246,6 @@ svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_
         /* The rename would replace a device or a pipe. */
         return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: not a regular file", path);
     }
-    save_state state = {.tree = tree,
-                        .path = path,
-                        .message = message,
-                        .file = -1,
-                        .compress = options != NULL && options->compress != 0};
+    save_state state = {.tree = tree, .path = path, .message = message, .file = -1, .compress = asked.compress != 0};
     return save_by_rename(&state);
 }

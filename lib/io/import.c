@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "io/import_process.h"
 #include "io/import_stream.h"
 
@@ -38,15 +39,10 @@ static svo_status check_file(const char *path, svo_message *message)
     return status;
 }
 
-static svo_status check_arguments(const char *path, const svo_import_options *options, svo_import *const *out,
-                                  svo_message *message)
+static svo_status check_arguments(const char *path, svo_import *const *out, svo_message *message)
 {
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: %s is NULL", path == NULL ? "path" : "out");
-    }
-    if (options != NULL && options->struct_size != sizeof *options) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: options.struct_size %zu is not %zu",
-                          options->struct_size, sizeof *options);
     }
     if (getenv(IMPORT_CHILD_ENVIRONMENT) != NULL) {
         return svo_i_fail(
@@ -60,12 +56,11 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
                            svo_import **out, svo_message *message)
 {
     svo_status status = SVO_OK;
-    SVO_I_TRY(check_arguments(path, options, out, message));
+    svo_import_options filled;
+    SVO_I_TRY(check_arguments(path, out, message));
+    SVO_I_TRY(svo_i_struct_read(message, "svo_import_file", "options", options, &filled,
+                                SVO_I_STRUCT_SIZES(svo_import_options, time_limit_seconds)));
     SVO_I_TRY(check_file(path, message));
-    svo_import_options filled = {.struct_size = sizeof filled};
-    if (options != NULL) {
-        filled = *options;
-    }
     filled.memory_limit_bytes = filled.memory_limit_bytes != 0 ? filled.memory_limit_bytes : DEFAULT_MEMORY_BYTES;
     filled.time_limit_seconds = filled.time_limit_seconds != 0 ? filled.time_limit_seconds : DEFAULT_TIME_SECONDS;
     filled.child_program = filled.child_program != NULL ? filled.child_program : DEFAULT_CHILD_PROGRAM;

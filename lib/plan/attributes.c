@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan/plan.h"
+#include "plan/attributes.h"
+#include "plan/constant.h"
+#include "plan/grid.h"
 
 #define UV_ONE     65536.0
 #define UV_LIMIT   32767.0

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan/plan.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 /* Tiles are halved down to one pixel; a column gives at most four fragments per triangle, so that always fits. */
 #define TILE_PIXELS_MIN 1u
@@ -18,46 +19,46 @@ static svo_status no_memory(const svo_plan *plan)
     return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory to cut the fragment list");
 }
 
-void svo_i_layout_destroy(svo_i_layout *layout)
+void svo_i_chunking_destroy(svo_i_chunking *chunking)
 {
-    free(layout->draws);
-    free(layout->chunks);
-    memset(layout, 0, sizeof *layout);
+    free(chunking->draws);
+    free(chunking->chunks);
+    memset(chunking, 0, sizeof *chunking);
 }
 
-static bool add_draw(svo_i_layout *layout, svo_i_draw draw)
+static bool add_draw(svo_i_chunking *chunking, svo_i_draw draw)
 {
-    if (layout->draw_count == layout->draw_capacity) {
-        const uint32_t capacity = layout->draw_capacity * 2 + 16;
-        svo_i_draw *draws = realloc(layout->draws, capacity * sizeof *draws);
+    if (chunking->draw_count == chunking->draw_capacity) {
+        const uint32_t capacity = chunking->draw_capacity * 2 + 16;
+        svo_i_draw *draws = realloc(chunking->draws, capacity * sizeof *draws);
         if (draws == NULL) {
             return false;
         }
-        layout->draws = draws;
-        layout->draw_capacity = capacity;
+        chunking->draws = draws;
+        chunking->draw_capacity = capacity;
     }
-    layout->draws[layout->draw_count++] = draw;
+    chunking->draws[chunking->draw_count++] = draw;
     return true;
 }
 
 /* Closes the chunk that began at first_draw. */
-static bool add_chunk(svo_i_layout *layout, uint32_t first_draw, uint64_t capacity)
+static bool add_chunk(svo_i_chunking *chunking, uint32_t first_draw, uint64_t capacity)
 {
-    if (layout->chunk_count == layout->chunk_capacity) {
-        const uint32_t count = layout->chunk_capacity * 2 + 16;
-        svo_i_chunk *chunks = realloc(layout->chunks, count * sizeof *chunks);
+    if (chunking->chunk_count == chunking->chunk_capacity) {
+        const uint32_t count = chunking->chunk_capacity * 2 + 16;
+        svo_i_chunk *chunks = realloc(chunking->chunks, count * sizeof *chunks);
         if (chunks == NULL) {
             return false;
         }
-        layout->chunks = chunks;
-        layout->chunk_capacity = count;
+        chunking->chunks = chunks;
+        chunking->chunk_capacity = count;
     }
-    layout->chunks[layout->chunk_count++] = (svo_i_chunk){first_draw, layout->draw_count - first_draw, capacity};
+    chunking->chunks[chunking->chunk_count++] = (svo_i_chunk){first_draw, chunking->draw_count - first_draw, capacity};
     return true;
 }
 
 /* Draws a run of items over the whole grid, viewport by viewport. */
-static bool add_items(const svo_plan *plan, svo_i_layout *layout, svo_i_class class_id, uint32_t first_item,
+static bool add_items(const svo_plan *plan, svo_i_chunking *chunking, svo_i_class class_id, uint32_t first_item,
                       uint32_t item_count)
 {
     const uint32_t depth = plan->info.depth;
@@ -66,7 +67,7 @@ static bool add_items(const svo_plan *plan, svo_i_layout *layout, svo_i_class cl
     for (uint32_t k = 0; k < 1u << (2 * views_log2); ++k) {
         const uint32_t x = (k & ((1u << views_log2) - 1u)) * edge;
         const uint32_t y = (k >> views_log2) * edge;
-        if (!add_draw(layout, (svo_i_draw){class_id, first_item, item_count, x, y, edge, edge})) {
+        if (!add_draw(chunking, (svo_i_draw){class_id, first_item, item_count, x, y, edge, edge})) {
             return false;
         }
     }
@@ -76,7 +77,7 @@ static bool add_items(const svo_plan *plan, svo_i_layout *layout, svo_i_class cl
 /* What the walk over the items has gathered for the chunk that is open. */
 typedef struct cutter {
     const svo_plan *plan;
-    svo_i_layout *layout;
+    svo_i_chunking *chunking;
     double room; /* expected fragments a chunk should hold */
     double held;
     uint32_t first_draw;
@@ -85,13 +86,13 @@ typedef struct cutter {
 
 static bool close_chunk(cutter *c)
 {
-    if (c->layout->draw_count == c->first_draw) {
+    if (c->chunking->draw_count == c->first_draw) {
         return true;
     }
     uint64_t capacity = svo_i_with_slack(c->held);
     capacity = capacity < c->limit ? capacity : c->limit;
-    const bool added = add_chunk(c->layout, c->first_draw, capacity);
-    c->first_draw = c->layout->draw_count;
+    const bool added = add_chunk(c->chunking, c->first_draw, capacity);
+    c->first_draw = c->chunking->draw_count;
     c->held = 0.0;
     return added;
 }
@@ -110,7 +111,7 @@ static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
         const svo_i_draw draw = {class_id, item, 1, k % tiles * edge, k / tiles * edge, edge, edge};
         /* A tile may be covered whole: up to four fragments per pixel, of which two are usual. */
         c->held = (double)edge * edge * 2.5;
-        if (!add_draw(c->layout, draw) || !close_chunk(c)) {
+        if (!add_draw(c->chunking, draw) || !close_chunk(c)) {
             return false;
         }
     }
@@ -125,7 +126,7 @@ static bool cut_class(cutter *c, svo_i_class class_id)
         const double expected = (double)c->plan->item_fragments[item];
         const bool huge = expected > c->room;
         if (huge || c->held + expected > c->room) {
-            if ((item > first && !add_items(c->plan, c->layout, class_id, first, item - first)) || !close_chunk(c)) {
+            if ((item > first && !add_items(c->plan, c->chunking, class_id, first, item - first)) || !close_chunk(c)) {
                 return false;
             }
             first = item;
@@ -139,28 +140,28 @@ static bool cut_class(cutter *c, svo_i_class class_id)
         }
         c->held += expected;
     }
-    return first == end || add_items(c->plan, c->layout, class_id, first, end - first);
+    return first == end || add_items(c->plan, c->chunking, class_id, first, end - first);
 }
 
-svo_status svo_i_layout_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_layout *layout)
+svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_chunking *chunking)
 {
-    memset(layout, 0, sizeof *layout);
-    cutter c = {.plan = plan, .layout = layout, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
+    memset(chunking, 0, sizeof *chunking);
+    cutter c = {.plan = plan, .chunking = chunking, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
     /* Leaves the slack and the least allocation of svo_i_with_slack inside the limit. */
     c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
     for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
         if (!cut_class(&c, class_id)) {
-            svo_i_layout_destroy(layout);
+            svo_i_chunking_destroy(chunking);
             return no_memory(plan);
         }
     }
     if (!close_chunk(&c)) {
-        svo_i_layout_destroy(layout);
+        svo_i_chunking_destroy(chunking);
         return no_memory(plan);
     }
-    if (plan->options.fragment_capacity != 0 && layout->chunk_count == 1) {
+    if (plan->options.fragment_capacity != 0 && chunking->chunk_count == 1) {
         const uint64_t asked = plan->options.fragment_capacity;
-        layout->chunks[0].capacity = asked < c.limit ? asked : c.limit;
+        chunking->chunks[0].capacity = asked < c.limit ? asked : c.limit;
     }
     return SVO_OK;
 }
@@ -193,36 +194,37 @@ static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
 
 /* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two
    halves where it can be split. */
-static bool regrow_chunk(const svo_i_layout *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
-                         svo_i_layout *layout)
+static bool regrow_chunk(const svo_i_chunking *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
+                         svo_i_chunking *chunking)
 {
     const svo_i_chunk *chunk = &old->chunks[chunk_index];
-    const uint32_t first_draw = layout->draw_count;
+    const uint32_t first_draw = chunking->draw_count;
     const uint64_t capacity = needed < limit ? needed : limit;
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
         svo_i_draw parts[2] = {old->draws[chunk->first_draw + i]};
         const unsigned part_count = needed > limit && split_draw(&old->draws[chunk->first_draw + i], parts) ? 2 : 1;
         for (unsigned part = 0; part < part_count; ++part) {
-            const uint32_t begin = layout->draw_count;
-            if (!add_draw(layout, parts[part]) || (needed > limit && !add_chunk(layout, begin, capacity))) {
+            const uint32_t begin = chunking->draw_count;
+            if (!add_draw(chunking, parts[part]) || (needed > limit && !add_chunk(chunking, begin, capacity))) {
                 return false;
             }
         }
     }
-    return needed > limit || add_chunk(layout, first_draw, needed > chunk->capacity ? needed : chunk->capacity);
+    return needed > limit || add_chunk(chunking, first_draw, needed > chunk->capacity ? needed : chunk->capacity);
 }
 
-svo_status svo_i_layout_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed, svo_i_layout *layout)
+svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed,
+                               svo_i_chunking *chunking)
 {
     const uint64_t limit = chunk_bytes / svo_i_plan_fragment_bytes(plan);
-    svo_i_layout grown = {0};
-    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
-        if (!regrow_chunk(layout, i, needed[i], limit, &grown)) {
-            svo_i_layout_destroy(&grown);
+    svo_i_chunking grown = {0};
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        if (!regrow_chunk(chunking, i, needed[i], limit, &grown)) {
+            svo_i_chunking_destroy(&grown);
             return no_memory(plan);
         }
     }
-    svo_i_layout_destroy(layout);
-    *layout = grown;
+    svo_i_chunking_destroy(chunking);
+    *chunking = grown;
     return SVO_OK;
 }

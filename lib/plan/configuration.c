@@ -5,9 +5,11 @@
  */
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
-#include "build/frontend_choice.h"
-#include "plan/plan.h"
+#include "core/struct_size.h"
+#include "plan/configuration.h"
+#include "plan/frontend_choice.h"
 
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -26,20 +28,22 @@ static void leave_out(svo_i_work *work, const char *what, const char *format, ..
 }
 
 /* Leaf lists, and where each leaf's entries begin. */
-static void decide_lists(svo_plan *plan)
+static void configure_lists(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     work->sorted = plan->options.builder == SVO_BUILDER_SORTED;
     work->lists = (plan->info.need & SVO_NEED_RAYS) != 0;
     work->ranges = work->lists || (work->made & SVO_NEED_MATERIAL) != 0;
-    if (!work->lists) {
-        leave_out(work, "leaf lists",
-                  "rays were not asked for: no lists, no snapped vertices, indices or triangle ids");
-        leave_out(work, "packing",
-                  work->ranges ? "no lists; only where each leaf's entries begin is found, for the materials"
-                               : "there are no lists to pack");
-    } else if (work->sorted) {
-        leave_out(work, "packing copy", "the sorted list is in the lists' order");
+}
+
+/* Stages that do not run, with the reasons that the table of stages has for it. */
+static void leave_out_stages(svo_plan *plan)
+{
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_stage *stage = &plan->stages[i];
+        if (stage->left_out != NULL && !stage->runs(plan)) {
+            leave_out(&plan->work, stage->left_out, "%s", stage->reason(plan));
+        }
     }
 }
 
@@ -117,7 +121,7 @@ static void leave_out_inputs(svo_plan *plan)
     }
 }
 
-static void decide_payload(svo_plan *plan)
+static void configure_payload(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
@@ -144,7 +148,7 @@ static uint32_t class_count(const svo_plan *plan, svo_i_class class_id)
 }
 
 /* Which overlap tests run. Triangles inside one voxel are not tested: any kernel will do for them. */
-static void decide_tests(svo_plan *plan)
+static void configure_tests(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     const uint32_t points = class_count(plan, SVO_I_CLASS_POINT);
@@ -154,7 +158,6 @@ static void decide_tests(svo_plan *plan)
     const bool any = work->tests[SVO_I_TEST_NARROW] || work->tests[SVO_I_TEST_REGULAR] || work->tests[SVO_I_TEST_WIDE];
     work->tests[SVO_I_TEST_NONE] = points > 0 && !any;
     if (plan->triangle_count == 0) {
-        leave_out(work, "voxelization", "no accepted triangle is inside the grid");
         return;
     }
     if (points > 0) {
@@ -169,7 +172,7 @@ static void decide_tests(svo_plan *plan)
     }
 }
 
-static void decide_codes(svo_plan *plan)
+static void configure_codes(svo_plan *plan)
 {
     plan->work.long_codes = plan->info.depth > SVO_CODE30_DEPTH_MAX;
     if (!plan->work.long_codes) {
@@ -178,7 +181,7 @@ static void decide_codes(svo_plan *plan)
     }
 }
 
-static void decide_opengl(svo_plan *plan)
+static void configure_opengl(svo_plan *plan)
 {
     svo_message reason;
     if (svo_frontend_cl_suffices(plan, &reason)) {
@@ -186,7 +189,18 @@ static void decide_opengl(svo_plan *plan)
     }
 }
 
-/* Room for the keys of one more program. */
+bool svo_i_plan_needs_program(const svo_plan *plan, svo_i_program_kind program)
+{
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_stage *stage = &plan->stages[i];
+        if (stage->program == program && stage->kernels[0] != NULL && stage->runs(plan)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Room for the defines of one more program. */
 static char *add_kernels(svo_i_work *work, const char *name)
 {
     work->kernels[work->kernels_count].name = name;
@@ -196,12 +210,12 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    work->builder_kernels = !work->sorted || work->surface;
+    work->builder_kernels = svo_i_plan_needs_program(plan, SVO_I_PROGRAM_BUILD);
     if (work->builder_kernels) {
-        svo_i_plan_defines(plan, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
+        svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
     }
-    if (work->sorted) {
-        (void)snprintf(add_kernels(work, "sort"), SVO_I_DEFINES_BYTES, "%s", svo_i_plan_sort_defines(plan));
+    if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_SORT)) {
+        svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, add_kernels(work, "sort"), SVO_I_DEFINES_BYTES);
     }
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         if (work->tests[test]) {
@@ -212,11 +226,12 @@ static void list_kernels(svo_plan *plan)
 
 void svo_i_plan_configure(svo_plan *plan)
 {
-    decide_payload(plan);
-    decide_lists(plan);
-    decide_tests(plan);
-    decide_codes(plan);
-    decide_opengl(plan);
+    configure_payload(plan);
+    configure_lists(plan);
+    leave_out_stages(plan);
+    configure_tests(plan);
+    configure_codes(plan);
+    configure_opengl(plan);
     list_kernels(plan);
 }
 
@@ -227,58 +242,64 @@ void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *define
                    plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
 }
 
-const char *svo_i_plan_sort_defines(const svo_plan *plan)
+/* Every option begins with a space: some compilers choke on options that end in one. */
+void svo_i_plan_defines(const svo_plan *plan, svo_i_program_kind program, char *defines, size_t bytes)
 {
-    return plan->work.long_codes ? " -DSVO_SORT -DSVO_CODE48" : " -DSVO_SORT";
-}
-
-void svo_i_plan_defines(const svo_plan *plan, char *defines, size_t bytes)
-{
-    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTER"};
-    const svo_i_work *work = &plan->work;
-    /* Every key begins with a space: some compilers choke on options that end in one. */
-    (void)snprintf(
-        defines, bytes, "%s%s%s%s%s%s%s%s%s%s%s%s", work->sorted ? "" : " -DSVO_LEVELS",
-        work->ranges && !work->sorted ? " -DSVO_RANGES" : "", work->lists && !work->sorted ? " -DSVO_LISTS" : "",
-        work->long_codes ? " -DSVO_CODE48" : "", (work->made & SVO_NEED_COLOR) != 0 ? " -DSVO_COLOR" : "",
-        work->vertex_colors ? " -DSVO_VERTEX_COLOR" : "", work->textures ? " -DSVO_TEXTURE" : "",
-        (work->made & SVO_NEED_NORMAL) != 0 ? " -DSVO_NORMAL" : "", work->vertex_normals ? " -DSVO_VERTEX_NORMAL" : "",
-        (work->made & SVO_NEED_MATERIAL) != 0 ? " -DSVO_MATERIAL" : "",
-        (work->made & SVO_NEED_FILL) != 0 ? " -DSVO_FILL" : "", work->surface ? weights[plan->options.weights] : "");
+    (void)snprintf(defines, bytes, "%s", plan->work.long_codes ? " -DSVO_CODE48" : "");
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_stage *stage = &plan->stages[i];
+        if (stage->program == program && stage->defines != NULL && stage->runs(plan)) {
+            const size_t used = strlen(defines);
+            stage->defines(plan, defines + used, bytes - used);
+        }
+    }
 }
 
 int svo_plan_has_stage(const svo_plan *plan, svo_stage stage)
 {
-    const svo_i_work *work = &plan->work;
-    const bool any = plan->triangle_count > 0;
-    switch (stage) {
-    case SVO_STAGE_VOXELIZE:
-        return any;
-    case SVO_STAGE_PACK:
-        return work->ranges;
-    case SVO_STAGE_LINK:
-        return work->filter && any;
-    case SVO_STAGE_FILTER:
-        return work->surface;
-    default:
-        return (unsigned)stage < SVO_STAGE_COUNT;
+    if (stage == SVO_STAGE_GRID || stage == SVO_STAGE_COMPILE || stage == SVO_STAGE_TRANSFER) {
+        return 1; /* part of every build */
     }
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        if (plan->stages[i].stage == stage && plan->stages[i].runs(plan)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
-size_t svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
+size_t svo_plan_kernels_count(const svo_plan *plan)
 {
-    if (info != NULL && index < plan->work.kernels_count) {
-        info->name = plan->work.kernels[index].name;
-        info->defines = plan->work.kernels[index].defines;
-    }
     return plan->work.kernels_count;
 }
 
-size_t svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)
+svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
 {
-    if (entry != NULL && index < plan->work.left_out_count) {
-        entry->what = plan->work.left_out[index].what;
-        entry->reason = plan->work.left_out[index].reason.text;
+    static const char function[] = "svo_plan_get_kernels";
+    if (index >= plan->work.kernels_count) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function, index,
+                                 (size_t)plan->work.kernels_count);
     }
+    const svo_kernels_info found = {.name = plan->work.kernels[index].name,
+                                    .defines = plan->work.kernels[index].defines};
+    return svo_i_struct_write(&plan->device->message, function, "info", &found, info,
+                              SVO_I_STRUCT_SIZES(svo_kernels_info, name));
+}
+
+size_t svo_plan_left_out_count(const svo_plan *plan)
+{
     return plan->work.left_out_count;
+}
+
+svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)
+{
+    static const char function[] = "svo_plan_get_left_out";
+    if (index >= plan->work.left_out_count) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function, index,
+                                 (size_t)plan->work.left_out_count);
+    }
+    const svo_left_out found = {.what = plan->work.left_out[index].what,
+                                .reason = plan->work.left_out[index].reason.text};
+    return svo_i_struct_write(&plan->device->message, function, "entry", &found, entry,
+                              SVO_I_STRUCT_SIZES(svo_left_out, what));
 }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan/plan.h"
+#include "plan/constant.h"
 
 /* Calls visit for every corner of a kept triangle, until it says false; whether it never does. */
 static bool every_corner(const svo_plan *plan, bool (*visit)(const svo_plan *plan, uint32_t vertex, uint32_t first))

@@ -10,7 +10,7 @@
  */
 #include <math.h>
 
-#include "plan/plan.h"
+#include "plan/estimate.h"
 
 /* Leaves are about as large as the triangles where a triangle is in this many of them. */
 #define RAY_PAIRS_PER_TRIANGLE 6.0
@@ -138,4 +138,29 @@ uint64_t svo_i_with_slack(double expected)
 {
     const double least = expected + 64.0; /* few triangles stray further from what is expected of them */
     return expected > 0.0 ? (uint64_t)(expected * 1.125 + fmin(least, 1024.0)) : 0;
+}
+
+uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
+{
+    return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
+}
+
+uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool worst_case)
+{
+    uint64_t nodes = UINT64_C(1) << (3 * level);
+    if (level == 0) {
+        return nodes; /* the root is always there */
+    }
+    nodes = nodes > fragments ? fragments : nodes;
+    const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
+    return !worst_case && likely < nodes ? likely : nodes;
+}
+
+uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool worst_case)
+{
+    uint64_t total = 0;
+    for (uint32_t level = 0; level < plan->info.depth; ++level) {
+        total += svo_i_plan_level_nodes(plan, level, fragments, worst_case);
+    }
+    return total;
 }

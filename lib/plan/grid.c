@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan/plan.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan: checks the request, runs the host stages (grid.c, attributes.c), predicts sizes by the fragment estimate
- * and keeps the list of buffers. Everything later in the pipeline obeys it.
+ * The plan: checks the request, runs the host stages (grid.c, attributes.c) and configures the build. Its sizes are
+ * predicted by a build that only measures (build/predict.c). Everything later in the pipeline obeys it.
  */
 #include "plan/plan.h"
+#include "core/struct_size.h"
+#include "plan/attributes.h"
+#include "plan/configuration.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,10 +66,6 @@ const char *svo_certainty_name(svo_certainty certainty)
 
 static svo_status check_options(svo_device *device, const svo_plan_options *options)
 {
-    if (options->struct_size != sizeof *options) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.struct_size is %zu, not %zu",
-                                 options->struct_size, sizeof *options);
-    }
     if ((options->need & ~((uint32_t)SVO_NEED_ALL | (uint32_t)SVO_NEED_NONE)) != 0 ||
         ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -127,10 +128,6 @@ static svo_status check_textures(svo_device *device, const svo_mesh *mesh)
 
 static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
 {
-    if (mesh->struct_size != sizeof *mesh) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: mesh.struct_size is %zu, not %zu",
-                                 mesh->struct_size, sizeof *mesh);
-    }
     if (mesh->vertex_count > 0 && (mesh->positions == NULL) == (mesh->positions_double == NULL)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_plan_create: mesh has %zu vertices but not exactly one array of positions",
@@ -151,33 +148,7 @@ static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
     return check_textures(device, mesh);
 }
 
-uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan)
-{
-    return 4u * (plan->info.depth <= SVO_CODE30_DEPTH_MAX ? SVO_FRAGMENT_WORDS_30 : SVO_FRAGMENT_WORDS_48);
-}
-
-uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t fragments, bool worst_case)
-{
-    uint64_t nodes = UINT64_C(1) << (3 * level);
-    if (level == 0) {
-        return nodes; /* the root is always there */
-    }
-    nodes = nodes > fragments ? fragments : nodes;
-    const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));
-    return !worst_case && likely < nodes ? likely : nodes;
-}
-
-uint64_t svo_i_plan_inner_nodes(const svo_plan *plan, uint64_t fragments, bool worst_case)
-{
-    uint64_t total = 0;
-    for (uint32_t level = 0; level < plan->info.depth; ++level) {
-        total += svo_i_plan_level_nodes(plan, level, fragments, worst_case);
-    }
-    return total;
-}
-
-svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                           svo_plan **out)
+static svo_status check_arguments(svo_device *device, const svo_mesh *mesh, unsigned depth, svo_plan *const *out)
 {
     if (device == NULL || mesh == NULL || out == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: %s is NULL",
@@ -189,41 +160,53 @@ svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned de
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,
                                  SVO_DEPTH_MIN, SVO_DEPTH_MAX);
     }
-    svo_status status = options != NULL ? check_options(device, options) : SVO_OK;
-    if (status == SVO_OK) {
-        status = check_mesh(device, mesh);
-    }
-    if (status == SVO_OK && options != NULL && options->payload_level > depth) {
-        status = svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                   "svo_plan_create: options.payload_level %u is above depth %u",
-                                   options->payload_level, depth);
-    }
-    if (status != SVO_OK) {
-        return status;
+    return SVO_OK;
+}
+
+/* Fills a plan whose device, options and depth are set. */
+static svo_status make_plan(svo_plan *plan, const svo_mesh *mesh)
+{
+    const double start_ms = svo_i_now_ms();
+    const uint32_t depth = plan->info.depth;
+    plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+    plan->info.coverage = plan->options.coverage;
+    plan->voxel_log2 = plan->info.snap_bits - depth;
+    SVO_I_TRY(svo_i_plan_grid(plan, mesh));
+    SVO_I_TRY(svo_i_plan_attributes(plan, mesh));
+    plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    svo_i_plan_configure(plan);
+    plan->info.grid_ms = svo_i_now_ms() - start_ms;
+    return SVO_OK;
+}
+
+svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                          const svo_i_stage *stages, size_t stage_count, svo_plan **out)
+{
+    static const char function[] = "svo_plan_create";
+    svo_mesh given;
+    svo_plan_options asked;
+    SVO_I_TRY(check_arguments(device, mesh, depth, out));
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "mesh", mesh, &given,
+                                SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
+    SVO_I_TRY(check_options(device, &asked));
+    SVO_I_TRY(check_mesh(device, &given));
+    if (asked.payload_level > depth) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_create: options.payload_level %u is above depth %u", asked.payload_level,
+                                 depth);
     }
     svo_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
     }
-    const double start_ms = svo_i_now_ms();
     plan->device = device;
-    plan->options = options != NULL ? *options : (svo_plan_options){.struct_size = sizeof *options};
+    plan->options = asked;
     plan->info.depth = depth;
-    plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
-    plan->info.coverage = plan->options.coverage;
-    plan->voxel_log2 = plan->info.snap_bits - depth;
-    status = svo_i_plan_grid(plan, mesh);
-    if (status == SVO_OK) {
-        status = svo_i_plan_attributes(plan, mesh);
-    }
-    if (status != SVO_OK) {
-        svo_plan_destroy(&plan);
-        return status;
-    }
-    plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
-    svo_i_plan_configure(plan);
-    plan->info.grid_ms = svo_i_now_ms() - start_ms;
-    status = svo_i_plan_predict(plan);
+    plan->stages = stages;
+    plan->stage_count = stage_count;
+    const svo_status status = make_plan(plan, &given);
     if (status != SVO_OK) {
         svo_plan_destroy(&plan);
         return status;
@@ -253,17 +236,26 @@ void svo_plan_destroy(svo_plan **plan)
     *plan = NULL;
 }
 
-void svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
+svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
 {
-    *info = plan->info;
+    return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &plan->info, info,
+                              SVO_I_STRUCT_SIZES(svo_plan_info, coverage));
 }
 
-size_t svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info)
+size_t svo_plan_buffer_count(const svo_plan *plan)
 {
-    if (info != NULL && index < plan->buffer_count) {
-        *info = plan->buffers[index];
-    }
     return plan->buffer_count;
+}
+
+svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info)
+{
+    static const char function[] = "svo_plan_get_buffer";
+    if (index >= plan->buffer_count) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function, index,
+                                 plan->buffer_count);
+    }
+    return svo_i_struct_write(&plan->device->message, function, "info", &plan->buffers[index], info,
+                              SVO_I_STRUCT_SIZES(svo_buffer_info, count));
 }
 
 uint64_t svo_plan_peak_bytes(const svo_plan *plan)

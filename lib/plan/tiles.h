@@ -3,12 +3,18 @@
 #ifndef SVO_LIB_PLAN_TILES_H
 #define SVO_LIB_PLAN_TILES_H
 
-#include "plan/plan.h"
+#include "plan/plan_data.h"
 
 typedef struct svo_i_tiles {
     svo_tile_item *items;
     size_t count, capacity;
 } svo_i_tiles;
+
+/* The tiles of all draws of one chunk. A list that is drawn many times finds them once. */
+typedef struct svo_i_tile_cache {
+    svo_i_tiles tiles;
+    size_t *begin; /* per draw, and the end; NULL: not found yet */
+} svo_i_tile_cache;
 
 /* Adds the tiles that the draw's triangles of more than SVO_TILE_COLUMNS columns can touch, those inside the draw.
    False: out of memory. */

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 /* The geometry as the octree keeps it. */
 typedef struct svo_i_bvh_source {

@@ -17,6 +17,33 @@ extern const char svo_i_source_rays[];
 
 /* ---- the BVH ---- */
 
+/* The BVH on the device, derived from the tree's geometry. */
+typedef struct device_bvh {
+    svo_i_attachment attachment;
+    cl_mem nodes, leaves;
+    uint64_t bytes; /* of both */
+    float reach; /* the largest coordinate of a vertex */
+} device_bvh;
+
+static void release_bvh(svo_i_attachment *attachment)
+{
+    device_bvh *bvh = (device_bvh *)attachment;
+    cl_mem buffers[] = {bvh->nodes, bvh->leaves};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    free(bvh);
+}
+
+/* The tree's BVH; all zero before it is made. */
+static device_bvh find_bvh(const svo_tree *tree)
+{
+    const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
+    return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
+}
+
 /* The largest coordinate there is, at least the width of the grid. */
 static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
@@ -65,38 +92,41 @@ static svo_status read_array(const svo_tree *tree, const char *function, cl_comm
 static svo_status upload(const svo_tree *tree, const char *function, cl_command_queue queue, const char *name,
                          const void *data, size_t bytes, cl_mem *out)
 {
-    const svo_status status = svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out));
     const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
 }
 
-/* Makes the boxes of geometry on the host and takes them to the device. */
-static svo_status make_bvh(const svo_tree *tree, const char *function, cl_command_queue queue,
-                           const svo_i_bvh_source *source)
+/* Builds the BVH on the host, uploads it and attaches it to the tree. */
+static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queue queue, const svo_i_bvh_source *source)
 {
-    struct svo_i_tree_bvh *to = tree->bvh;
-    svo_i_bvh bvh;
-    if (!svo_i_bvh_make(source, &bvh)) {
-        svo_i_bvh_free(&bvh);
-        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the boxes of %u triangles",
-                                 function, source->triangle_count);
+    svo_status status = SVO_OK;
+    svo_i_bvh bvh = {.nodes = NULL};
+    device_bvh *to = calloc(1, sizeof *to);
+    if (to == NULL || !svo_i_bvh_make(source, &bvh)) {
+        status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH of %u triangles",
+                                   function, source->triangle_count);
+        goto cleanup;
     }
     const size_t node_bytes = bvh.node_count * sizeof *bvh.nodes;
     const size_t leaf_bytes = bvh.leaf_words * sizeof *bvh.leaves;
-    svo_status status = upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes);
-    if (status == SVO_OK) {
-        status = upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves);
-    }
+    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes));
+    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
+    to->attachment.destroy = release_bvh;
     to->bytes = node_bytes + leaf_bytes;
     to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    svo_i_attachment_add(&tree->derived, &to->attachment);
+    to = NULL;
+
+cleanup:
     svo_i_bvh_free(&bvh);
+    if (to != NULL) {
+        release_bvh(&to->attachment);
+    }
     return status;
 }
 
-static svo_status prepare_on(const svo_tree *tree, const char *function, cl_command_queue queue)
+svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
     static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
                                                SVO_TREE_LIST};
@@ -104,81 +134,45 @@ static svo_status prepare_on(const svo_tree *tree, const char *function, cl_comm
     const void *arrays[4] = {NULL};
     void *copies[4] = {NULL};
     svo_status status = SVO_OK;
-    bool outside = false;
-    for (int i = 0; i < 4 && status == SVO_OK; ++i) {
-        if (buffers[i] != SVO_TREE_LIST || outside) {
-            status = read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]);
-        }
-        outside =
-            i == 0 && status == SVO_OK ? reaches_outside(arrays[0], info->vertex_count, info->snap_bits) : outside;
+    if (find_bvh(tree).leaves != NULL) {
+        return SVO_OK;
     }
-    if (status == SVO_OK) {
-        const svo_i_bvh_source source = {.vertices = arrays[0],
-                                         .indices = arrays[1],
-                                         .triangle_ids = arrays[2],
-                                         .list = arrays[3],
-                                         .list_count = info->list_count,
-                                         .triangle_count = (uint32_t)info->list_triangle_count,
-                                         .snap_bits = info->snap_bits};
-        status = make_bvh(tree, function, queue, &source);
+    SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
+    for (int i = 0; i < 3; ++i) {
+        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]));
     }
+    if (reaches_outside(arrays[0], info->vertex_count, info->snap_bits)) {
+        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[3], &arrays[3], &copies[3]));
+    }
+    const svo_i_bvh_source source = {.vertices = arrays[0],
+                                     .indices = arrays[1],
+                                     .triangle_ids = arrays[2],
+                                     .list = arrays[3],
+                                     .list_count = info->list_count,
+                                     .triangle_count = (uint32_t)info->list_triangle_count,
+                                     .snap_bits = info->snap_bits};
+    SVO_I_TRY_CLEANUP(make_bvh(tree, function, queue, &source));
+
+cleanup:
     for (int i = 0; i < 4; ++i) {
         free(copies[i]);
     }
     return status;
 }
 
-svo_status svo_i_rays_prepare(const svo_tree *tree, const char *function, cl_command_queue queue)
-{
-    if (tree->bvh->leaves != NULL) {
-        return SVO_OK;
-    }
-    cl_command_queue own = NULL;
-    if (queue == NULL) {
-        cl_int error = CL_SUCCESS;
-        own = clCreateCommandQueue(tree->device->context, tree->device->device, 0, &error);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(tree->device, function, "clCreateCommandQueue", error);
-        }
-    }
-    const svo_status status = prepare_on(tree, function, own != NULL ? own : queue);
-    if (status != SVO_OK) {
-        svo_i_rays_release(tree);
-    }
-    if (own != NULL) {
-        clReleaseCommandQueue(own);
-    }
-    return status;
-}
-
-void svo_i_rays_release(const svo_tree *tree)
-{
-    cl_mem *const buffers[] = {&tree->bvh->nodes, &tree->bvh->leaves};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        if (*buffers[i] != NULL) {
-            clReleaseMemObject(*buffers[i]);
-            *buffers[i] = NULL;
-        }
-    }
-    tree->bvh->bytes = 0;
-}
-
-svo_status svo_tree_prepare_rays(const svo_tree *tree, cl_command_queue queue)
+svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
 {
     static const char function[] = "svo_tree_prepare_rays";
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (queue == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: queue is NULL", function);
-    }
-    const svo_status status = svo_i_rays_check(tree, function);
-    return status == SVO_OK ? svo_i_rays_prepare(tree, function, queue) : status;
+    SVO_I_TRY(svo_i_rays_check(tree, function));
+    return svo_i_rays_prepare(tree, function, queue);
 }
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
-    return tree != NULL ? tree->bvh->bytes : 0;
+    return tree != NULL ? find_bvh(tree).bytes : 0;
 }
 
 /* ---- kernel arguments ---- */
@@ -216,7 +210,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
     params->reserved = 0;
-    params->reach = tree->bvh->reach;
+    params->reach = find_bvh(tree).reach;
     return SVO_OK;
 }
 
@@ -255,23 +249,23 @@ svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel 
     return SVO_OK;
 }
 
-svo_status svo_i_rays_set_tree(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
     /* Voxels can be asked for without triangles. */
     const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
-    svo_status status = triangles ? svo_i_rays_prepare(tree, function, NULL) : SVO_OK;
-    if (status == SVO_OK) {
-        status = fill_params(tree, function, &params);
+    if (triangles) {
+        SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
+    SVO_I_TRY(fill_params(tree, function, &params));
+    const device_bvh bvh = find_bvh(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(tree->bvh->nodes), SVO_I_ARGUMENT(tree->bvh->leaves), SVO_I_ARGUMENT(params)};
-    return status == SVO_OK ? svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS)
-                            : status;
+        SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};
+    return svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
 }
 
-svo_status svo_tree_set_args(const svo_tree *tree, cl_kernel kernel, cl_uint first_index)
+svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)
 {
     static const char function[] = "svo_tree_set_args";
     if (tree == NULL || kernel == NULL) {

@@ -9,10 +9,16 @@
 #include "core/device.h"
 #include "core/message.h"
 #include "core/program.h"
+#include "core/struct_size.h"
 #include "core/tree.h"
 #include "rays/rays.h"
-#include "svocl/layout.h"
+#include "shared/layout.h"
 #include "svocl/plan.h"
+
+_Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SVO_VIEW_DEPTH == SVO_VIEW_KIND_DEPTH &&
+                   (uint32_t)SVO_VIEW_STEPS == SVO_VIEW_KIND_STEPS && (uint32_t)SVO_VIEW_LEVEL == SVO_VIEW_KIND_LEVEL &&
+                   (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
+               "svo_render_view and kernels/rays/view.cl number the views alike");
 
 #define PICTURE_EDGE_MAX 16384u
 /* Levels of the tree that are looked at to find what is occupied. */
@@ -81,7 +87,13 @@ typedef struct cell_bounds {
     uint32_t low[3], high[3]; /* high: one past the last cell */
 } cell_bounds;
 
-static void extend_bounds(const svo_tree_arrays *arrays, uint32_t node, uint32_t levels_left, const uint32_t cell[3],
+/* The tree's nodes on the host; NULL where they are not. */
+typedef struct node_arrays {
+    const uint8_t *child_mask;
+    const uint32_t *first_child;
+} node_arrays;
+
+static void extend_bounds(const node_arrays *arrays, uint32_t node, uint32_t levels_left, const uint32_t cell[3],
                           cell_bounds *bounds)
 {
     if (levels_left == 0) {
@@ -108,8 +120,7 @@ static void occupied_bounds(const svo_tree *tree, double low[3], double high[3])
     const uint32_t level = tree->info.depth < BOUNDS_LEVEL_MAX ? tree->info.depth : BOUNDS_LEVEL_MAX;
     const uint32_t cells = 1u << level;
     cell_bounds bounds = {{0, 0, 0}, {cells, cells, cells}};
-    svo_tree_arrays arrays;
-    svo_tree_get_arrays(tree, &arrays);
+    const node_arrays arrays = {tree->host[SVO_TREE_CHILD_MASK], tree->host[SVO_TREE_FIRST_CHILD]};
     if (arrays.child_mask != NULL && arrays.first_child != NULL && tree->info.leaf_count > 0) {
         bounds = (cell_bounds){{cells, cells, cells}, {0, 0, 0}};
         const uint32_t root[3] = {0, 0, 0};
@@ -208,14 +219,6 @@ void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
 
 static svo_status check_options(svo_device *device, const svo_tree *tree, const svo_render_options *options)
 {
-    if (tree == NULL || options == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %s is NULL",
-                                 tree == NULL ? "tree" : "options");
-    }
-    if (options->struct_size != sizeof *options) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: options.struct_size is %zu, not %zu",
-                                 options->struct_size, sizeof *options);
-    }
     if (options->width < 1 || options->width > PICTURE_EDGE_MAX || options->height < 1 ||
         options->height > PICTURE_EDGE_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %u x %u pixels are not within 1 .. %u",
@@ -322,7 +325,7 @@ static svo_status check_payload(svo_device *device, const svo_tree *tree)
 }
 
 /* The kernel of a view without light, all its arguments set. */
-static svo_status prepare_view(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+static svo_status prepare_view(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                const picture *drawn, cl_kernel *out)
 {
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
@@ -333,17 +336,12 @@ static svo_status prepare_view(svo_device *device, const svo_tree *tree, const s
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
     }
-    svo_status status =
-        svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_defines(tree), &program, NULL);
-    if (status == SVO_OK) {
-        status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out);
-    }
-    if (status == SVO_OK) {
-        status = svo_tree_set_args(tree, *out, 0);
-    }
+    SVO_I_TRY(svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_defines(tree), &program, NULL));
+    SVO_I_TRY(svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out));
+    SVO_I_TRY(svo_tree_set_args(tree, *out, 0));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(normals), SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(eye),
                                         SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
-    return status == SVO_OK ? svo_i_rays_set(tree, "svo_tree_render", *out, SVO_TREE_ARGUMENTS, arguments, 5) : status;
+    return svo_i_rays_set(tree, "svo_tree_render", *out, SVO_TREE_ARGUMENTS, arguments, 5);
 }
 
 /* The kernel of a shaded picture, all its arguments set. */
@@ -354,10 +352,8 @@ static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const
     char defines[80];
     cl_program program = NULL;
     (void)snprintf(defines, sizeof defines, "%s%s", color_defines(tree), normal_defines(tree));
-    svo_status status = svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, defines, &program, NULL);
-    if (status == SVO_OK) {
-        status = svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", out);
-    }
+    SVO_I_TRY(svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, defines, &program, NULL));
+    SVO_I_TRY(svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_cast", out));
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
@@ -366,23 +362,15 @@ static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const
         SVO_I_ARGUMENT(drawn->params),
         SVO_I_ARGUMENT(drawn->pixels),
     };
-    return status == SVO_OK
-               ? svo_i_kernel_set(device, "svo_tree_render", *out, arguments, sizeof arguments / sizeof arguments[0])
-               : status;
+    return svo_i_kernel_set(device, "svo_tree_render", *out, arguments, sizeof arguments / sizeof arguments[0]);
 }
 
-static svo_status prepare(svo_device *device, const svo_tree *tree, const svo_render_options *options, picture *out)
+static svo_status prepare(svo_device *device, svo_tree *tree, const svo_render_options *options, picture *out)
 {
     const size_t pixel_bytes = (size_t)options->width * options->height * 4;
-    svo_status status = svo_i_device_buffer(device, "svo_tree_render", "camera", CL_MEM_READ_ONLY,
-                                            sizeof(svo_cast_params), &out->params);
-    if (status == SVO_OK) {
-        status =
-            svo_i_device_buffer(device, "svo_tree_render", "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_device_buffer(device, "svo_tree_render", "camera", CL_MEM_READ_ONLY, sizeof(svo_cast_params),
+                                  &out->params));
+    SVO_I_TRY(svo_i_device_buffer(device, "svo_tree_render", "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
     return options->view == SVO_VIEW_SHADED ? prepare_shaded(device, tree, out, &out->kernel)
                                             : prepare_view(device, tree, options, out, &out->kernel);
 }
@@ -413,31 +401,33 @@ static svo_status draw(svo_device *device, cl_command_queue queue, const picture
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, "svo_tree_render", call, error);
 }
 
-svo_status svo_tree_render(svo_device *device, const svo_tree *tree, const svo_render_options *options,
+svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                            cl_command_queue queue, uint8_t *rgba)
 {
+    static const char function[] = "svo_tree_render";
+    svo_render_options asked;
+    svo_cast_params params = {.depth = 0};
+    picture drawn = {NULL, NULL, NULL};
+    svo_status status = SVO_OK;
     if (device == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (queue == NULL || rgba == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %s is NULL",
-                                 queue == NULL ? "queue" : "rgba");
+    if (tree == NULL || options == NULL || rgba == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 tree == NULL      ? "tree"
+                                 : options == NULL ? "options"
+                                                   : "rgba");
     }
-    svo_status status = check_options(device, tree, options);
-    status = status == SVO_OK ? check_payload(device, tree) : status;
-    if (status != SVO_OK) {
-        return status;
-    }
-    svo_cast_params params = {.depth = 0};
-    status = fill_params(device, tree, options, &params);
-    if (status != SVO_OK) {
-        return status;
-    }
-    picture drawn = {NULL, NULL, NULL};
-    status = prepare(device, tree, options, &drawn);
-    if (status == SVO_OK) {
-        status = draw(device, queue, &drawn, &params, rgba);
-    }
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_render_options, camera)));
+    SVO_I_TRY(check_options(device, tree, &asked));
+    SVO_I_TRY(check_payload(device, tree));
+    SVO_I_TRY(fill_params(device, tree, &asked, &params));
+    SVO_I_TRY(svo_i_device_queue(device, function, queue, &queue));
+    SVO_I_TRY_CLEANUP(prepare(device, tree, &asked, &drawn));
+    SVO_I_TRY_CLEANUP(draw(device, queue, &drawn, &params, rgba));
+
+cleanup:
     if (drawn.pixels != NULL) {
         clReleaseMemObject(drawn.pixels);
     }

@@ -3,7 +3,10 @@
  * Runs kernels/pack.cl and the list scans of kernels/scan.cl: where each leaf's range of entries begins, and sorted
  * leaf lists, for requests that read them.
  */
-#include "build/build.h"
+#include "stages/pack.h"
+
+#include "stages/payload_params.h"
+#include "stages/scan.h"
 
 typedef struct packer {
     svo_i_build *build;
@@ -16,13 +19,11 @@ static svo_status allocate_ranges(packer *p)
 {
     svo_i_build *build = p->build;
     const svo_tree_info *info = &build->tree->info;
-    svo_status status =
-        svo_i_build_alloc(build, "list_begin", (info->leaf_count + 1) * 4, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
-    if (status == SVO_OK) {
-        status = svo_i_build_alloc(build, "list_counts", info->leaf_count * 4, &p->counts);
-    }
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_begin", (info->leaf_count + 1) * 4,
+                                   &build->tree->buffers[SVO_TREE_LIST_BEGIN]));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_counts", info->leaf_count * 4, &p->counts));
     p->list_begin = build->tree->buffers[SVO_TREE_LIST_BEGIN];
-    return status;
+    return SVO_OK;
 }
 
 static svo_status allocate_lists(packer *p)
@@ -30,55 +31,32 @@ static svo_status allocate_lists(packer *p)
     svo_i_build *build = p->build;
     const uint64_t long_leaves = build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
     build->tree->info.list_count = build->fragment_count;
-    svo_status status =
-        svo_i_build_alloc(build, "list", build->fragment_count * 4, &build->tree->buffers[SVO_TREE_LIST]);
-    if (status == SVO_OK) {
-        status = svo_i_build_alloc(build, "list_spare", build->fragment_count * 4, &p->spare);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_alloc(build, "long_leaves", long_leaves * 4, &p->long_leaves);
-    }
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4,
+                                   &build->tree->buffers[SVO_TREE_LIST]));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_spare", build->fragment_count * 4, &p->spare));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "long_leaves", long_leaves * 4, &p->long_leaves));
     p->list = build->tree->buffers[SVO_TREE_LIST];
-    return status;
+    return SVO_OK;
 }
 
 static svo_status count_lists(packer *p)
 {
     svo_i_build *build = p->build;
-    svo_status status = svo_i_build_fill_zero(build, p->counts, p->params.leaf_count * UINT64_C(4));
-    for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
+    SVO_I_TRY(svo_i_commands_fill_zero(&build->commands, p->counts, p->params.leaf_count * UINT64_C(4)));
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[i]), SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params)};
-        status = svo_i_build_run(p->build, "svo_k_count", arguments, 4, p->params.fragment_count);
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_count",
+                                     SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
-    return status;
-}
-
-static svo_status scan_lists(packer *p)
-{
-    svo_i_build *build = p->build;
-    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
-    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
-    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(p->counts), SVO_I_ARGUMENT(build->partials),
-                                     SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(p->list_begin),
-                                       SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params), scratch};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(p->counts),     SVO_I_ARGUMENT(build->partials),
-                                  SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(build->state),
-                                  SVO_I_ARGUMENT(p->params),     scratch};
-    svo_status status = svo_i_build_run(p->build, "svo_k_scan_lists_reduce", reduce, 5, items);
-    if (status == SVO_OK) {
-        status = svo_i_build_run(p->build, "svo_k_scan_lists_partials", partials, 5, SVO_GROUP_ITEMS);
-    }
-    return status == SVO_OK ? svo_i_build_run(p->build, "svo_k_scan_lists_add", add, 6, items) : status;
+    return SVO_OK;
 }
 
 static svo_status scatter(packer *p)
 {
     svo_i_build *build = p->build;
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < build->list.chunk_count && status == SVO_OK; ++i) {
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.chunks[i].buffer),
                                             SVO_I_ARGUMENT(build->cursors[i]),
@@ -87,9 +65,10 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(p->list),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(p->params)};
-        status = svo_i_build_run(p->build, "svo_k_scatter", arguments, 7, p->params.fragment_count);
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_scatter",
+                                     SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
-    return status;
+    return SVO_OK;
 }
 
 static svo_status sort_lists(packer *p)
@@ -98,7 +77,8 @@ static svo_status sort_lists(packer *p)
     const svo_i_argument short_lists[] = {SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->list),
                                           SVO_I_ARGUMENT(p->long_leaves), SVO_I_ARGUMENT(build->state),
                                           SVO_I_ARGUMENT(p->params)};
-    svo_status status = svo_i_build_run(p->build, "svo_k_sort_short", short_lists, 5, p->params.leaf_count);
+    SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_sort_short",
+                                 SVO_I_ARGUMENTS(short_lists), p->params.leaf_count));
     const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin),
                                          SVO_I_ARGUMENT(p->list),
                                          SVO_I_ARGUMENT(p->spare),
@@ -107,59 +87,35 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_ARGUMENT(p->params),
                                          SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
-    if (status == SVO_OK) {
-        status =
-            svo_i_build_run(p->build, "svo_k_sort_long", long_lists, 8, (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
-    }
-    return status;
+    return svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_sort_long",
+                              SVO_I_ARGUMENTS(long_lists), (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
 }
 
-uint32_t svo_i_digit_passes(uint32_t triangle_count)
+static svo_status run(packer *p)
 {
-    uint32_t passes = 0;
-    while (passes < 32 / SVO_DIGIT_BITS && triangle_count > 1u &&
-           ((triangle_count - 1u) >> (SVO_DIGIT_BITS * passes)) != 0) {
-        passes += 2;
+    SVO_I_TRY(allocate_ranges(p));
+    SVO_I_TRY(count_lists(p));
+    SVO_I_TRY(svo_i_scan_lists(p->build, SVO_I_PROGRAM_BUILD, p->counts, p->list_begin, p->build->state, p->params));
+    if (p->build->commands.plan->work.lists) {
+        SVO_I_TRY(allocate_lists(p));
+        SVO_I_TRY(scatter(p));
+        SVO_I_TRY(sort_lists(p));
     }
-    return passes;
+    return svo_i_stage_end(&p->build->commands, SVO_STAGE_PACK);
 }
 
-static svo_status make_ranges(packer *p)
-{
-    svo_status status = allocate_ranges(p);
-    if (status == SVO_OK) {
-        status = count_lists(p);
-    }
-    return status == SVO_OK ? scan_lists(p) : status;
-}
-
-static svo_status make_lists(packer *p)
-{
-    svo_status status = allocate_lists(p);
-    if (status == SVO_OK) {
-        status = scatter(p);
-    }
-    return status == SVO_OK ? sort_lists(p) : status;
-}
-
-svo_status svo_i_pack(svo_i_build *build, bool with_lists)
+svo_status svo_i_pack(svo_i_build *build)
 {
     const svo_tree_info *info = &build->tree->info;
     packer p = {.build = build,
                 .params = {.depth = info->depth,
                            .leaf_begin = (cl_uint)info->inner_count,
                            .leaf_count = (cl_uint)info->leaf_count,
-                           .digit_passes = svo_i_digit_passes(build->plan->triangle_count)}};
-    svo_i_build_stage_begin(build);
-    svo_status status = make_ranges(&p);
-    if (status == SVO_OK && with_lists) {
-        status = make_lists(&p);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_stage_end(build, SVO_STAGE_PACK);
-    }
-    svo_i_build_free(build, &p.counts);
-    svo_i_build_free(build, &p.spare);
-    svo_i_build_free(build, &p.long_leaves);
+                           .digit_passes = svo_i_digit_passes(build->commands.plan->triangle_count)}};
+    svo_i_stage_begin(&build->commands);
+    const svo_status status = run(&p);
+    svo_i_commands_free(&build->commands, &p.counts);
+    svo_i_commands_free(&build->commands, &p.spare);
+    svo_i_commands_free(&build->commands, &p.long_leaves);
     return status;
 }

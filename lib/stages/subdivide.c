@@ -3,9 +3,10 @@
  * Runs kernels/subdivide.cl and the mask scans of kernels/scan.cl: all levels in one go, without reading anything back
  * between them. The counts come to the host once, at the end.
  */
-#include <string.h>
+#include "stages/subdivide.h"
 
-#include "build/build.h"
+#include "plan/estimate.h"
+#include "stages/scan.h"
 
 typedef struct subdivider {
     svo_i_build *build;
@@ -15,17 +16,16 @@ typedef struct subdivider {
 
 static svo_status create_kernels(subdivider *s)
 {
-    svo_status status = svo_i_build_kernel(s->build, "svo_k_mark", &s->mark);
-    if (status == SVO_OK) {
-        status = svo_i_build_kernel(s->build, "svo_k_descend", &s->descend);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_kernel(s->build, "svo_k_scan_masks_reduce", &s->reduce);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_kernel(s->build, "svo_k_scan_masks_partials", &s->partials);
-    }
-    return status == SVO_OK ? svo_i_build_kernel(s->build, "svo_k_scan_masks_add", &s->add) : status;
+    SVO_I_TRY(
+        svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_mark", &s->mark));
+    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_descend",
+                                    &s->descend));
+    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD],
+                                    "svo_k_scan_masks_reduce", &s->reduce));
+    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD],
+                                    "svo_k_scan_masks_partials", &s->partials));
+    return svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_scan_masks_add",
+                                 &s->add);
 }
 
 static void release_kernels(subdivider *s)
@@ -46,24 +46,21 @@ static svo_status begin(subdivider *s)
     for (unsigned level = 1; level < SVO_LEVELS_MAX; ++level) {
         root_alone[level] = 1;
     }
-    svo_status status = svo_i_build_put_state(build, root_alone);
-    if (status == SVO_OK && build->partials == NULL) {
-        status = svo_i_build_alloc(build, "partials", SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
-    }
-    return status == SVO_OK ? svo_i_build_fill_zero(build, s->masks, (build->inner_capacity + 3) / 4 * 4) : status;
+    SVO_I_TRY(svo_i_build_put_state(build, root_alone));
+    SVO_I_TRY(svo_i_scan_alloc(build));
+    return svo_i_commands_fill_zero(&build->commands, s->masks, (build->inner_capacity + 3) / 4 * 4);
 }
 
 static svo_status mark_root(subdivider *s, svo_subdivide_params params)
 {
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < s->build->list.chunk_count && status == SVO_OK; ++i) {
+    for (uint32_t i = 0; i < s->build->list.chunk_count; ++i) {
         const svo_i_fragments *chunk = &s->build->list.chunks[i];
         params.fragment_count = (cl_uint)chunk->needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->masks),
                                             SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(params)};
-        status = svo_i_build_launch(s->build, s->mark, arguments, 4, chunk->needed);
+        SVO_I_TRY(svo_i_commands_launch(&s->build->commands, s->mark, SVO_I_ARGUMENTS(arguments), chunk->needed));
     }
-    return status;
+    return SVO_OK;
 }
 
 /* first_child of the level's nodes, and where the level below the next begins. */
@@ -79,126 +76,146 @@ static svo_status scan_level(subdivider *s, svo_subdivide_params params)
     const svo_i_argument add[] = {SVO_I_ARGUMENT(s->masks),       SVO_I_ARGUMENT(build->partials),
                                   SVO_I_ARGUMENT(s->first_child), SVO_I_ARGUMENT(build->state),
                                   SVO_I_ARGUMENT(params),         scratch};
-    svo_status status = svo_i_build_launch(build, s->reduce, reduce, 5, items);
-    if (status == SVO_OK) {
-        status = svo_i_build_launch(build, s->partials, partials, 4, SVO_GROUP_ITEMS);
-    }
-    return status == SVO_OK ? svo_i_build_launch(build, s->add, add, 6, items) : status;
+    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->reduce, SVO_I_ARGUMENTS(reduce), items));
+    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->partials, SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
+    return svo_i_commands_launch(&build->commands, s->add, SVO_I_ARGUMENTS(add), items);
 }
 
 static svo_status descend(subdivider *s, svo_subdivide_params params)
 {
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < s->build->list.chunk_count && status == SVO_OK; ++i) {
+    for (uint32_t i = 0; i < s->build->list.chunk_count; ++i) {
         const svo_i_fragments *chunk = &s->build->list.chunks[i];
         params.fragment_count = (cl_uint)chunk->needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer),   SVO_I_ARGUMENT(s->build->cursors[i]),
                                             SVO_I_ARGUMENT(s->masks),        SVO_I_ARGUMENT(s->first_child),
                                             SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(params)};
-        status = svo_i_build_launch(s->build, s->descend, arguments, 6, chunk->needed);
+        SVO_I_TRY(svo_i_commands_launch(&s->build->commands, s->descend, SVO_I_ARGUMENTS(arguments), chunk->needed));
     }
-    return status;
+    return SVO_OK;
 }
 
 /* The count of a list that the host has not seen. */
 static svo_status take_count(subdivider *s, svo_subdivide_params params)
 {
     params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->counters), SVO_I_ARGUMENT(s->build->state),
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->list.counters), SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(params)};
-    return svo_i_build_run(s->build, "svo_k_take_count", arguments, 3, 1);
+    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_take_count",
+                              SVO_I_ARGUMENTS(arguments), 1);
 }
 
 /* Room for the inner nodes below a level. A build that waits sizes what depends on a level by its count. */
 static uint32_t next_level_capacity(const svo_i_build *build, uint32_t level)
 {
     const uint32_t *begin = build->tree->info.level_begin;
-    return build->mode == SVO_I_BUILD_RUNS || level + 1 == build->tree->info.depth
+    return build->commands.mode == SVO_I_MODE_RUN || level + 1 == build->tree->info.depth
                ? UINT32_MAX
                : begin[level + 2] - begin[level + 1];
 }
 
 static svo_status run_levels(subdivider *s)
 {
-    svo_subdivide_params params = {.depth = s->build->plan->info.depth,
+    svo_subdivide_params params = {.depth = s->build->commands.plan->info.depth,
                                    .inner_capacity = (cl_uint)s->build->inner_capacity};
-    svo_status status = s->build->counters != NULL ? take_count(s, params) : SVO_OK;
-    status = status == SVO_OK ? mark_root(s, params) : status;
-    for (params.level = 0; params.level < params.depth && status == SVO_OK; ++params.level) {
+    SVO_I_TRY(s->build->list.counters != NULL ? take_count(s, params) : SVO_OK);
+    SVO_I_TRY(mark_root(s, params));
+    for (params.level = 0; params.level < params.depth; ++params.level) {
         params.level_capacity = next_level_capacity(s->build, params.level);
-        status = scan_level(s, params);
-        if (status == SVO_OK) {
-            status = descend(s, params);
-        }
-    }
-    return status;
-}
-
-svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX])
-{
-    build->host_state = (svo_build_state){.triangle_count = build->plan->triangle_count, .fragment_limit = UINT32_MAX};
-    memcpy(build->host_state.level_begin, level_begin, sizeof build->host_state.level_begin);
-    return build->state == NULL
-               ? svo_i_build_upload(build, "state", &build->host_state, sizeof build->host_state, &build->state)
-               : svo_i_build_write(build, build->state, &build->host_state, sizeof build->host_state);
-}
-
-static void take_counts(svo_i_build *build, const svo_build_state *state)
-{
-    svo_tree_info *info = &build->tree->info;
-    for (uint32_t level = 0; level <= info->depth + 1; ++level) {
-        info->level_begin[level] = state->level_begin[level];
-    }
-    info->inner_count = info->level_begin[info->depth];
-    info->node_count = info->level_begin[info->depth + 1];
-    info->leaf_count = info->node_count - info->inner_count;
-}
-
-svo_status svo_i_take_state(svo_i_build *build, const svo_build_state *state, bool *fits)
-{
-    if (state->overflow == SVO_DAMAGED_LIST) {
-        return svo_i_build_fail_damaged(build);
-    }
-    *fits = state->overflow == 0;
-    if (*fits) {
-        take_counts(build, state);
-    } else if (state->level_begin[state->overflow + 1] <= state->level_begin[state->overflow]) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the tree has more than 2^32 - 1 nodes at level %u; lower the depth",
-                                 state->overflow);
+        SVO_I_TRY(scan_level(s, params));
+        SVO_I_TRY(descend(s, params));
     }
     return SVO_OK;
 }
 
-svo_status svo_i_subdivide(svo_i_build *build, bool *fits)
+/* Masks and first children in arrays of build->inner_capacity; *fits is false when the inner nodes did not fit. */
+static svo_status run(svo_i_build *build, bool *fits)
 {
+    svo_status status = SVO_OK;
+    svo_i_commands *commands = &build->commands;
     subdivider s = {.build = build,
                     .masks = build->tree->buffers[SVO_TREE_CHILD_MASK],
                     .first_child = build->tree->buffers[SVO_TREE_FIRST_CHILD]};
-    if (build->mode != SVO_I_BUILD_MEASURES && build->inner_capacity >= UINT32_MAX) {
-        return svo_i_device_fail(build->device, SVO_OUT_OF_DEVICE_MEMORY,
+    svo_build_state state;
+    if (commands->mode != SVO_I_MODE_MEASURE && build->inner_capacity >= UINT32_MAX) {
+        return svo_i_device_fail(commands->device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the tree may have %llu inner nodes, above 2^32 - 1; lower the depth",
                                  (unsigned long long)build->inner_capacity);
     }
-    svo_build_state state;
-    svo_i_build_stage_begin(build);
-    svo_status status = create_kernels(&s);
-    if (status == SVO_OK) {
-        status = begin(&s);
+    *fits = true; /* without waiting, counts stay capacities until the end */
+    svo_i_stage_begin(commands);
+    SVO_I_TRY_CLEANUP(create_kernels(&s));
+    SVO_I_TRY_CLEANUP(begin(&s));
+    SVO_I_TRY_CLEANUP(run_levels(&s));
+    SVO_I_TRY_CLEANUP(svo_i_stage_end(commands, SVO_STAGE_SUBDIVIDE));
+    if (commands->mode == SVO_I_MODE_RUN) {
+        SVO_I_TRY_CLEANUP(svo_i_commands_read(commands, build->state, &state, sizeof state));
+        SVO_I_TRY_CLEANUP(svo_i_build_take_state(build, &state, fits));
     }
-    if (status == SVO_OK) {
-        status = run_levels(&s);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_build_stage_end(build, SVO_STAGE_SUBDIVIDE);
-    }
-    if (status == SVO_OK && build->mode == SVO_I_BUILD_RUNS) {
-        status = svo_i_build_read(build, build->state, &state, sizeof state);
-    }
+cleanup:
     release_kernels(&s);
-    if (build->mode != SVO_I_BUILD_RUNS) { /* counts stay capacities until the end */
-        *fits = true;
-        return status;
+    return status;
+}
+
+/* Copies the used front of a buffer to one of that size, and releases the large one. */
+static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes)
+{
+    svo_status status = SVO_OK;
+    cl_mem *buffer = &build->tree->buffers[which];
+    cl_mem exact = NULL;
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(&build->commands, svo_tree_buffer_name(which), bytes, &exact));
+    SVO_I_TRY_CLEANUP(svo_i_commands_copy(&build->commands, *buffer, exact, 0, bytes));
+    svo_i_commands_free(&build->commands, buffer);
+    *buffer = exact;
+    return SVO_OK;
+cleanup:
+    svo_i_commands_free(&build->commands, &exact);
+    return status;
+}
+
+/* Room for build->inner_capacity nodes. */
+static svo_status alloc_nodes(svo_i_build *build, const char *masks, const char *first_child)
+{
+    cl_mem *buffers = build->tree->buffers;
+    const uint64_t mask_bytes = (build->inner_capacity + 3) / 4 * 4;
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, masks, mask_bytes, &buffers[SVO_TREE_CHILD_MASK]));
+    return svo_i_commands_alloc(&build->commands, first_child, build->inner_capacity * 4,
+                                &buffers[SVO_TREE_FIRST_CHILD]);
+}
+
+/* Nodes in arrays of the plan's capacities. */
+static svo_status subdivide_in_place(svo_i_build *build)
+{
+    bool fits = false;
+    build->inner_capacity = build->tree->info.inner_count;
+    SVO_I_TRY(
+        alloc_nodes(build, svo_tree_buffer_name(SVO_TREE_CHILD_MASK), svo_tree_buffer_name(SVO_TREE_FIRST_CHILD)));
+    return run(build, &fits);
+}
+
+/* Rerun once, with room for the worst case, when the fragment estimate misjudged the scene. */
+svo_status svo_i_subdivide(svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    cl_mem *buffers = build->tree->buffers;
+    bool fits = false;
+    SVO_I_TRY(svo_i_build_alloc_cursors(build));
+    if (build->in_place) {
+        return subdivide_in_place(build);
     }
-    return status == SVO_OK ? svo_i_take_state(build, &state, fits) : status;
+    for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
+        const bool worst_case = attempt > 0 || plan->options.worst_case_nodes != 0;
+        build->inner_capacity = svo_i_plan_inner_nodes(plan, build->fragment_count, worst_case);
+        svo_i_commands_free(&build->commands, &buffers[SVO_TREE_CHILD_MASK]);
+        svo_i_commands_free(&build->commands, &buffers[SVO_TREE_FIRST_CHILD]);
+        SVO_I_TRY(alloc_nodes(build, "child_mask_pool", "first_child_pool"));
+        SVO_I_TRY(run(build, &fits));
+        build->commands.report->reruns += fits ? 0 : 1;
+    }
+    if (!fits) {
+        return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
+                                 "svo_build: %llu fragments made more than %llu nodes",
+                                 (unsigned long long)build->fragment_count, (unsigned long long)build->inner_capacity);
+    }
+    SVO_I_TRY(trim(build, SVO_TREE_CHILD_MASK, build->tree->info.inner_count));
+    return trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4);
 }

@@ -4,19 +4,18 @@
  * kernels/attribute.clh reads them. Only what the plan has is uploaded; vertices and indices that the tree keeps for
  * rays are used in place.
  */
-#include "build/build.h"
+#include "stages/surface.h"
 
 /* Uploads an array if the plan has it. */
 static svo_status upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
 {
-    return data != NULL ? svo_i_build_upload(build, name, data, bytes, out) : SVO_OK;
+    return data != NULL ? svo_i_commands_upload(&build->commands, name, data, bytes, out) : SVO_OK;
 }
 
 /* What places a triangle in a voxel. Uniform weights do not look at it. */
 static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
 {
-    const svo_plan *plan = build->plan;
-    svo_status status = SVO_OK;
+    const svo_plan *plan = build->commands.plan;
     out->is_borrowed = build->tree->buffers[SVO_TREE_VERTICES] != NULL;
     if (out->is_borrowed) {
         out->vertices = build->tree->buffers[SVO_TREE_VERTICES];
@@ -24,51 +23,40 @@ static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
         return SVO_OK;
     }
     if (plan->work.places) {
-        status = upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices);
+        SVO_I_TRY(upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices));
     }
-    return status == SVO_OK
-               ? upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices)
-               : status;
+    return upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices);
 }
 
-svo_status svo_i_surface_upload(svo_i_build *build, svo_i_surface *out)
+svo_status svo_i_surface_upload(svo_i_build *build)
 {
-    const svo_plan *plan = build->plan;
+    svo_i_surface *out = &build->surface;
+    const svo_plan *plan = build->commands.plan;
     const uint64_t vertices = plan->vertex_count;
-    svo_i_build_stage_begin(build);
-    svo_status status = upload_geometry(build, out);
-    if (status == SVO_OK) {
-        status = upload(build, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
-                        &out->records);
-    }
-    if (status == SVO_OK) {
-        status = upload(build, "vertex_colors", plan->colors, vertices * 4, &out->colors);
-    }
-    if (status == SVO_OK) {
-        status = upload(build, "vertex_normals", plan->normals, vertices * 8, &out->normals);
-    }
-    if (status == SVO_OK) {
-        status = upload(build, "uvs", plan->uvs, vertices * 8, &out->uvs);
-    }
-    if (status == SVO_OK) {
-        status = upload(build, "material_records", plan->materials, plan->material_count * sizeof(svo_material_record),
-                        &out->materials);
-    }
-    if (status == SVO_OK) {
-        status = upload(build, "texels", plan->texels, plan->texel_count * 4, &out->texels);
-    }
-    return status == SVO_OK ? svo_i_build_stage_end(build, SVO_STAGE_TRANSFER) : status;
+    svo_i_stage_begin(&build->commands);
+    SVO_I_TRY(upload_geometry(build, out));
+    SVO_I_TRY(upload(build, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
+                     &out->records));
+    SVO_I_TRY(upload(build, "vertex_colors", plan->colors, vertices * 4, &out->colors));
+    SVO_I_TRY(upload(build, "vertex_normals", plan->normals, vertices * 8, &out->normals));
+    SVO_I_TRY(upload(build, "uvs", plan->uvs, vertices * 8, &out->uvs));
+    SVO_I_TRY(upload(build, "material_records", plan->materials, plan->material_count * sizeof(svo_material_record),
+                     &out->materials));
+    SVO_I_TRY(upload(build, "texels", plan->texels, plan->texel_count * 4, &out->texels));
+    return svo_i_stage_end(&build->commands, SVO_STAGE_TRANSFER);
 }
 
-void svo_i_surface_free(svo_i_build *build, svo_i_surface *surface)
+void svo_i_surface_free(svo_i_build *build)
 {
+    svo_i_surface *surface = &build->surface;
     if (!surface->is_borrowed) {
-        svo_i_build_free(build, &surface->vertices);
-        svo_i_build_free(build, &surface->indices);
+        svo_i_commands_free(&build->commands, &surface->vertices);
+        svo_i_commands_free(&build->commands, &surface->indices);
     }
     cl_mem *buffers[] = {&surface->records, &surface->colors,    &surface->normals,
                          &surface->uvs,     &surface->materials, &surface->texels};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_build_free(build, buffers[i]);
+        svo_i_commands_free(&build->commands, buffers[i]);
     }
+    *surface = (svo_i_surface){0};
 }

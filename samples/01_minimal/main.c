@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The shortest way from triangles to an octree: a cube in memory, the default OpenCL device, an off-screen GL
-   context. */
+/* From triangles to an octree: a cube in memory, on the default OpenCL device. */
 #include <inttypes.h>
-#include <stdbool.h>
 #include <stdio.h>
 
-#include "svocl/gl.h"
 #include "svocl/svocl.h"
 
 static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
@@ -14,44 +11,31 @@ static const uint32_t indices[] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 
 
 int main(void)
 {
-    const svo_mesh cube = {.struct_size = sizeof(svo_mesh),
-                           .positions = positions,
-                           .vertex_count = 8,
-                           .indices = indices,
-                           .triangle_count = 12};
-    const unsigned depth = 7; /* 128 voxels per axis */
+    svo_mesh cube = SVO_MESH_INIT;
+    cube.positions = positions;
+    cube.vertex_count = 8;
+    cube.indices = indices;
+    cube.triangle_count = 12;
+
     svo_message message = {""};
     svo_device *device = NULL;
-    svo_gl_context *context = NULL;
-    svo_gl *gl = NULL;
-    cl_command_queue queue = NULL;
+    if (svo_device_create_default(NULL, &device, &message) != SVO_OK) {
+        fprintf(stderr, "%s\n", message.text);
+        return 1;
+    }
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     char hash[SVO_HASH_TEXT_BYTES] = "";
-
-    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK &&
-                svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &message) == SVO_OK &&
-                svo_gl_create(device, context, NULL, &gl) == SVO_OK;
-    if (done) /* svo_build refuses a NULL queue with a message */
-        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
-    done = done && svo_plan_create(device, &cube, depth, NULL, &plan) == SVO_OK &&
-           svo_build(plan, svo_gl_frontend(gl), queue, &tree, NULL) == SVO_OK &&
-           svo_tree_download(tree, queue) == SVO_OK && svo_tree_hash(tree, SVO_HASH_ALL, hash) == SVO_OK;
-
-    if (done) {
-        svo_tree_info info;
-        svo_tree_get_info(tree, &info);
+    const int built = svo_plan_create(device, &cube, 7, NULL, &plan) == SVO_OK && /* 2^7 = 128 voxels per axis */
+                      svo_build(plan, NULL, NULL, &tree, NULL) == SVO_OK && svo_tree_get_info(tree, &info) == SVO_OK &&
+                      svo_tree_download(tree, NULL) == SVO_OK && svo_tree_hash(tree, SVO_HASH_ALL, hash) == SVO_OK;
+    if (built)
         printf("%" PRIu64 " leaves, %" PRIu64 " nodes, hash %s\n", info.leaf_count, info.node_count, hash);
-    } else {
-        fprintf(stderr, "%s\n", message.text[0] != '\0' ? message.text : svo_device_message(device));
-    }
-
+    else
+        fprintf(stderr, "%s\n", svo_device_message(device));
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
-    if (queue != NULL)
-        clReleaseCommandQueue(queue);
-    svo_gl_destroy(&gl);
-    svo_gl_context_destroy(&context);
     svo_device_destroy(&device);
-    return done ? 0 : 1;
+    return built ? 0 : 1;
 }

@@ -100,7 +100,7 @@ static bool start(cl_command_queue queue, build_job *job)
 static bool finish(cl_command_queue queue, build_job *job)
 {
     const int trim = 1; /* to buffers as large as the tree */
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     char hash[SVO_HASH_TEXT_BYTES];
     if (clWaitForEvents(1, &job->read) != CL_SUCCESS || svo_tree_finish(job->tree, queue, trim, NULL) != SVO_OK ||
         svo_tree_download(job->tree, queue) != SVO_OK || svo_tree_hash(job->tree, SVO_HASH_ALL, hash) != SVO_OK)

@@ -122,7 +122,7 @@ static bool build(builder *b, const svo_mesh_buffers *mesh)
     if (done)
         b->queue = clCreateCommandQueue(svo_device_cl_context(b->device), svo_device_cl_device(b->device), 0, NULL);
     svo_build_report report = {.struct_size = sizeof report};
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     done = done && svo_plan_create(b->device, svo_mesh_copy_get(b->mesh), 7, NULL, &b->plan) == SVO_OK &&
            svo_build(b->plan, svo_gl_frontend(b->gl), b->queue, &b->tree, &report) == SVO_OK;
     if (done) {

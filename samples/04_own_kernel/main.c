@@ -63,7 +63,7 @@ static void make_ring(float *positions, uint32_t *indices)
 }
 
 /* The text of svocl before one's own; the tree's arguments before one's own. */
-static cl_kernel make_kernel(const svo_device *device, const svo_tree *tree, cl_mem picture)
+static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, cl_mem picture)
 {
     const char *sources[2] = {svo_tree_kernel_source(), kernel_source};
     const cl_device_id id = svo_device_cl_device(device);
@@ -102,7 +102,7 @@ static void print_picture(const unsigned char *picture)
     printf("%u pixels see the ring, %u of them in its own shadow\n", seen, dark);
 }
 
-static bool draw(const svo_device *device, const svo_tree *tree, cl_command_queue queue)
+static bool draw(const svo_device *device, svo_tree *tree, cl_command_queue queue)
 {
     unsigned char pixels[WIDTH * HEIGHT];
     const size_t size[2] = {WIDTH, HEIGHT};

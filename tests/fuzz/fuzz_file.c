@@ -104,8 +104,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
         check_refusal(status, tree, &message);
         return 0;
     }
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     char hash[SVO_HASH_TEXT_BYTES];
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);

@@ -13,6 +13,8 @@
 #include "mesh_input.h"
 #include "mesh_layout.h"
 #include "oracle.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
 
 #define UNITS_MAX    (1 << 29) /* DESIGN 3: the arithmetic ends here */
 #define NARROW_UNITS (1 << 14)
@@ -226,10 +228,10 @@ static void check_buffers(const svo_plan *plan)
         asked != 0 && asked < plan->device->max_allocation_bytes ? asked : plan->device->max_allocation_bytes;
     const uint64_t most = largest_chunk / svo_i_plan_fragment_bytes(plan); /* fragments of one chunk */
     uint64_t largest = 0;
-    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    const size_t count = svo_plan_buffer_count(plan);
     for (size_t i = 0; i < count; ++i) {
-        svo_buffer_info buffer;
-        REQUIRE(svo_plan_get_buffer(plan, i, &buffer) == count && buffer.name != NULL && buffer.count > 0);
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
+        REQUIRE(svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && buffer.name != NULL && buffer.count > 0);
         const uint64_t bytes = buffer.bytes / buffer.count; /* all of one name need not live at one time */
         largest = bytes > largest ? bytes : largest;
         const uint64_t room = buffer.bytes / svo_i_plan_fragment_bytes(plan);

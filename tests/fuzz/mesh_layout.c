@@ -6,6 +6,8 @@
 #include "mesh_layout.h"
 
 #include "fuzz.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
 
 /* Expected fragments in terms of what a chunk holds: bounds the number of tiles, and so the time of one input. */
 #define EXPECTED_CHUNKS_MAX 16.0
@@ -46,7 +48,7 @@ static void check_draw(const svo_plan *plan, const svo_i_draw *draw, uint64_t *c
     }
 }
 
-static void check_layout(const svo_plan *plan, const svo_i_layout *layout, uint64_t limit)
+static void check_layout(const svo_plan *plan, const svo_i_chunking *layout, uint64_t limit)
 {
     const uint32_t pixels = 1u << plan->info.depth;
     uint64_t *covered = calloc((size_t)plan->triangle_count + 1, sizeof *covered);
@@ -69,14 +71,14 @@ static void check_layout(const svo_plan *plan, const svo_i_layout *layout, uint6
 }
 
 /* One triangle in one column always fits a chunk: what the cut is allowed to build on. */
-static bool can_overflow(const svo_i_layout *layout, const svo_i_chunk *chunk)
+static bool can_overflow(const svo_i_chunking *layout, const svo_i_chunk *chunk)
 {
     const svo_i_draw *draw = &layout->draws[chunk->first_draw];
     return chunk->draw_count > 1 || draw->item_count > 1 || draw->tile_width > 1 || draw->tile_height > 1;
 }
 
 /* Nothing, as much as there is room for, more, or more than any chunk may hold. */
-static uint64_t choose_need(const svo_i_layout *layout, const svo_i_chunk *chunk, uint64_t limit, uint64_t random)
+static uint64_t choose_need(const svo_i_chunking *layout, const svo_i_chunk *chunk, uint64_t limit, uint64_t random)
 {
     switch (random % 4) {
     case 0:
@@ -90,7 +92,7 @@ static uint64_t choose_need(const svo_i_layout *layout, const svo_i_chunk *chunk
     }
 }
 
-static void grow_and_check(const svo_plan *plan, svo_i_layout *layout, uint64_t chunk_bytes, uint64_t seed)
+static void grow_and_check(const svo_plan *plan, svo_i_chunking *layout, uint64_t chunk_bytes, uint64_t seed)
 {
     const uint64_t limit = chunk_bytes / svo_i_plan_fragment_bytes(plan);
     REQUIRE(limit > 0);
@@ -101,7 +103,7 @@ static void grow_and_check(const svo_plan *plan, svo_i_layout *layout, uint64_t 
         needed[i] = choose_need(layout, &layout->chunks[i], limit, scramble(seed + i));
         largest_fitting = needed[i] <= limit && needed[i] > largest_fitting ? needed[i] : largest_fitting;
     }
-    REQUIRE(svo_i_layout_grow(plan, chunk_bytes, needed, layout) == SVO_OK);
+    REQUIRE(svo_i_chunking_grow(plan, chunk_bytes, needed, layout) == SVO_OK);
     uint64_t largest_capacity = 0;
     for (uint32_t i = 0; i < layout->chunk_count; ++i) {
         const uint64_t capacity = layout->chunks[i].capacity;
@@ -116,12 +118,12 @@ void check_layouts(const svo_plan *plan, uint64_t chunk_bytes, uint64_t seed)
     const uint64_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
     const double least_bytes = plan->info.expected_fragments * (double)fragment_bytes / EXPECTED_CHUNKS_MAX;
     chunk_bytes = (double)chunk_bytes < least_bytes ? (uint64_t)least_bytes : chunk_bytes;
-    svo_i_layout layout;
-    REQUIRE(svo_i_layout_create(plan, chunk_bytes, &layout) == SVO_OK);
+    svo_i_chunking layout;
+    REQUIRE(svo_i_chunking_create(plan, chunk_bytes, &layout) == SVO_OK);
     check_layout(plan, &layout, chunk_bytes / fragment_bytes);
     for (unsigned growth = 0; growth < GROWTHS; ++growth) {
         grow_and_check(plan, &layout, chunk_bytes, seed + growth);
         check_layout(plan, &layout, chunk_bytes / fragment_bytes);
     }
-    svo_i_layout_destroy(&layout);
+    svo_i_chunking_destroy(&layout);
 }

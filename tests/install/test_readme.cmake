@@ -9,5 +9,12 @@ function(expect_shown file)
   endif()
 endfunction()
 
+# Three sentences, two commands, the sample and where to read on fit this many lines; the rest belongs to docs/.
+string(REGEX MATCHALL "\n" lines "${readme}")
+list(LENGTH lines line_count)
+if(line_count GREATER 150)
+  message(SEND_ERROR "README.md has ${line_count} lines, above 150")
+endif()
+
 expect_shown(samples/01_minimal/main.c)
 expect_shown(tests/install/consumer/CMakeLists.txt)

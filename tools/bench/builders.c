@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builders beside each other, stage by stage: OpenCL from the root down, OpenCL by sorting, OpenGL's compute
- * shaders; and what it costs to bring a list from OpenGL to OpenCL, by every share path.
+ * Compares the builders stage by stage: top-down in OpenCL, bottom-up by sorting in OpenCL, and OpenGL compute shaders.
+ * Also the cost of moving a list from OpenGL to OpenCL by every interop path.
  */
+#include "bench/builders.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -30,15 +32,16 @@ static const struct {
 #define SHARE_STAGES   (sizeof share_stages / sizeof share_stages[0])
 
 static const char builders_note[] =
-    "builders interleaved; colors, normals and rays, uniform weights (the table filter has others); transfer: the mesh"
-    " to the device, the list from OpenGL to OpenCL or the finished arrays, counts back; list to tree: subdivide, "
-    "link, pack and filter; total: with grid, voxelize and transfer, without compiling; first: total of the first "
-    "run, with what was left to compile; ratio: list to tree, to cl, turn by turn";
+    "Builders run interleaved. Needs: colors, normals and rays, with uniform weights; table \"filter\" has the others. "
+    "Transfer: the mesh to the device, the list or the finished arrays from OpenGL to OpenCL, counts back. List to "
+    "tree: "
+    "subdivide, link, pack and filter. Total: with grid, voxelize and transfer, without compilation. First: total of "
+    "the "
+    "warm-up run, with compilation. Ratio: list to tree, relative to cl, within each round.";
 
-static void begin_builders(bench_suite *all)
+static void begin_builders(suite *all)
 {
-    result_table *table =
-        bench_add_table(all, builders_id, "OpenGL's compute shaders beside OpenCL, stage by stage", builders_note);
+    result_table *table = suite_add_table(all, builders_id, "Builders: time per stage", builders_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -55,13 +58,13 @@ static void begin_builders(bench_suite *all)
 }
 
 static const char share_note[] =
-    "interleaved; occupancy alone; share none: OpenCL makes the list where it is used; ratio: of voxelize and transfer,"
-    " to that, turn by turn";
+    "Interop paths run interleaved; occupancy only. Path \"none\": OpenCL makes the list itself. Ratio: voxelize and "
+    "transfer, relative to \"none\", within each round.";
 
-static void begin_share(bench_suite *all)
+static void begin_share(suite *all)
 {
     result_table *table =
-        bench_add_table(all, share_id, "What it costs to bring a list from OpenGL to OpenCL", share_note);
+        suite_add_table(all, share_id, "Interop: moving the fragment list from OpenGL to OpenCL", share_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "list", "B");
@@ -73,7 +76,7 @@ static void begin_share(bench_suite *all)
     spread_add_columns(table, "ratio", "");
 }
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
     begin_builders(all);
     begin_share(all);
@@ -83,7 +86,7 @@ static int begin(bench_suite *all)
 static void add_builder(result_table *table, const input *source, unsigned depth, const series_method *method,
                         const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->report.fragments);
@@ -98,7 +101,7 @@ static void add_builder(result_table *table, const input *source, unsigned depth
     spread_add(table, series_ratio(method, first, SERIES_TREE));
 }
 
-static int run_builders(bench_suite *all, const input *source, unsigned depth)
+static int run_builders(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 3 };
     const svo_plan_options plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS,
@@ -115,7 +118,7 @@ static int run_builders(bench_suite *all, const input *source, unsigned depth)
 static void add_share(result_table *table, const input *source, unsigned depth, const series_method *method,
                       const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->list_bytes);
     result_add_text(table, "%s", method->report.frontend);
@@ -126,7 +129,7 @@ static void add_share(result_table *table, const input *source, unsigned depth, 
     spread_add(table, series_ratio(method, first, share_stages[SHARE_STAGES - 1].clocks));
 }
 
-static int run_share(bench_suite *all, const input *source, unsigned depth)
+static int run_share(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 4 };
     const svo_plan_options plan = {.need = SVO_NEED_NONE};
@@ -142,15 +145,16 @@ static int run_share(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, share_id, source, depth, methods, METHODS, add_share);
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     const int exit_code = run_builders(all, source, depth);
     return exit_code == PROGRAM_DONE ? run_share(all, source, depth) : exit_code;
 }
 
-const bench_subject bench_builders = {
+const suite_subject bench_builders = {
     .name = "build",
-    .summary = "OpenGL's compute shaders beside OpenCL, stage by stage, and the share paths",
+    .group = "all",
+    .summary = "builders stage by stage, and the interop paths",
     .full = {.scenes = {"statue", "atrium"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000"}, .depths = {6, 7, 8}},
     .begin = begin,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Starts this program again, reads what it prints, and removes the folder of caches behind it. */
+/* Starts this program as a child process and reads its output. */
 #define _XOPEN_SOURCE 700
 #include "bench/child.h"
 
@@ -39,7 +39,7 @@ void child_cache_remove(const child_cache *made)
     (void)nftw(made->path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* In the child: never returns. The names are those of PoCL, Mesa, NVIDIA's two drivers, and of whoever follows XDG. */
+/* In the child: never returns. The variables are those of PoCL, Mesa, NVIDIA's two drivers, and XDG. */
 static void become(const char *const arguments[], const child_cache *cache, int output)
 {
     static const char *const caches[] = {"POCL_CACHE_DIR",  "MESA_SHADER_CACHE_DIR",       "MESA_GLSL_CACHE_DIR",
@@ -60,7 +60,7 @@ static void become(const char *const arguments[], const child_cache *cache, int 
     _exit(127);
 }
 
-/* All that comes through the pipe, as a text by malloc. NULL when it is too much, or memory runs out. */
+/* Everything from the pipe, as a text by malloc. NULL when it is too long or memory runs out. */
 static char *read_all(int pipe_end)
 {
     char *text = malloc(OUTPUT_BYTES_MAX);

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* What payload costs: by the weights of its means, and each kind of it alone. */
+/* The cost of attributes: all weightings, and each attribute by itself. */
+#include "bench/filter.h"
+
 #include <string.h>
 
 #include "bench/series.h"
 
 static const char table_id[] = "filter";
 
-/* What is built interleaved; the first is what the others are compared with. */
+/* The first is the one that the others are compared with. */
 static const struct {
-    const char *payload;
+    const char *attributes;
     uint32_t need;
     svo_weights weights;
 } forms[] = {
@@ -26,17 +28,17 @@ static const struct {
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 static const char note[] =
-    "interleaved, by the front end and the builder cl; list to tree: subdivide, link, pack and filter; first: that of "
-    "the first run, with what was left to compile; ratio: of filter, to colors and normals weighed by area, turn by"
-    " turn";
+    "Rows run interleaved, with front end and builder cl. List to tree: subdivide, link, pack and filter. First: the "
+    "same in the warm-up run, with compilation. Ratio: of filter, relative to colors and normals weighted by area, "
+    "within each round.";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table = bench_add_table(all, table_id, "Payload: by weights, and each kind alone", note);
+    result_table *table = suite_add_table(all, table_id, "Attributes: by weighting, and each by itself", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "nodes", "");
-    result_add_column(table, "payload", "");
+    result_add_column(table, "attributes", "");
     result_add_column(table, "weights", "");
     result_add_column(table, "clock", "");
     spread_add_columns(table, "filter", "ms");
@@ -49,7 +51,7 @@ static int begin(bench_suite *all)
 static void add_row(result_table *table, const input *source, unsigned depth, const series_method *method,
                     const series_method *first)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.node_count);
     result_add_text(table, "%s", method->name);
@@ -61,21 +63,22 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ratio(method, first, SERIES_BIT(SVO_STAGE_FILTER)));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     series_method methods[FORM_COUNT];
     memset(methods, 0, sizeof methods);
     for (size_t i = 0; i < FORM_COUNT; ++i) {
-        methods[i].name = forms[i].payload;
+        methods[i].name = forms[i].attributes;
         methods[i].plan = (svo_plan_options){.need = forms[i].need, .weights = forms[i].weights};
         series_use_cl(all, &methods[i]);
     }
     return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
-const bench_subject bench_filter = {
+const suite_subject bench_filter = {
     .name = "filter",
-    .summary = "payload by weights, and each kind of it alone",
+    .group = "all",
+    .summary = "attributes: by weighting, and each by itself",
     .full = {.scenes = {"atrium", "statue"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

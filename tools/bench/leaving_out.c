@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the plan saves by leaving out what nobody reads: the same scene with each need, weight and builder in turn. */
+/* What a plan saves by omitting unused stages and buffers: one scene with each need, weighting and builder. */
+#include "bench/leaving_out.h"
+
 #include <string.h>
 
 #include "bench/series.h"
@@ -8,7 +10,7 @@ static const char table_id[] = "e6-leaving-out";
 
 #define NEED_PAYLOAD (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL | SVO_NEED_FILL)
 
-/* The first is everything, which the others are compared with. */
+/* The first is the one that the others are compared with. */
 static const struct {
     const char *name;
     const char *left_out;
@@ -39,13 +41,13 @@ static const struct {
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 static const char note[] =
-    "interleaved, by the front end cl; build: from the mesh on the host to the finished tree, without compiling; first:"
-    " the first run, with what was left to compile; peak: the largest sum of OpenCL buffers at one time; tree: what "
-    "remains of them; ratio: of build, to all, turn by turn";
+    "Rows run interleaved, with front end cl. Build: from the mesh on the host to the finished tree, without "
+    "compilation. First: the warm-up run, with compilation. Peak: the largest sum of OpenCL buffers at one time. Tree: "
+    "the buffers of the finished tree. Ratio: of build, relative to all, within each round.";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table = bench_add_table(all, table_id, "Leaving out: time and bytes of what is asked for", note);
+    result_table *table = suite_add_table(all, table_id, "Time and bytes of each need", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "leaves", "");
@@ -65,7 +67,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
                     const series_method *first)
 {
     const size_t form = (size_t)(method - first);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.leaf_count);
     result_add_text(table, "%s", method->name);
@@ -79,7 +81,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ratio(method, first, SERIES_BUILD));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     series_method methods[FORM_COUNT];
     memset(methods, 0, sizeof methods);
@@ -91,9 +93,10 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, table_id, source, depth, methods, FORM_COUNT, add_row);
 }
 
-const bench_subject bench_leaving_out = {
+const suite_subject bench_leaving_out = {
     .name = "leaving-out",
-    .summary = "time and bytes of each need, weight and builder",
+    .group = "all",
+    .summary = "time and bytes of each need, weighting and builder",
     .full = {.scenes = {"atrium"}, .depths = {9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

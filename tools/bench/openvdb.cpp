@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The only file that knows OpenVDB, and the only C++ of the program: compiled where libopenvdb-dev is there. */
+/* The only file that uses OpenVDB, and the only C++ of the program; compiled where libopenvdb-dev is installed. */
 #include "bench/openvdb.h"
 
 #include <openvdb/openvdb.h>
@@ -11,7 +11,7 @@
 namespace
 {
 
-/* What meshToVolume reads a mesh through: corners in voxels, without copies. */
+/* The mesh adapter of meshToVolume: vertices in units of voxels, without copies. */
 class triangles
 {
   public:

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenVDB (https://www.openvdb.org) beside svocl: the same triangles at the same resolution through
+/* OpenVDB (https://www.openvdb.org): the same triangles at the same resolution as svocl, through
    tools::meshToVolume. */
 #ifndef SVOCL_TOOLS_BENCH_OPENVDB_H
 #define SVOCL_TOOLS_BENCH_OPENVDB_H
@@ -20,9 +20,8 @@ const char *openvdb_version(void);
 /*
  * The narrow band of unsigned distances, one voxel wide, around the triangles.
  *
- * points: three floats each, in voxels. indices: three per triangle. active_voxels: receives how many hold a distance;
- * memory_bytes: receives what the tree of them takes.
- * Returns the milliseconds it took, on all cores, below 0 on failure.
+ * points: three floats each, in voxels. indices: three per triangle. active_voxels: receives the number of voxels with
+ * a distance; memory_bytes: the size of the grid. Returns the milliseconds it took, on all cores, below 0 on failure.
  */
 double openvdb_voxelize(const float *points, size_t point_count, const uint32_t *indices, size_t triangle_count,
                         uint64_t *active_voxels, uint64_t *memory_bytes);

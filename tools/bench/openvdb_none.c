@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* In place of openvdb.cpp where libopenvdb-dev is not there. */
+/* Takes the place of openvdb.cpp where libopenvdb-dev is not installed. */
 #include "bench/openvdb.h"
 
 bool openvdb_is_there(void)

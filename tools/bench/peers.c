@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Others that make something of the same triangles, where their Debian packages are present: Embree its hierarchy for
- * rays, OpenVDB a sparse volume of the same resolution. Each interleaved with ours.
+ * Other libraries on the same triangles, where their Debian packages are installed: Embree builds its BVH, OpenVDB a
+ * sparse volume of the same resolution. Each runs interleaved with svocl.
  */
+#include "bench/peers.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,18 +16,18 @@
 static const char embree_id[] = "peer-embree";
 static const char openvdb_id[] = "peer-openvdb";
 
-/* What of ours is compared: with the boxes where rays are what it is for. */
+/* What is compared with Embree: the build and the BVH. */
 #define BUILD_FOR_RAYS (SERIES_BUILD | SERIES_BIT(SERIES_RAYS))
 
-/* Their runs beside ours, and what they made. */
+/* The runs of a peer, and its results. */
 typedef struct peer_runs {
-    double *times, *ratios; /* after the first run */
+    double *times, *ratios; /* after the warm-up run */
     size_t count;
     double first_ms;
     uint64_t active_voxels, memory_bytes;
 } peer_runs;
 
-/* The triangles as floats in voxels, for both peers. */
+/* The triangles as floats in units of voxels, for both peers. */
 typedef struct peer_mesh {
     float *points;
     const svo_mesh *mesh;
@@ -34,8 +36,8 @@ typedef struct peer_mesh {
 
 /* ---- the mesh ---- */
 
-/* In units of voxels from the middle of the first one, on the grid that a plan would fit. Peers get no more care than
-   that: a mesh with refused triangles is not for them. */
+/* In units of voxels from the center of the first one, on the grid that a plan would fit. Meshes with refused triangles
+   are not supported. */
 static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -66,10 +68,10 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
 
 static double run_embree(const peer_mesh *made)
 {
-    embree *rival =
+    embree *made_bvh =
         embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count, false);
-    const double ms = rival != NULL ? embree_build_ms(rival) : -1.0;
-    embree_destroy(&rival);
+    const double ms = made_bvh != NULL ? embree_build_ms(made_bvh) : -1.0;
+    embree_destroy(&made_bvh);
     return ms;
 }
 
@@ -79,28 +81,27 @@ static double run_openvdb(const peer_mesh *made, peer_runs *runs)
                             &runs->active_voxels, &runs->memory_bytes);
 }
 
-/* Ours and theirs interleaved; one turn of ours is a series of one build. */
-static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
-                     bool with_embree)
+/* Interleaves svocl with a peer; one round of svocl is a series of one build. */
+static int run_rounds(suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
+                      bool with_embree)
 {
     runs->times = calloc(all->repeats + 1, sizeof *runs->times);
     runs->ratios = calloc(all->repeats + 1, sizeof *runs->ratios);
     int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, method, 1)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory");
-    for (size_t interleaved_method = 0; interleaved_method <= all->repeats && exit_code == PROGRAM_DONE;
-         ++interleaved_method) {
-        exit_code = series_turn(all, made->mesh, depth, method, interleaved_method);
+    for (size_t round = 0; round <= all->repeats && exit_code == PROGRAM_DONE; ++round) {
+        exit_code = series_run_round(all, made->mesh, depth, method, round);
         const double ms = with_embree ? run_embree(made) : run_openvdb(made, runs);
         if (ms < 0.0 && exit_code == PROGRAM_DONE) {
             return program_fail(all->state, PROGRAM_FAILED, "%s cannot take the triangles",
                                 with_embree ? "Embree" : "OpenVDB");
         }
-        if (interleaved_method == 0) {
+        if (round == 0) {
             runs->first_ms = ms;
         } else if (exit_code == PROGRAM_DONE && method->reason[0] == '\0') {
             runs->ratios[runs->count] =
-                series_turn_ms(method, interleaved_method, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
+                series_round_ms(method, round, with_embree ? BUILD_FOR_RAYS : SERIES_BUILD) / ms;
             runs->times[runs->count++] = ms;
         }
     }
@@ -110,17 +111,16 @@ static int run_turns(bench_suite *all, const peer_mesh *made, unsigned depth, se
 /* ---- tables ---- */
 
 static const char embree_note[] =
-    "interleaved; svocl: grid, voxelize, transfer, subdivide and pack, at the depth that suits rays, and the boxes "
-    "that "
-    "rays walk through, which one thread of the host makes; boxes: those alone; Embree: geometry and scene committed, "
-    "on all cores, without the copy of the triangles; ratio: our time to Embree's, turn by turn";
+    "Methods run interleaved. svocl: grid, voxelize, transfer, subdivide and pack at the ray depth, and the BVH, which "
+    "one host thread builds. BVH: that part by itself. Embree: committing geometry and scene on all cores, without "
+    "copying the triangles. Ratio: svocl's time to Embree's, within each round.";
 
-static int begin_embree(bench_suite *all)
+static int begin_embree(suite *all)
 {
-    result_table *table = bench_add_table(
-        all, embree_id, "Structures for rays: the octree and its boxes beside Embree's hierarchy", embree_note);
+    result_table *table =
+        suite_add_table(all, embree_id, "Ray structures: the octree with its BVH, and Embree's BVH", embree_note);
     if (!embree_is_there()) {
-        result_set_note(table, "%s; empty: this program was built without libembree-dev", table->note);
+        result_set_note(table, "%s Empty: this program was built without libembree-dev.", table->note);
     }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
@@ -135,18 +135,19 @@ static int begin_embree(bench_suite *all)
 }
 
 static const char openvdb_note[] =
-    "interleaved; svocl: from the mesh to the octree, occupancy alone, exact; OpenVDB: tools::meshToVolume, unsigned "
-    "distances in a band of one voxel to each side, on all cores: it computes distances, and its active voxels are "
-    "those near a surface, touched by it or not; ratio: our time to OpenVDB's, turn by turn";
+    "Methods run interleaved. svocl: from the mesh to the octree, occupancy only, exact. OpenVDB: tools::meshToVolume "
+    "on "
+    "all cores, unsigned distances in a band of one voxel to each side; its active voxels are those near the surface, "
+    "whether or not it touches them. Ratio: svocl's time to OpenVDB's, within each round.";
 
-static int begin_openvdb(bench_suite *all)
+static int begin_openvdb(suite *all)
 {
-    result_table *table = bench_add_table(
-        all, openvdb_id, "Occupancy: the octree beside OpenVDB's volume of the same resolution", openvdb_note);
+    result_table *table = suite_add_table(
+        all, openvdb_id, "Occupancy: the octree and an OpenVDB grid of the same resolution", openvdb_note);
     if (openvdb_is_there()) {
-        result_set_note(table, "%s; OpenVDB %s", table->note, openvdb_version());
+        result_set_note(table, "%s OpenVDB %s.", table->note, openvdb_version());
     } else {
-        result_set_note(table, "%s; empty: this program was built without libopenvdb-dev", table->note);
+        result_set_note(table, "%s Empty: this program was built without libopenvdb-dev.", table->note);
     }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
@@ -167,8 +168,8 @@ static void add_runs(result_table *table, peer_runs *runs)
     spread_add(table, spread_of(runs->ratios, runs->count));
 }
 
-/* The depth that svo_plan_ray_depth finds. */
-static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *depth)
+/* The depth that svo_plan_ray_depth recommends. */
+static int find_ray_depth(suite *all, const svo_mesh *mesh, unsigned *depth)
 {
     svo_plan *plan = NULL;
     if (svo_plan_create(all->opened.device, mesh, OPTION_DEFAULT_DEPTH, NULL, &plan) != SVO_OK) {
@@ -179,11 +180,10 @@ static int find_ray_depth(bench_suite *all, const svo_mesh *mesh, unsigned *dept
     return PROGRAM_DONE;
 }
 
-static void add_embree(bench_suite *all, const input *source, unsigned depth, const series_method *method,
-                       peer_runs *runs)
+static void add_embree(suite *all, const input *source, unsigned depth, const series_method *method, peer_runs *runs)
 {
     result_table *table = result_find(all->results, embree_id);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->tree_bytes);
@@ -193,11 +193,10 @@ static void add_embree(bench_suite *all, const input *source, unsigned depth, co
     add_runs(table, runs);
 }
 
-static void add_openvdb(bench_suite *all, const input *source, unsigned depth, const series_method *method,
-                        peer_runs *runs)
+static void add_openvdb(suite *all, const input *source, unsigned depth, const series_method *method, peer_runs *runs)
 {
     result_table *table = result_find(all->results, openvdb_id);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.leaf_count);
@@ -208,22 +207,23 @@ static void add_openvdb(bench_suite *all, const input *source, unsigned depth, c
     add_runs(table, runs);
 }
 
-static int compare(bench_suite *all, const input *source, unsigned depth, bool with_embree)
+static int compare(suite *all, const input *source, unsigned depth, bool with_embree)
 {
     series_method method = {
         .name = "svocl", .plan = {.need = with_embree ? SVO_NEED_RAYS : SVO_NEED_NONE}, .for_rays = with_embree};
     peer_runs runs = {0};
     peer_mesh made;
     series_use_cl(all, &method);
-    int exit_code = make_peer_mesh(source->mesh, depth, &made)
-                        ? PROGRAM_DONE
-                        : program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = run_turns(all, &made, depth, &method, &runs, with_embree);
+    int exit_code = PROGRAM_DONE;
+    if (!make_peer_mesh(source->mesh, depth, &made)) {
+        exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for the mesh of a peer");
+        goto cleanup;
     }
+    exit_code = run_rounds(all, &made, depth, &method, &runs, with_embree);
     if (exit_code == PROGRAM_DONE && method.reason[0] == '\0') {
         (with_embree ? add_embree : add_openvdb)(all, source, depth, &method, &runs);
     }
+cleanup:
     free(runs.times);
     free(runs.ratios);
     series_release(&method, 1);
@@ -232,34 +232,36 @@ static int compare(bench_suite *all, const input *source, unsigned depth, bool w
     return exit_code;
 }
 
-static int run_beside_embree(bench_suite *all, const input *source, unsigned depth)
+static int run_with_embree(suite *all, const input *source, unsigned depth)
 {
     if (!embree_is_there()) {
         return PROGRAM_DONE;
     }
-    const int exit_code = depth == BENCH_DEPTH_FOR_RAYS ? find_ray_depth(all, source->mesh, &depth) : PROGRAM_DONE;
+    const int exit_code = depth == SUITE_DEPTH_FOR_RAYS ? find_ray_depth(all, source->mesh, &depth) : PROGRAM_DONE;
     return exit_code == PROGRAM_DONE ? compare(all, source, depth, true) : exit_code;
 }
 
-static int run_beside_openvdb(bench_suite *all, const input *source, unsigned depth)
+static int run_with_openvdb(suite *all, const input *source, unsigned depth)
 {
     return openvdb_is_there() ? compare(all, source, depth, false) : PROGRAM_DONE;
 }
 
-const bench_subject bench_peer_embree = {
+const suite_subject bench_peer_embree = {
     .name = "peer-embree",
-    .summary = "Embree's hierarchy over the same triangles, where it is installed",
-    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
-    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .group = "all",
+    .summary = "Embree's BVH of the same triangles, where Embree is installed",
+    .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin_embree,
-    .run = run_beside_embree,
+    .run = run_with_embree,
 };
 
-const bench_subject bench_peer_openvdb = {
+const suite_subject bench_peer_openvdb = {
     .name = "peer-openvdb",
-    .summary = "OpenVDB's volume of the same triangles, where it is installed",
+    .group = "all",
+    .summary = "OpenVDB grid of the same triangles, where OpenVDB is installed",
     .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},
     .begin = begin_openvdb,
-    .run = run_beside_openvdb,
+    .run = run_with_openvdb,
 };

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench rays: millions of rays per second against the triangles of a tree, beside Embree's rtcIntersect1 on as
- * many threads, in one run, interleaved, over the same rays and the same snapped triangles.
+ * svocl bench rays: millions of rays per second against the triangles of a tree, interleaved with Embree's
+ * rtcIntersect1 on as many threads, for the same rays and the same snapped triangles.
  *
- * The mesh is snapped to integers first and built from those, so that grid units are world units, and both sides get
- * the same bits for every vertex and every ray.
+ * The mesh is snapped to integers before the build, so that grid units are world units and both libraries get the same
+ * bits for every vertex and every ray.
  */
+#include "bench/rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bench/bench.h"
 #include "measure/embree.h"
 #include "measure/quantization.h"
 #include "measure/ray_judge.h"
@@ -25,11 +26,11 @@
 #define DEFAULT_REPEATS 7u
 #define QUICK_REPEATS   3u
 
-/* One set of rays, and what came of it. */
+/* One set of rays, and its results. */
 typedef struct ray_set {
     const char *name;
     svo_ray *rays;
-    spread ours_ms, theirs_ms, ratio; /* ratio: theirs to ours, turn by turn; none without Embree */
+    spread ours_ms, theirs_ms, ratio; /* ratio: Embree's time to svocl's, within each round; none without Embree */
     ray_verdict verdict;
 } ray_set;
 
@@ -40,7 +41,7 @@ typedef struct ray_bench {
     job work;
     svo_mesh snapped; /* the input with integer coordinates */
     float *positions;
-    embree *rival; /* NULL: none asked for */
+    embree *peer; /* NULL: not asked for */
     unsigned threads;
     size_t ray_count, repeats;
     svo_hit *ours, *theirs;
@@ -50,7 +51,8 @@ typedef struct ray_bench {
 
 /* ---- the scene ---- */
 
-/* Integers 0 .. 2^20 - 1 in place of coordinates; what is not finite stays so and is refused by the build. */
+/* Quantizes coordinates to integers 0 .. 2^20 - 1. Coordinates that are not finite stay so, and the build refuses their
+   triangles. */
 static int snap_mesh(ray_bench *bench)
 {
     const svo_mesh *mesh = bench->work.source.mesh;
@@ -64,9 +66,9 @@ static int snap_mesh(ray_bench *bench)
 }
 
 /* Embree's copy of the triangles that the tree holds. */
-static int open_rival(ray_bench *bench)
+static int open_peer(ray_bench *bench)
 {
-    svo_tree_arrays arrays;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     const svo_tree_info *info = &bench->work.result.info;
     svo_tree_get_arrays(bench->work.result.tree, &arrays);
     float *vertices = calloc((size_t)info->vertex_count * 3 + 1, sizeof *vertices);
@@ -74,12 +76,12 @@ static int open_rival(ray_bench *bench)
         for (size_t i = 0; i < (size_t)info->vertex_count * 3; ++i) {
             vertices[i] = (float)arrays.vertices[i];
         }
-        bench->rival = embree_create(vertices, (size_t)info->vertex_count, arrays.indices,
-                                     (size_t)info->list_triangle_count, false);
+        bench->peer = embree_create(vertices, (size_t)info->vertex_count, arrays.indices,
+                                    (size_t)info->list_triangle_count, false);
     }
     free(vertices);
-    return bench->rival != NULL ? PROGRAM_DONE
-                                : program_fail(bench->state, PROGRAM_FAILED, "Embree cannot take the triangles");
+    return bench->peer != NULL ? PROGRAM_DONE
+                               : program_fail(bench->state, PROGRAM_FAILED, "Embree cannot take the triangles");
 }
 
 /* ---- rays ---- */
@@ -125,7 +127,7 @@ static int make_rays(ray_bench *bench)
 
 /* ---- measuring ---- */
 
-/* One pass of ours, from the call to its end; below 0 when it fails. */
+/* One pass of svocl, from the call to completion; below 0 on failure. */
 static double trace_ours(ray_bench *bench)
 {
     const session *opened = &bench->work.opened;
@@ -141,7 +143,7 @@ static double trace_ours(ray_bench *bench)
     return error == CL_SUCCESS ? ms : -1.0;
 }
 
-/* Ours and theirs interleaved; the first turn warms up and is not counted. */
+/* Interleaves both; the first round warms up and does not count. */
 static int measure_set(ray_bench *bench, ray_set *set)
 {
     const size_t bytes = bench->ray_count * sizeof(svo_ray);
@@ -149,25 +151,25 @@ static int measure_set(ray_bench *bench, ray_set *set)
     double *times = calloc(3 * bench->repeats, sizeof *times);
     bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
                                                         NULL, NULL) == CL_SUCCESS;
-    for (size_t interleaved_method = 0; interleaved_method <= bench->repeats && worked; ++interleaved_method) {
+    for (size_t round = 0; round <= bench->repeats && worked; ++round) {
         const double ours = trace_ours(bench);
-        const double theirs = bench->rival != NULL ? embree_trace(bench->rival, set->rays, bench->theirs,
-                                                                  bench->ray_count, bench->threads)
-                                                   : 0.0;
+        const double theirs =
+            bench->peer != NULL ? embree_trace(bench->peer, set->rays, bench->theirs, bench->ray_count, bench->threads)
+                                : 0.0;
         worked = ours >= 0 && theirs >= 0;
-        if (interleaved_method > 0) {
-            times[interleaved_method - 1] = ours;
-            times[bench->repeats + interleaved_method - 1] = theirs;
-            times[2 * bench->repeats + interleaved_method - 1] = theirs / ours;
+        if (round > 0) {
+            times[round - 1] = ours;
+            times[bench->repeats + round - 1] = theirs;
+            times[2 * bench->repeats + round - 1] = theirs / ours;
         }
     }
     worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
                                            bench->ours, 0, NULL, NULL) == CL_SUCCESS;
     if (worked) {
-        const bool rivalled = bench->rival != NULL;
+        const bool compared = bench->peer != NULL;
         set->ours_ms = spread_of(times, bench->repeats);
-        set->theirs_ms = rivalled ? spread_of(times + bench->repeats, bench->repeats) : spread_none();
-        set->ratio = rivalled ? spread_of(times + 2 * bench->repeats, bench->repeats) : spread_none();
+        set->theirs_ms = compared ? spread_of(times + bench->repeats, bench->repeats) : spread_none();
+        set->ratio = compared ? spread_of(times + 2 * bench->repeats, bench->repeats) : spread_none();
     }
     free(times);
     return worked ? PROGRAM_DONE : program_fail_library(bench->state, svo_device_message(bench->work.opened.device));
@@ -175,7 +177,7 @@ static int measure_set(ray_bench *bench, ray_set *set)
 
 static void judge_set(ray_bench *bench, ray_set *set)
 {
-    svo_tree_arrays arrays;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     const svo_tree_info *info = &bench->work.result.info;
     svo_tree_get_arrays(bench->work.result.tree, &arrays);
     const oracle_ray_scene snapped = {.vertices = arrays.vertices,
@@ -183,14 +185,14 @@ static void judge_set(ray_bench *bench, ray_set *set)
                                       .triangle_count = (size_t)info->list_triangle_count,
                                       .origin = {info->origin[0], info->origin[1], info->origin[2]},
                                       .scale = info->scale};
-    if (bench->rival != NULL) { /* its triangles are counted without the refused ones */
+    if (bench->peer != NULL) { /* its indices do not count refused triangles */
         for (size_t i = 0; i < bench->ray_count; ++i) {
             const uint32_t triangle = bench->theirs[i].triangle;
             bench->theirs[i].triangle = triangle != SVO_NO_TRIANGLE ? arrays.triangle_ids[triangle] : triangle;
         }
     }
     set->verdict = ray_judge(&snapped, arrays.triangle_ids, set->rays, bench->ours,
-                             bench->rival != NULL ? bench->theirs : NULL, bench->ray_count);
+                             bench->peer != NULL ? bench->theirs : NULL, bench->ray_count);
 }
 
 /* ---- reporting ---- */
@@ -208,8 +210,8 @@ static cJSON *to_json(const ray_bench *bench)
     json_add_count(document, "triangles", bench->work.result.info.list_triangle_count);
     json_add_count(document, "threads", bench->threads);
     json_add_count(document, "repeats", bench->repeats);
-    json_add_text(document, "vs", bench->rival != NULL ? "embree" : NULL);
-    json_add_text(document, "embree_version", bench->rival != NULL ? embree_version(bench->rival) : NULL);
+    json_add_text(document, "vs", bench->peer != NULL ? "embree" : NULL);
+    json_add_text(document, "embree_version", bench->peer != NULL ? embree_version(bench->peer) : NULL);
     cJSON *sets = cJSON_AddArrayToObject(document, "sets");
     for (int k = 0; k < SET_COUNT; ++k) {
         const ray_set *set = &bench->sets[k];
@@ -219,7 +221,7 @@ static cJSON *to_json(const ray_bench *bench)
         json_add_count(one, "hits", set->verdict.hits);
         cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
         cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms.median));
-        if (bench->rival != NULL) {
+        if (bench->peer != NULL) {
             cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms.median));
             cJSON_AddNumberToObject(one, "ratio", set->ratio.median);
             json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
@@ -237,7 +239,7 @@ static cJSON *to_json(const ray_bench *bench)
 static void print_table(const ray_bench *bench)
 {
     progress_hide(bench->state->progress);
-    table_line("%s: %s triangles at depth %u, %s rays a set, medians of %zu turns", bench->work.source.name,
+    table_line("%s: %s triangles at depth %u, %s rays per set, medians of %zu rounds", bench->work.source.name,
                figure_count(bench->work.result.info.list_triangle_count).text, bench->work.result.info.depth,
                figure_count(bench->ray_count).text, bench->repeats);
     table *rows = table_create("lrrrrrrr");
@@ -247,11 +249,11 @@ static void print_table(const ray_bench *bench)
     }
     for (int k = 0; k < SET_COUNT; ++k) {
         const ray_set *set = &bench->sets[k];
-        const bool rivalled = bench->rival != NULL;
+        const bool compared = bench->peer != NULL;
         table_cell(rows, "%s", set->name);
         table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms.median) * 1e6).text);
-        table_cell(rows, "%s", rivalled ? figure_rate(mrays(bench, set->theirs_ms.median) * 1e6).text : "");
-        if (rivalled) {
+        table_cell(rows, "%s", compared ? figure_rate(mrays(bench, set->theirs_ms.median) * 1e6).text : "");
+        if (compared) {
             table_cell(rows, "%.2f", set->ratio.median);
         } else {
             table_cell(rows, "%s", "");
@@ -264,7 +266,7 @@ static void print_table(const ray_bench *bench)
     table_print(rows);
 }
 
-/* ---- all of it ---- */
+/* ---- the command ---- */
 
 static unsigned count_threads(const options *given)
 {
@@ -272,27 +274,35 @@ static unsigned count_threads(const options *given)
     return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
-static int run_bench(ray_bench *bench)
+/* What the bench owns by then is released by release(). */
+static int prepare(ray_bench *bench)
 {
     program *state = bench->state;
     int exit_code = input_open(state, &bench->work.source);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open(state, &bench->work.opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = snap_mesh(bench);
+    exit_code = session_open(state, &bench->work.opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
+    exit_code = snap_mesh(bench);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE && state->options.versus != 0) {
-        exit_code = open_rival(bench);
+    exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = make_rays(bench);
-    }
+    exit_code = state->options.versus != 0 ? open_peer(bench) : PROGRAM_DONE;
+    return exit_code != PROGRAM_DONE ? exit_code : make_rays(bench);
+}
+
+static int run_bench(ray_bench *bench)
+{
+    int exit_code = prepare(bench);
     for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
-        progress_step(state->progress, "tracing rays");
+        progress_step(bench->state->progress, "tracing rays");
         exit_code = measure_set(bench, &bench->sets[k]);
         if (exit_code == PROGRAM_DONE) {
             judge_set(bench, &bench->sets[k]);
@@ -314,9 +324,29 @@ static void release(ray_bench *bench)
     }
     free(bench->ours);
     free(bench->theirs);
-    embree_destroy(&bench->rival);
+    embree_destroy(&bench->peer);
     job_release(&bench->work);
     free(bench->positions);
+}
+
+/* Saves, and prints as JSON or as a table. */
+static int show(const ray_bench *bench)
+{
+    const options *given = &bench->state->options;
+    cJSON *document = to_json(bench);
+    if (given->output_path != NULL) {
+        const int exit_code = json_save(bench->state, given->output_path, document);
+        if (exit_code != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return exit_code;
+        }
+    }
+    if (given->json) {
+        return json_print(bench->state, document);
+    }
+    cJSON_Delete(document);
+    print_table(bench);
+    return PROGRAM_DONE;
 }
 
 int bench_rays_alone(program *state)
@@ -336,34 +366,27 @@ int bench_rays_alone(program *state)
     given->depth_for_rays = !given->has_depth;
     program_begin_progress(state, 3 + SET_COUNT);
     int exit_code = run_bench(&bench);
-    cJSON *document = exit_code == PROGRAM_DONE ? to_json(&bench) : NULL;
-    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
-        exit_code = json_save(state, given->output_path, document);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = show(&bench);
     }
-    if (exit_code == PROGRAM_DONE && given->json) {
-        exit_code = json_print(state, document);
-        document = NULL;
-    } else if (exit_code == PROGRAM_DONE) {
-        print_table(&bench);
-    }
-    cJSON_Delete(document);
     release(&bench);
     return exit_code;
 }
 
-/* ---- as one table among others ---- */
+/* ---- the subject ---- */
 
 static const char table_id[] = "rays";
 
 static const char note[] =
-    "wall clock, on the snapped mesh; Embree: rtcIntersect1 interleaved with ours, on as many threads; ratio: our rays "
-    "per second to Embree's, turn by turn; wrong: another triangle than the reference's, or none";
+    "Wall clock, on the snapped mesh. Embree: rtcIntersect1, interleaved with svocl, on as many threads. Ratio: "
+    "svocl's "
+    "rays per second to Embree's, within each round. Wrong: another triangle than the reference, or none.";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *results = bench_add_table(all, table_id, "Rays against triangles, closest hit", note);
+    result_table *results = suite_add_table(all, table_id, "Rays against triangles, closest hit", note);
     if (!embree_is_there()) {
-        result_set_note(results, "%s; without Embree: this program was built without libembree-dev", note);
+        result_set_note(results, "%s Without Embree: this program was built without libembree-dev.", note);
     }
     result_add_column(results, "scene", "");
     result_add_column(results, "triangles", "");
@@ -383,8 +406,8 @@ static int begin(bench_suite *all)
 
 static void add_row(result_table *results, const ray_bench *bench, const ray_set *set)
 {
-    const bool rivalled = bench->rival != NULL;
-    result_add_text(results, "%s", bench_scene_name(&bench->work.source));
+    const bool compared = bench->peer != NULL;
+    result_add_text(results, "%s", suite_scene_name(&bench->work.source));
     result_add_number(results, (double)bench->work.result.info.list_triangle_count);
     result_add_number(results, bench->work.result.info.depth);
     result_add_text(results, "%s", set->name);
@@ -393,22 +416,22 @@ static void add_row(result_table *results, const ray_bench *bench, const ray_set
     spread_add(results, set->ours_ms);
     result_add_number(results, mrays(bench, set->ours_ms.median));
     spread_add(results, set->theirs_ms);
-    result_add_number(results, rivalled ? mrays(bench, set->theirs_ms.median) : (double)NAN);
+    result_add_number(results, compared ? mrays(bench, set->theirs_ms.median) : (double)NAN);
     spread_add(results, set->ratio);
-    result_add_number(results, rivalled ? (double)(set->verdict.wrong_ids + set->verdict.missed) : (double)NAN);
+    result_add_number(results, compared ? (double)(set->verdict.wrong_ids + set->verdict.missed) : (double)NAN);
     result_add_number(results,
-                      rivalled ? (double)(set->verdict.their_wrong_ids + set->verdict.their_missed) : (double)NAN);
+                      compared ? (double)(set->verdict.their_wrong_ids + set->verdict.their_missed) : (double)NAN);
 }
 
-/* With a device handle of its own, and the input read again, since the mesh is snapped. */
-static int run(bench_suite *all, const input *source, unsigned depth)
+/* Opens a device handle of its own and reads the input again, because the mesh is snapped. */
+static int run(suite *all, const input *source, unsigned depth)
 {
     options *given = &all->state->options;
     const options before = *given;
     given->input = source->name;
     given->frontend = options_ask_for_gl(given) ? given->frontend : OPTION_FRONTEND_CL;
     given->repeat = 1; /* builds */
-    given->depth_for_rays = depth == BENCH_DEPTH_FOR_RAYS;
+    given->depth_for_rays = depth == SUITE_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
     given->versus = embree_is_there();
     ray_bench bench = {.state = all->state,
@@ -426,11 +449,12 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return exit_code;
 }
 
-const bench_subject bench_rays = {
+const suite_subject bench_rays = {
     .name = "rays",
-    .summary = "rays against triangles, beside Embree",
-    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
-    .quick = {.scenes = {"knot:8000"}, .depths = {BENCH_DEPTH_FOR_RAYS}},
+    .group = "all",
+    .summary = "rays against triangles, compared with Embree",
+    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
+    .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin,
     .run = run,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds interleaved, and the order statistics of their stages. */
+/* Interleaved builds, and medians and quartiles of their stages. */
 #include "bench/series.h"
 
 #include <inttypes.h>
@@ -8,19 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- ways ---- */
+/* ---- methods ---- */
 
 static void explain(series_method *method, const char *reason)
 {
     snprintf(method->reason, sizeof method->reason, "%.250s", reason);
 }
 
-void series_use_cl(bench_suite *all, series_method *method)
+void series_use_cl(suite *all, series_method *method)
 {
     method->frontend = all->opened.cl;
 }
 
-void series_use_gl(bench_suite *all, int frontend, int share, series_method *method)
+void series_use_gl(suite *all, int frontend, int share, series_method *method)
 {
     if (all->opened.gl == NULL) {
         explain(method, all->opened.reason.text);
@@ -33,7 +33,7 @@ void series_use_gl(bench_suite *all, int frontend, int share, series_method *met
     }
 }
 
-void series_use_gl_compute(bench_suite *all, series_method *method)
+void series_use_gl_compute(suite *all, series_method *method)
 {
     method->in_gl = true;
     if (all->opened.gl == NULL) {
@@ -58,13 +58,14 @@ static uint64_t bytes_of_tree(const svo_tree *tree)
 
 static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method *method)
 {
+    method->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &method->info);
     method->peak_bytes = svo_plan_peak_bytes(plan);
     method->tree_bytes = bytes_of_tree(tree);
     method->list_bytes = 0;
-    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    const size_t count = svo_plan_buffer_count(plan);
     for (size_t i = 0; i < count; ++i) {
-        svo_buffer_info buffer;
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         method->list_bytes += strcmp(buffer.name, "fragments") == 0 ? buffer.bytes : 0;
     }
@@ -73,62 +74,65 @@ static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method
 static void keep_times(const svo_build_report *report, double wall_ms, double *times)
 {
     for (size_t stage = 0; stage < SVO_STAGE_COUNT; ++stage) {
-        times[stage] = report->stages[stage].clock != NULL ? report->stages[stage].ms : 0.0;
+        times[stage] = report->stage_times[stage].clock != NULL ? report->stage_times[stage].ms : 0.0;
     }
     times[SERIES_WALL] = wall_ms;
 }
 
-static svo_status build(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, double *times)
+static svo_status build(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, double *times)
 {
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
+    cl_command_queue queue = all->opened.queue;
     method->plan.struct_size = sizeof method->plan;
     method->report = (svo_build_report){.struct_size = sizeof method->report};
     const double start_ms = input_now_ms();
     svo_status status = svo_plan_create(all->opened.device, mesh, depth, &method->plan, &plan);
-    if (status == SVO_OK) {
-        status = method->in_gl ? opengl_build(all->opened.gl, plan, all->opened.queue, &tree, &method->report)
-                               : svo_build(plan, method->frontend, all->opened.queue, &tree, &method->report);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
-    if (status == SVO_OK) {
-        keep_times(&method->report, input_now_ms() - start_ms, times);
-        keep_facts(plan, tree, method);
+    status = method->in_gl ? opengl_build(all->opened.gl, plan, queue, &tree, &method->report)
+                           : svo_build(plan, method->frontend, queue, &tree, &method->report);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
-    if (status == SVO_OK && method->for_rays) {
+    keep_times(&method->report, input_now_ms() - start_ms, times);
+    keep_facts(plan, tree, method);
+    if (method->for_rays) {
         const double built_ms = input_now_ms();
-        status = svo_tree_prepare_rays(tree, all->opened.queue);
+        status = svo_tree_prepare_rays(tree, queue);
         times[SERIES_RAYS] = input_now_ms() - built_ms;
         method->ray_bytes = svo_tree_ray_bytes(tree);
     }
+cleanup:
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     return status;
 }
 
-/* ---- one turn ---- */
+/* ---- one round ---- */
 
-/* What a way may lack without the series being at fault. */
+/* Failures that leave the method out instead of ending the run. */
 static bool is_limit(svo_status status)
 {
     return status == SVO_UNSUPPORTED || status == SVO_NO_GL || status == SVO_OUT_OF_DEVICE_MEMORY;
 }
 
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
-                size_t interleaved_method)
+int series_run_round(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round)
 {
     if (method->reason[0] != '\0') {
         return PROGRAM_DONE;
     }
-    const svo_status status = build(all, mesh, depth, method, method->times + interleaved_method * SERIES_CLOCKS);
+    const svo_status status = build(all, mesh, depth, method, method->times + round * SERIES_CLOCKS);
     if (is_limit(status)) {
         explain(method, program_words(svo_device_message(all->opened.device)));
         return PROGRAM_DONE;
     }
-    method->turns = interleaved_method;
+    method->rounds = round;
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(all->state, svo_device_message(all->opened.device));
 }
 
-bool series_begin(const bench_suite *all, series_method *methods, size_t method_count)
+bool series_begin(const suite *all, series_method *methods, size_t method_count)
 {
     bool there = true;
     for (size_t i = 0; i < method_count; ++i) {
@@ -146,60 +150,60 @@ void series_release(series_method *methods, size_t method_count)
     }
 }
 
-/* ---- figures ---- */
+/* ---- statistics ---- */
 
-double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks)
+double series_round_ms(const series_method *method, size_t round, unsigned clocks)
 {
     double sum = 0.0;
     for (unsigned clock = 0; clock < SERIES_CLOCKS; ++clock) {
-        sum += (clocks & SERIES_BIT(clock)) != 0 ? method->times[interleaved_method * SERIES_CLOCKS + clock] : 0.0;
+        sum += (clocks & SERIES_BIT(clock)) != 0 ? method->times[round * SERIES_CLOCKS + clock] : 0.0;
     }
     return sum;
 }
 
-/* Over the turns of both: the sums of one, or their ratio to the other's. */
-static spread spread_over_turns(const series_method *method, const series_method *other, unsigned clocks)
+/* Over the rounds: the sums of one method, or their ratios to the other's. */
+static spread spread_over_rounds(const series_method *method, const series_method *other, unsigned clocks)
 {
     if (method->reason[0] != '\0' || (other != NULL && other->reason[0] != '\0')) {
         return spread_none();
     }
-    double *values = calloc(method->turns + 1, sizeof *values);
+    double *values = calloc(method->rounds + 1, sizeof *values);
     if (values == NULL) {
         return spread_none();
     }
-    for (size_t interleaved_method = 1; interleaved_method <= method->turns; ++interleaved_method) {
-        values[interleaved_method - 1] = series_turn_ms(method, interleaved_method, clocks) /
-                                         (other != NULL ? series_turn_ms(other, interleaved_method, clocks) : 1.0);
+    for (size_t round = 1; round <= method->rounds; ++round) {
+        values[round - 1] =
+            series_round_ms(method, round, clocks) / (other != NULL ? series_round_ms(other, round, clocks) : 1.0);
     }
-    const spread result = spread_of(values, method->turns);
+    const spread result = spread_of(values, method->rounds);
     free(values);
     return result;
 }
 
 spread series_ms(const series_method *method, unsigned clocks)
 {
-    return spread_over_turns(method, NULL, clocks);
+    return spread_over_rounds(method, NULL, clocks);
 }
 
 spread series_ratio(const series_method *method, const series_method *other, unsigned clocks)
 {
-    return spread_over_turns(method, other, clocks);
+    return spread_over_rounds(method, other, clocks);
 }
 
 double series_first_ms(const series_method *method, unsigned clocks)
 {
-    return method->reason[0] == '\0' ? series_turn_ms(method, 0, clocks) : (double)NAN;
+    return method->reason[0] == '\0' ? series_round_ms(method, 0, clocks) : (double)NAN;
 }
 
 const char *series_clock(const series_method *method, svo_stage stage)
 {
-    const char *clock = method->reason[0] == '\0' ? method->report.stages[stage].clock : NULL;
+    const char *clock = method->reason[0] == '\0' ? method->report.stage_times[stage].clock : NULL;
     return clock != NULL ? clock : "";
 }
 
 /* ---- the series ---- */
 
-static int check(bench_suite *all, const input *source, const series_method *methods, size_t method_count)
+static int check(suite *all, const input *source, const series_method *methods, size_t method_count)
 {
     const series_method *first = NULL;
     for (size_t i = 0; i < method_count; ++i) {
@@ -218,38 +222,37 @@ static int check(bench_suite *all, const input *source, const series_method *met
     return PROGRAM_DONE;
 }
 
-/* "; gl-hw: reason" to the end of the note, unless it is there already. */
+/* Appends "Without gl-hw: reason." to the note, unless it is there already. */
 static void add_reasons(result_table *table, const series_method *methods, size_t method_count)
 {
     for (size_t i = 0; i < method_count && table != NULL; ++i) {
         char text[320];
-        snprintf(text, sizeof text, "%.40s: %.256s", methods[i].name, methods[i].reason);
+        snprintf(text, sizeof text, "Without %.40s: %.256s.", methods[i].name, methods[i].reason);
         if (methods[i].reason[0] != '\0' && strstr(table->note, text) == NULL) {
-            result_set_note(table, "%s; %s", table->note, text);
+            result_set_note(table, "%s %s", table->note, text);
         }
     }
 }
 
-static int take_turns(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods,
-                      size_t method_count)
+static int run_rounds(suite *all, const svo_mesh *mesh, unsigned depth, series_method *methods, size_t method_count)
 {
     if (!series_begin(all, methods, method_count)) {
         return program_fail(all->state, PROGRAM_FAILED, "out of memory");
     }
     int exit_code = PROGRAM_DONE;
-    for (size_t interleaved_method = 0; interleaved_method <= all->repeats; ++interleaved_method) {
+    for (size_t round = 0; round <= all->repeats; ++round) {
         for (size_t i = 0; i < method_count && exit_code == PROGRAM_DONE; ++i) {
-            exit_code = series_turn(all, mesh, depth, &methods[i], interleaved_method);
+            exit_code = series_run_round(all, mesh, depth, &methods[i], round);
         }
     }
     return exit_code;
 }
 
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+int series_run(suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
                size_t method_count, series_row add_row)
 {
     result_table *table = result_find(all->results, table_id);
-    int exit_code = take_turns(all, source->mesh, depth, methods, method_count);
+    int exit_code = run_rounds(all, source->mesh, depth, methods, method_count);
     if (exit_code == PROGRAM_DONE) {
         exit_code = check(all, source, methods, method_count);
     }

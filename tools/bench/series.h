@@ -1,29 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The same mesh built by several ways interleaved: one build by each, then again, so that what disturbs the machine
- * disturbs all of them, and ratios are taken turn by turn.
+ * Builds one mesh by several methods, interleaved: each round builds once by every method, so that disturbances of the
+ * machine affect all methods alike. Ratios are taken within a round.
  */
 #ifndef SVOCL_TOOLS_BENCH_SERIES_H
 #define SVOCL_TOOLS_BENCH_SERIES_H
 
-#include "bench/bench.h"
 #include "measure/spread.h"
+#include "measure/suite.h"
 
-/* One way from the mesh to the tree, and what came of it. */
+/* One method to build the tree, and its results. */
 typedef struct series_method {
     const char *name;
     svo_frontend *frontend; /* NULL: there is none, and the reason says why */
     bool in_gl; /* by OpenGL's compute shaders */
     svo_plan_options plan;
-    bool for_rays; /* with the boxes that rays walk through: SERIES_RAYS */
+    bool for_rays; /* builds the BVH for rays as well: SERIES_RAYS */
 
-    char reason[256]; /* not "": this way does not work here, or not at this size */
-    double *times; /* [turn][SERIES_CLOCKS], the first turn apart at the front */
-    size_t turns; /* after the first */
+    char reason[256]; /* not "": why the method does not work here, or not at this size */
+    double *times; /* [round][SERIES_CLOCKS]; round 0 is the warm-up */
+    size_t rounds; /* after the warm-up */
     svo_build_report report; /* of the last build */
     svo_tree_info info;
-    uint64_t peak_bytes, list_bytes, tree_bytes; /* of device memory: at most at one time; the list; what remains */
-    uint64_t ray_bytes; /* of the boxes */
+    uint64_t peak_bytes, list_bytes, tree_bytes; /* of device memory: peak; fragment list; finished tree */
+    uint64_t ray_bytes; /* of the BVH */
 } series_method;
 
 /* Times of a build: the stages of the report, the wall clock around plan and build together, and the wall clock around
@@ -40,44 +40,40 @@ typedef struct series_method {
     (SERIES_BIT(SVO_STAGE_SUBDIVIDE) | SERIES_BIT(SVO_STAGE_LINK) | SERIES_BIT(SVO_STAGE_PACK) | \
      SERIES_BIT(SVO_STAGE_FILTER))
 
-/* Adds a row for a way that works; first: the first way, which others are compared with. */
+/* Adds a row for a method that works. first: the method that the others are compared with. */
 typedef void (*series_row)(result_table *table, const input *source, unsigned depth, const series_method *method,
                            const series_method *first);
 
 /*
- * Builds the mesh by every way, the first turn and all->repeats more, and adds a row for each to the table of that id.
- * Why a way does not work goes into the table's note. Any other failure ends the bench, and so do ways that make
- * different numbers of fragments or nodes: one that makes something else is no faster way to the same tree.
- * Returns the exit code, its line printed. Nothing of the ways stays allocated.
+ * Builds the mesh by every method in a warm-up round and all->repeats measured ones, and adds a row for each method to
+ * the table of that ID. The table's note says why a method does not work. Any other failure ends the run, and so do
+ * methods with different numbers of fragments or nodes: their times cannot be compared. Returns the exit code, its line
+ * printed, with everything of the methods released.
  */
-int series_run(bench_suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
+int series_run(suite *all, const char *table_id, const input *source, unsigned depth, series_method *methods,
                size_t method_count, series_row add_row);
 
-/* The same in steps, for what takes turns with something else: room for all turns, false without memory; one turn of a
-   way; the end of it. */
-bool series_begin(const bench_suite *all, series_method *methods, size_t method_count);
-int series_turn(bench_suite *all, const svo_mesh *mesh, unsigned depth, series_method *method,
-                size_t interleaved_method);
+/* The same in steps, to interleave with something else: allocates the times of all rounds, false without memory; builds
+   once in a round; releases the times. */
+bool series_begin(const suite *all, series_method *methods, size_t method_count);
+int series_run_round(suite *all, const svo_mesh *mesh, unsigned depth, series_method *method, size_t round);
 void series_release(series_method *methods, size_t method_count);
 
-/* Milliseconds of the clocks in a set of SERIES_BITs, added up turn by turn. */
+/* Milliseconds of the clocks in a set of SERIES_BITs, summed in each round. */
 spread series_ms(const series_method *method, unsigned clocks);
-/* In one turn of those that worked. */
-double series_turn_ms(const series_method *method, size_t interleaved_method, unsigned clocks);
-/* In the first turn. NAN where the way does not work. */
+/* The same in one round. */
+double series_round_ms(const series_method *method, size_t round, unsigned clocks);
+/* The same in the warm-up round. NAN where the method does not work. */
 double series_first_ms(const series_method *method, unsigned clocks);
-/* How many times as long as another way, turn by turn. */
+/* Time relative to another method, round by round. */
 spread series_ratio(const series_method *method, const series_method *other, unsigned clocks);
 /* "cl-event", "gl-timer" or "wall"; "" where the stage did not run. */
 const char *series_clock(const series_method *method, svo_stage stage);
 
-/* The front ends of the session: NULL with the reason in the way. */
-void series_use_cl(bench_suite *all, series_method *method);
-void series_use_gl(bench_suite *all, int frontend, int share, series_method *method);
-/* The builder of OpenGL's compute shaders in place of OpenCL. */
-void series_use_gl_compute(bench_suite *all, series_method *method);
-
-/* What 4 bytes for every node of a full octree are. */
-double bench_full_octree_bytes(unsigned depth);
+/* Selects a front end of the session; on failure sets the method's reason. */
+void series_use_cl(suite *all, series_method *method);
+void series_use_gl(suite *all, int frontend, int share, series_method *method);
+/* Selects the builder by OpenGL compute shaders. */
+void series_use_gl_compute(suite *all, series_method *method);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What scenes of no triangle, of one and of a million take; and memory per leaf beside ways that leave nothing out. */
+/* Time and bytes of scenes from no triangle to a million; bytes per leaf compared with methods that store all nodes. */
+#include "bench/sizes.h"
+
 #include "bench/series.h"
 
 /* ---- scene-sizes ---- */
@@ -24,7 +26,7 @@ static void add_size(result_table *table, const input *source, unsigned depth, c
     result_add_number(table, series_first_ms(method, SERIES_BIT(SERIES_WALL)));
 }
 
-static int run_sizes(bench_suite *all, const input *source, unsigned depth)
+static int run_sizes(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 2 };
     series_method methods[METHODS] = {{.name = "default"}, {.name = "none", .plan = {.need = SVO_NEED_NONE}}};
@@ -34,14 +36,17 @@ static int run_sizes(bench_suite *all, const input *source, unsigned depth)
 }
 
 static const char sizes_note[] =
-    "needs interleaved, front end cl, a terrain of exactly so many triangles, to which the grid is fitted: one alone "
-    "fills it; default: the colors and normals of the mesh; peak: the largest sum of OpenCL buffers at one time; "
-    "tree: what remains of them; build: wall clock from the call of the plan to the finished tree; first: the first "
-    "run, with what was left to compile";
+    "Needs run interleaved, with front end cl. The scene is a terrain with exactly this number of triangles, and the "
+    "grid "
+    "is fitted to it. Default: the colors and normals of the mesh. Peak: the largest sum of OpenCL buffers at one "
+    "time. "
+    "Tree: the buffers of the finished tree. Build: wall clock from planning to the finished tree. First: the warm-up "
+    "run, with compilation.";
 
-static int begin_sizes(bench_suite *all)
+static int begin_sizes(suite *all)
 {
-    result_table *table = bench_add_table(all, sizes_id, "From no triangle to a million: bytes and time", sizes_note);
+    result_table *table =
+        suite_add_table(all, sizes_id, "From an empty mesh to a million triangles: bytes and time", sizes_note);
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "need", "");
@@ -55,9 +60,10 @@ static int begin_sizes(bench_suite *all)
     return run_sizes(all, &nothing, SIZES_DEPTH);
 }
 
-const bench_subject bench_scene_sizes = {
+const suite_subject bench_scene_sizes = {
     .name = "sizes",
-    .summary = "bytes and milliseconds from no triangle to a million",
+    .group = "all",
+    .summary = "bytes and time from an empty mesh to a million triangles",
     .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"},
              .depths = {SIZES_DEPTH}},
     .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {SIZES_DEPTH}},
@@ -71,13 +77,13 @@ const bench_subject bench_scene_sizes = {
 static const char memory_id[] = "memory";
 
 static const char memory_note[] =
-    "bytes of OpenCL buffers after a build with --need none; full octree: 4 bytes for each node that could be there,"
-    " computed; list of 36 bytes: what a fragment took in an older system, computed from the fragments";
+    "OpenCL buffers after a build with --need none. Full octree: 4 bytes for each node of a complete octree, computed. "
+    "List of 36 bytes: the fragment list of the voxel cone tracing thesis (2016), computed from the number of "
+    "fragments.";
 
-static int begin_memory(bench_suite *all)
+static int begin_memory(suite *all)
 {
-    result_table *table = result_add_table(
-        all->results, memory_id, "Bytes of an octree of occupancy alone, beside ways that keep all", memory_note);
+    result_table *table = result_add_table(all->results, memory_id, "Bytes of an occupancy-only octree", memory_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "fragments", "");
@@ -106,7 +112,7 @@ static void add_memory(result_table *table, const input *source, unsigned depth,
                        const series_method *first)
 {
     (void)first;
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_number(table, (double)method->report.fragments);
     result_add_number(table, (double)method->info.node_count);
@@ -119,7 +125,7 @@ static void add_memory(result_table *table, const input *source, unsigned depth,
     result_add_number(table, (double)method->report.fragments * 36.0);
 }
 
-static int run_memory(bench_suite *all, const input *source, unsigned depth)
+static int run_memory(suite *all, const input *source, unsigned depth)
 {
     series_method method = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
     const size_t repeats = all->repeats;
@@ -130,9 +136,10 @@ static int run_memory(bench_suite *all, const input *source, unsigned depth)
     return exit_code;
 }
 
-const bench_subject bench_memory = {
+const suite_subject bench_memory = {
     .name = "memory",
-    .summary = "bytes per leaf beside a full octree and a list of 36 bytes a fragment",
+    .group = "all",
+    .summary = "bytes per leaf, compared with a full octree and 36-byte fragments",
     .full = {.scenes = {"statue", "atrium"}, .depths = {7, 8, 9, 10}},
     .quick = {.scenes = {"statue"}, .depths = {7, 9}},
     .begin = begin_memory,

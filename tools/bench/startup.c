@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From nothing to the first tree: this program started anew for each run, with the drivers' caches of compiled kernels
- * and shaders empty, then with what that run left in them.
+ * From the start of a process to its first tree. The program starts anew for each run, first with empty caches of
+ * compiled kernels and shaders, then with warm ones.
  */
+#include "bench/startup.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -11,7 +13,7 @@
 
 static const char table_id[] = "startup";
 
-/* The ways and what asks for them. */
+/* The methods and their options. */
 static const struct {
     const char *name, *option, *value;
 } forms[] = {
@@ -21,29 +23,28 @@ static const struct {
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
-#define COLD_TURNS_MAX       101
-#define WARM_PER_TURN        1
-#define QUICK_WARM_PER_TURN  3
-#define WARM_TURNS_MAX       (COLD_TURNS_MAX * QUICK_WARM_PER_TURN)
+#define COLD_RUNS_MAX        101
+#define WARM_PER_COLD        1
+#define QUICK_WARM_PER_COLD  3
+#define WARM_RUNS_MAX        (COLD_RUNS_MAX * QUICK_WARM_PER_COLD)
 #define COMMAND_ARGUMENT_MAX 20
 
-/* Milliseconds of one way's processes, and of compiling in them. */
+/* Milliseconds of one method's processes, and of compiling in them. */
 typedef struct start_times {
-    double cold[COLD_TURNS_MAX], cold_compile[COLD_TURNS_MAX];
-    double warm[WARM_TURNS_MAX], warm_compile[WARM_TURNS_MAX];
+    double cold[COLD_RUNS_MAX], cold_compile[COLD_RUNS_MAX];
+    double warm[WARM_RUNS_MAX], warm_compile[WARM_RUNS_MAX];
     size_t cold_count, warm_count;
     bool failed;
 } start_times;
 
 static const char note[] =
-    "wall clock of `svocl build --weights uniform`, medians and quartiles (q1, q3), ways interleaved; cold: the "
-    "drivers' caches of kernels and shaders are empty; warm: with what the cold run left there; compile: kernels and"
-    " shaders, as the build reports it";
+    "Wall clock of `svocl build --weights uniform`: medians and quartiles (q1, q3). Methods run interleaved. Cold: the "
+    "drivers' caches of kernels and shaders are empty. Warm: after the cold run has filled them. Compile: kernels and "
+    "shaders, as the build reports it.";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table =
-        result_add_table(all->results, table_id, "From the start of the process to its end, with one tree built", note);
+    result_table *table = result_add_table(all->results, table_id, "Process start to exit, building one tree", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "method", "");
@@ -56,8 +57,8 @@ static int begin(bench_suite *all)
     return PROGRAM_DONE;
 }
 
-/* The command line of one build: the device and the context are the bench's. */
-static void make_arguments(const bench_suite *all, const input *source, const char *depth, size_t form,
+/* The command line of one build, with the device and the context of this process. */
+static void make_arguments(const suite *all, const input *source, const char *depth, size_t form,
                            const char *arguments[COMMAND_ARGUMENT_MAX])
 {
     static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
@@ -98,10 +99,10 @@ static double start_once(const char *const arguments[], const child_cache *cache
     return told ? ms : -1.0;
 }
 
-static void take_turn(const bench_suite *all, const char *const arguments[], start_times *times)
+static void run_round(const suite *all, const char *const arguments[], start_times *times)
 {
     child_cache cache = {""};
-    const size_t warm = all->quick ? QUICK_WARM_PER_TURN : WARM_PER_TURN;
+    const size_t warm = all->quick ? QUICK_WARM_PER_COLD : WARM_PER_COLD;
     if (!child_cache_create(&cache)) {
         times->failed = true;
         return;
@@ -123,7 +124,7 @@ static void take_turn(const bench_suite *all, const char *const arguments[], sta
 
 static void add_row(result_table *table, const input *source, unsigned depth, const char *method, start_times *times)
 {
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     result_add_text(table, "%s", method);
     result_add_number(table, (double)times->cold_count);
@@ -134,20 +135,20 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, spread_of(times->warm_compile, times->warm_count));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     start_times times[FORM_COUNT];
     memset(times, 0, sizeof times);
     const size_t asked = all->quick && !all->state->options.has_repeat ? 1 : all->repeats;
-    const size_t turns = asked < COLD_TURNS_MAX ? asked : COLD_TURNS_MAX;
+    const size_t round_count = asked < COLD_RUNS_MAX ? asked : COLD_RUNS_MAX;
     char depth_text[16];
     snprintf(depth_text, sizeof depth_text, "%u", depth);
-    for (size_t interleaved_method = 0; interleaved_method < turns; ++interleaved_method) {
+    for (size_t round = 0; round < round_count; ++round) {
         for (size_t form = 0; form < FORM_COUNT; ++form) {
             const char *arguments[COMMAND_ARGUMENT_MAX];
             make_arguments(all, source, depth_text, form, arguments);
             if (!times[form].failed) {
-                take_turn(all, arguments, &times[form]);
+                run_round(all, arguments, &times[form]);
             }
         }
     }
@@ -159,15 +160,16 @@ static int run(bench_suite *all, const input *source, unsigned depth)
             return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s --frontend cl' failed as a child",
                                 source->name);
         } else if (table != NULL) {
-            result_set_note(table, "%s; %s does not work here", table->note, forms[form].name);
+            result_set_note(table, "%s %s does not work here.", table->note, forms[form].name);
         }
     }
     return PROGRAM_DONE;
 }
 
-const bench_subject bench_startup = {
+const suite_subject bench_startup = {
     .name = "startup",
-    .summary = "from the start of a process to its first tree, with compiler caches empty and full",
+    .group = "all",
+    .summary = "process start to first tree, with cold and warm compiler caches",
     .full = {.scenes = {"knot:8000"}, .depths = {8}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},
     .begin = begin,

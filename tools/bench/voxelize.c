@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The front ends beside each other: triangles to exact fragments, by OpenCL alone and by OpenGL's rasterizer. */
+/* Compares the front ends: triangles to exact fragments by OpenCL alone and by OpenGL's rasterizer. */
+#include "bench/voxelize.h"
+
 #include <math.h>
 
 #include "bench/series.h"
@@ -7,12 +9,12 @@
 static const char table_id[] = "voxelize";
 
 static const char note[] =
-    "front ends interleaved; transfer: the mesh to the device, the list to OpenCL, counts back; first: voxelize in the "
-    "first run, with what was left to compile; ratio: to cl, turn by turn";
+    "Front ends run interleaved. Transfer: the mesh to the device, the list to OpenCL, counts back. First: voxelize in "
+    "the warm-up run, with compilation. Ratio: to cl, within each round.";
 
-static int begin(bench_suite *all)
+static int begin(suite *all)
 {
-    result_table *table = bench_add_table(all, table_id, "Front ends: triangles to exact fragments", note);
+    result_table *table = suite_add_table(all, table_id, "Front ends: triangles to exact fragments", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
     result_add_column(table, "depth", "");
@@ -33,7 +35,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
 {
     const unsigned clock = SERIES_BIT(SVO_STAGE_VOXELIZE);
     const spread ms = series_ms(method, clock);
-    result_add_text(table, "%s", bench_scene_name(source));
+    result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, (double)source->mesh->triangle_count);
     result_add_number(table, depth);
     result_add_number(table, (double)method->report.fragments);
@@ -47,7 +49,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, series_ratio(method, first, clock));
 }
 
-static int run(bench_suite *all, const input *source, unsigned depth)
+static int run(suite *all, const input *source, unsigned depth)
 {
     enum { METHODS = 3 };
     const svo_plan_options plan = {.need = SVO_NEED_NONE};
@@ -59,9 +61,10 @@ static int run(bench_suite *all, const input *source, unsigned depth)
     return series_run(all, table_id, source, depth, methods, METHODS, add_row);
 }
 
-const bench_subject bench_voxelize = {
+const suite_subject bench_voxelize = {
     .name = "voxelize",
-    .summary = "the front ends, fragments per second",
+    .group = "all",
+    .summary = "front ends: fragments per second",
     .full = {.scenes = {"atrium", "statue", "knot", "terrain", "needles", "dust"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000", "atrium:17000"}, .depths = {6, 8}},
     .begin = begin,

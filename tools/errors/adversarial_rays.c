@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Targets lie in eighths of an edge, and directions are eight times the way to them: on a lattice everything is a whole
-   number of units that float holds. */
+/* Targets lie at eighths of an edge, and directions are eight times the vector to them: with quantized positions all
+   values are integer multiples of the unit that float represents exactly. */
 #include "errors/adversarial_rays.h"
 
 #include <math.h>
@@ -10,13 +10,13 @@
 #include "scenes/maths.h"
 
 #define EIGHTHS       8.0
-#define T_MIN         0x1p-12f /* what the origin lies on does not count */
+#define T_MIN         0x1p-12f /* a surface at the origin does not count */
 #define GRAZING_SLOPE 1e-3 /* of the ray against the triangle's plane */
 
-const char *aim_name(aim kind)
+const char *ray_target_name(ray_target target)
 {
-    static const char *const names[AIM_COUNT] = {"anywhere", "at vertices", "at edges", "grazing"};
-    return names[kind];
+    static const char *const names[TARGET_COUNT] = {"random", "at vertices", "at edges", "grazing"};
+    return names[target];
 }
 
 static vector3 vertex_of(const svo_mesh *mesh, size_t index)
@@ -25,12 +25,13 @@ static vector3 vertex_of(const svo_mesh *mesh, size_t index)
                   quantization_source(mesh, 3 * index + 2));
 }
 
-static double share(random_stream *random)
+/* [0, 1) */
+static double random_fraction(random_stream *random)
 {
     return (double)(random_bits(random) >> 40) * 0x1p-24;
 }
 
-/* The corners of some triangle that has an area. */
+/* The vertices of a random triangle with an area. */
 static void pick_triangle(const svo_mesh *mesh, random_stream *random, vector3 corners[3], vector3 *normal)
 {
     for (int attempt = 0; attempt < 1000; ++attempt) {
@@ -46,14 +47,14 @@ static void pick_triangle(const svo_mesh *mesh, random_stream *random, vector3 c
     *normal = vector_scale(*normal, 1.0 / fmax(vector_length(*normal), 1e-300));
 }
 
-static vector3 target_in(aim kind, const vector3 corners[3], random_stream *random)
+static vector3 point_of(ray_target target, const vector3 corners[3], random_stream *random)
 {
-    if (kind == AIM_VERTICES) {
+    if (target == TARGET_VERTICES) {
         return corners[0];
     }
-    const double eighths = 1.0 + floor(7.0 * share(random));
+    const double eighths = 1.0 + floor(7.0 * random_fraction(random));
     const vector3 on_edge = vector_mix(corners[0], corners[1], eighths / EIGHTHS);
-    return kind == AIM_EDGES ? on_edge : vector_mix(on_edge, corners[2], 0.1 + 0.8 * share(random));
+    return target == TARGET_EDGES ? on_edge : vector_mix(on_edge, corners[2], 0.1 + 0.8 * random_fraction(random));
 }
 
 static double round_to(double value, double unit)
@@ -78,15 +79,16 @@ static svo_ray adversarial_ray(const svo_mesh *mesh, const adversarial_set *set,
     vector3 corners[3];
     vector3 normal;
     pick_triangle(mesh, random, corners, &normal);
-    const vector3 target = target_in(set->kind, corners, random);
-    const double distance = extent * (set->reach > 0.0 ? set->reach : 0.02 + 0.3 * share(random));
-    const vector3 sideways = vector(share(random) - 0.5, share(random) - 0.5, share(random) - 0.5);
+    const vector3 point = point_of(set->target, corners, random);
+    const double distance = extent * (set->reach > 0.0 ? set->reach : 0.02 + 0.3 * random_fraction(random));
+    const vector3 sideways =
+        vector(random_fraction(random) - 0.5, random_fraction(random) - 0.5, random_fraction(random) - 0.5);
     vector3 away = vector_add(normal, vector_scale(sideways, 0.8));
-    if (set->kind == AIM_GRAZING) {
+    if (set->target == TARGET_GRAZING) {
         const vector3 edge = vector_subtract(corners[1], corners[2]);
         away = vector_add(vector_scale(edge, 1.0 / vector_length(edge)), vector_scale(normal, GRAZING_SLOPE));
     }
-    return ray_to(vector_add(target, vector_scale(away, distance)), target, set->unit);
+    return ray_to(vector_add(point, vector_scale(away, distance)), point, set->unit);
 }
 
 static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
@@ -107,13 +109,13 @@ static void bounds_of(const svo_mesh *mesh, double low[3], double high[3])
 
 void adversarial_rays(const svo_mesh *mesh, const adversarial_set *set, size_t count, svo_ray *rays)
 {
-    random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)set->kind};
+    random_stream random = {UINT64_C(0x5be0cd19137e2179) + (uint64_t)set->target};
     double low[3];
     double high[3];
     bounds_of(mesh, low, high);
     const double extent = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
-    if (set->kind == AIM_ANYWHERE) {
-        ray_set_incoherent(low, high, count, rays); /* these meet no edge but by chance */
+    if (set->target == TARGET_RANDOM) {
+        ray_set_incoherent(low, high, count, rays); /* these rarely hit an edge */
         return;
     }
     for (size_t i = 0; i < count; ++i) {

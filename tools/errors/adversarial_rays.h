@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays aimed at where ray-triangle tests go wrong. The same numbers for the same mesh everywhere. */
+/* Adversarial rays: aimed where ray-triangle tests fail. The same bits for the same mesh on every machine. */
 #ifndef SVOCL_TOOLS_ERRORS_ADVERSARIAL_RAYS_H
 #define SVOCL_TOOLS_ERRORS_ADVERSARIAL_RAYS_H
 
 #include <stddef.h>
 
-#include "svocl/layout.h"
+#include "svocl/ray_types.h"
 #include "svocl/mesh.h"
 
-typedef enum aim {
-    AIM_ANYWHERE = 0, /* from the sphere around the mesh towards points of its box */
-    AIM_VERTICES, /* from before a triangle at one of its corners */
-    AIM_EDGES, /* at a point of one of its edges */
-    AIM_GRAZING, /* nearly in its plane, through its inside */
-    AIM_COUNT
-} aim;
-const char *aim_name(aim kind); /* static string */
+typedef enum ray_target {
+    TARGET_RANDOM = 0, /* from a sphere around the mesh to random points of its bounding box */
+    TARGET_VERTICES, /* a vertex, from the front of its triangle */
+    TARGET_EDGES, /* a point on an edge */
+    TARGET_GRAZING, /* the interior of a triangle, nearly parallel to its plane */
+    TARGET_COUNT
+} ray_target;
+const char *ray_target_name(ray_target target); /* static string */
 
 typedef struct adversarial_set {
-    aim kind;
-    /* Not 0: the positions are multiples of it, origins are too, and rays that are aimed meet their targets exactly. 0:
-       they pass them within the rounding of a float. */
+    ray_target target;
+    /* Positions and origins are multiples of it, and rays pass through their targets exactly. 0: within the rounding of
+       a float. */
     double unit;
-    double reach; /* how far away the origins are, in widths of the mesh; 0: close by */
+    double reach; /* distance of the origins, in widths of the mesh; 0: close to it */
 } adversarial_set;
 
 /* mesh: with finite positions. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the ways interleaved, then runs each in several orders of the samples or, for svocl, of the triangles. */
+/* Times the methods interleaved, then runs each in several orders of the samples or, for svocl, of the triangles. */
 #include "errors/attribute_methods.h"
 
 #include <math.h>
@@ -28,12 +28,12 @@ typedef struct attribute_method {
 struct attribute_bench {
     error_run *run;
     svo_mesh mesh; /* with indices of its own */
-    uint32_t *indices; /* in the order of the moment */
+    uint32_t *indices; /* in the current order */
     attribute kind;
     unsigned depth;
     attribute_samples samples;
     averages *kernels;
-    double (*found)[3], (*first)[3]; /* means of a way: in this order, in the first one */
+    double (*found)[3], (*first)[3]; /* means of a method: in the current order, in the first one */
     double *errors, *differences; /* per leaf */
     attribute_method methods[ATTRIBUTE_METHODS_MAX];
     size_t method_count;
@@ -82,7 +82,7 @@ static double run_ours(void *user)
     svo_tree *tree = build(method->bench, method->weights, need_of(method->bench->kind), &report);
     const bool worked = tree != NULL;
     svo_tree_destroy(&tree);
-    return worked ? report.stages[SVO_STAGE_LINK].ms + report.stages[SVO_STAGE_FILTER].ms : -1.0;
+    return worked ? report.stage_times[SVO_STAGE_LINK].ms + report.stage_times[SVO_STAGE_FILTER].ms : -1.0;
 }
 
 static double run_kernel(void *user)
@@ -91,7 +91,7 @@ static double run_kernel(void *user)
     return averages_run(method->bench->kernels, method->average);
 }
 
-/* ---- what a way found, in the order of the moment ---- */
+/* ---- results in the current order ---- */
 
 static bool find_ours(const attribute_method *method, double (*means)[3])
 {
@@ -100,8 +100,8 @@ static bool find_ours(const attribute_method *method, double (*means)[3])
     if (tree == NULL) {
         return false;
     }
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     const bool same_leaves = info.leaf_count == bench->samples.leaf_count;
@@ -156,7 +156,7 @@ static void shuffle_triangles(attribute_bench *bench, uint64_t seed)
     }
 }
 
-/* The other order's differences to the first one, where they are larger than those before. */
+/* Keeps each leaf's largest difference from the first order. */
 static void widen_differences(attribute_bench *bench)
 {
     for (size_t leaf = 0; leaf < bench->samples.leaf_count; ++leaf) {
@@ -202,17 +202,17 @@ static void summarize(attribute_bench *bench, attribute_method_result *result)
         (void)spread_of(bench->errors, count); /* sorts them */
         result->mean /= (double)count;
         result->order_mean /= (double)count;
-        result->most = spread_quantile(bench->errors, count, 0.99);
+        result->percentile_99 = spread_quantile(bench->errors, count, 0.99);
         result->largest = bench->errors[count - 1];
     }
 }
 
-/* ---- all of it ---- */
+/* ---- the measurement ---- */
 
 static bool prepare(attribute_bench *bench, const svo_mesh *mesh)
 {
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     bench->mesh = *mesh;
     bench->indices = calloc(mesh->triangle_count * 3 + 1, sizeof *bench->indices);
     if (bench->indices == NULL || mesh->indices == NULL || mesh->material_count > 0) {
@@ -240,14 +240,14 @@ static bool prepare(attribute_bench *bench, const svo_mesh *mesh)
 
 static bool measure(attribute_bench *bench, attribute_method_result *results)
 {
-    interleaved_method turns[ATTRIBUTE_METHODS_MAX];
+    interleaved_method timed[ATTRIBUTE_METHODS_MAX];
     for (size_t i = 0; i < bench->method_count; ++i) {
-        turns[i] =
+        timed[i] =
             (interleaved_method){.work_ms = bench->methods[i].ours ? run_ours : run_kernel, .user = &bench->methods[i]};
     }
-    bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    bool worked = interleave_measure(timed, bench->method_count, bench->run->rounds);
     for (size_t i = 0; i < bench->method_count && worked; ++i) {
-        results[i] = (attribute_method_result){.method = bench->methods[i].name, .ms = turns[i].median_ms};
+        results[i] = (attribute_method_result){.method = bench->methods[i].name, .ms = timed[i].median_ms};
         worked = run_orders(bench, &bench->methods[i]);
         summarize(bench, &results[i]);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One attribute of one mesh averaged in its voxels by every way there is, in several orders; each against double. */
+/* Averages one attribute in the voxels of a mesh by every method, in several orders, and compares with double. */
 #ifndef SVOCL_TOOLS_ERRORS_ATTRIBUTE_METHODS_H
 #define SVOCL_TOOLS_ERRORS_ATTRIBUTE_METHODS_H
 
@@ -12,11 +12,11 @@
 typedef struct attribute_method_result {
     const char *method; /* static */
     double ms;
-    double mean, most, largest; /* over leaves; most: 99 of 100 are below */
-    double order_mean, order_largest; /* between the first order and any other */
+    double mean, percentile_99, largest; /* over leaves */
+    double order_mean, order_largest; /* between the first order and the others */
 } attribute_method_result;
 
-/* pairs_per_leaf: receives how many samples a voxel has on average. Returns the exit code. */
+/* pairs_per_leaf: receives the mean number of samples per voxel. Returns the exit code. */
 int attribute_methods_measure(error_run *run, const svo_mesh *mesh, attribute kind, unsigned depth,
                               attribute_method_result *results, size_t *result_count, double *pairs_per_leaf);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Goes through the leaf lists once; attributes are interpolated in double. */
+/* Visits each entry of the leaf lists once and interpolates attributes in double. */
 #include "errors/attribute_samples.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include "reference/oracle.h"
 #include "scenes/maths.h"
 
-#define LEAST_AREA   1e-6 /* of a face of the voxel: below, a triangle only touches */
-#define LEAST_LENGTH 0.05 /* of a mean of normals that has a direction */
+#define LEAST_AREA   1e-6 /* of a voxel face: below it, a triangle only touches the voxel */
+#define LEAST_LENGTH 0.05 /* of a mean normal with a direction */
 
 typedef struct pair {
     oracle_triangle triangle;
@@ -43,15 +43,15 @@ static void interpolate(const svo_mesh *mesh, attribute kind, const pair *opened
     }
 }
 
-/* The sample, and its part of the leaf's mean. Returns its weight. */
+/* Sets the sample and adds to the leaf's mean. Returns the weight. */
 static double add_pair(const svo_mesh *mesh, attribute kind, const pair *opened, float sample[4], double mean[3])
 {
     const double half = (double)opened->box.width / 2.0;
-    const double middle[3] = {half, half, half};
+    const double center[3] = {half, half, half};
     double centroid[3];
     double weights[3];
     double value[3];
-    oracle_corner_weights(&opened->triangle, &opened->box, middle, weights);
+    oracle_corner_weights(&opened->triangle, &opened->box, center, weights);
     interpolate(mesh, kind, opened, weights, value);
     for (int channel = 0; channel < 3; ++channel) {
         sample[channel] = (float)value[channel];

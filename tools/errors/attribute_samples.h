@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The attributes of a tree's (voxel, triangle) pairs: what older systems average, and the mean in double to compare
-   with. */
+/* The attribute samples of a tree's (voxel, triangle) pairs, and the exact means in double. */
 #ifndef SVOCL_TOOLS_ERRORS_ATTRIBUTE_SAMPLES_H
 #define SVOCL_TOOLS_ERRORS_ATTRIBUTE_SAMPLES_H
 
@@ -14,10 +13,9 @@ typedef struct attribute_samples {
     size_t count; /* pairs */
     size_t leaf_count;
     uint32_t *leaves; /* per pair */
-    float (*values)[4]; /* per pair, at the point in front of the voxel's middle: color 0 .. 255; normal -1 .. 1 */
-    double (
-        *means)[3]; /* per leaf: weighed by area, at the centroids of the parts inside; color or normal, any length */
-    bool *judged; /* per leaf: there is an area, and the mean of normals is not all but zero */
+    float (*values)[4]; /* per pair, at the projection of the voxel's center: color 0 .. 255; normal -1 .. 1 */
+    double (*means)[3]; /* per leaf: weighted by area, at the centroids of the parts inside; normals of any length */
+    bool *judged; /* per leaf: it has an area, and its mean normal is not close to zero */
 } attribute_samples;
 
 /* mesh: with colors and normals per vertex, without materials. info, arrays: of its downloaded tree with lists. Returns
@@ -26,7 +24,7 @@ bool attribute_samples_create(const svo_mesh *mesh, attribute kind, const svo_tr
                               const svo_tree_arrays *arrays, attribute_samples *out);
 void attribute_samples_free(attribute_samples *made);
 
-/* Puts pairs into another order. */
+/* Shuffles the pairs. */
 void attribute_samples_shuffle(attribute_samples *made, uint64_t seed);
 
 #endif

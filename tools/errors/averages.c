@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers, launches and the way back from octets. */
+/* Buffers, launches, and conversion from 8-bit values. */
 #include "errors/averages.h"
 
 #include <math.h>

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The means of voxels as older systems take them, to measure beside svocl's: one work-item per sample, one cell per
- * voxel. The work-items' order is chance, and the result with it.
+ * Per-voxel means as older systems compute them, for comparison with svocl: one work-item per sample, one cell per
+ * voxel. The result depends on the order of the work-items.
  *
  * average_rgba8: the running mean of Crassin and Hennessy, "Octree-Based Sparse Voxelization Using the GPU Hardware
- * Rasterizer", OpenGL Insights, 2012: three octets and, in the fourth, how many samples they are the mean of, exchanged
- * by compare-and-swap until no other came between. add_float: sums in float, by the same exchange on their bits.
+ * Rasterizer", OpenGL Insights, 2012: three 8-bit channels and an 8-bit count of samples in one word, updated by
+ * compare-and-swap. add_float: float sums, with compare-and-swap on their bits.
  *
- * Both loops end: an exchange that fails has seen another one succeed.
+ * Both loops end: a failed exchange means that another work-item succeeded.
  */
 
 static uint pack_octets(float4 value)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernels of averages.cl on one set of samples. */
+/* Runs the kernels of averages.cl on one set of samples. */
 #ifndef SVOCL_TOOLS_ERRORS_AVERAGES_H
 #define SVOCL_TOOLS_ERRORS_AVERAGES_H
 
@@ -14,12 +14,11 @@ typedef struct averages averages;
 averages *averages_create(const session *opened, const attribute_samples *samples);
 void averages_destroy(averages **made);
 
-/* Uploads the samples in the order they have now. values: what the means are of, scaled as the way wants it: octets of
-   value * scale + offset. */
+/* Uploads the samples in their current order, as 8-bit values of value * scale + offset. */
 bool averages_upload(averages *made, const attribute_samples *samples, double scale, double offset);
-/* Runs the way from zeros. Returns the milliseconds of the kernel, below 0 on failure. */
+/* Clears the means and runs the method. Returns the milliseconds of the kernel, below 0 on failure. */
 double averages_run(averages *made, average_method method);
-/* The means of the last run of that way, as the samples are: by (octet - offset) / scale. */
+/* The means of the last run of that method, in the units of the samples. */
 bool averages_read(averages *made, average_method method, double (*means)[3]);
 
 #endif

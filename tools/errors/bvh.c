@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Built by halving along the longest side of the boxes' middles; walked with a stack, nearer child first. */
+/* Built by median splits along the longest axis of the centroids' bounds; traversed with a stack, nearer child first.
+   */
 #include "errors/bvh.h"
 
 #include <math.h>
@@ -10,8 +11,8 @@
 
 #define LEAF_TRIANGLES    4u
 #define STACK_NODES       64u
-#define RAYS_AT_A_TIME    1024u
-#define SMALLEST_DIVISOR  1e-200 /* in the place of 0, whose quotients are no numbers */
+#define RAYS_PER_CHUNK    1024u
+#define SMALLEST_DIVISOR  1e-200 /* takes the place of 0 */
 #define QUOTIENT_ROUNDING 1e-14
 
 typedef struct box {
@@ -32,7 +33,7 @@ struct bvh {
 
 typedef struct item {
     box bounds;
-    double middle[3];
+    double centroid[3];
     uint32_t triangle;
 } item;
 
@@ -50,42 +51,42 @@ static int compare_x(const void *a, const void *b)
 {
     const item *left = a;
     const item *right = b;
-    return (left->middle[0] > right->middle[0]) - (left->middle[0] < right->middle[0]);
+    return (left->centroid[0] > right->centroid[0]) - (left->centroid[0] < right->centroid[0]);
 }
 
 static int compare_y(const void *a, const void *b)
 {
     const item *left = a;
     const item *right = b;
-    return (left->middle[1] > right->middle[1]) - (left->middle[1] < right->middle[1]);
+    return (left->centroid[1] > right->centroid[1]) - (left->centroid[1] < right->centroid[1]);
 }
 
 static int compare_z(const void *a, const void *b)
 {
     const item *left = a;
     const item *right = b;
-    return (left->middle[2] > right->middle[2]) - (left->middle[2] < right->middle[2]);
+    return (left->centroid[2] > right->centroid[2]) - (left->centroid[2] < right->centroid[2]);
 }
 
 static void sort_along_longest(item *items, size_t count)
 {
     static int (*const compare[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
-    box middles = nothing;
+    box centroids = nothing;
     for (size_t i = 0; i < count; ++i) {
         box point;
         for (int k = 0; k < 3; ++k) {
-            point.low[k] = point.high[k] = items[i].middle[k];
+            point.low[k] = point.high[k] = items[i].centroid[k];
         }
-        grow(&middles, &point);
+        grow(&centroids, &point);
     }
     int longest = 0;
     for (int k = 1; k < 3; ++k) {
-        longest = middles.high[k] - middles.low[k] > middles.high[longest] - middles.low[longest] ? k : longest;
+        longest = centroids.high[k] - centroids.low[k] > centroids.high[longest] - centroids.low[longest] ? k : longest;
     }
     qsort(items, count, sizeof *items, compare[longest]);
 }
 
-/* Half of the triangles each way: the depth is the logarithm of their number. */
+/* Half of the triangles go to each side: the depth is the logarithm of their number. */
 static void build(bvh *tree, item *items, size_t begin, size_t count)
 {
     const uint32_t own = tree->node_count++;
@@ -117,7 +118,7 @@ static void measure(const double *vertices, const uint32_t *corners, double slac
         out->bounds.high[i % 3] = fmax(out->bounds.high[i % 3], at + slack);
     }
     for (int k = 0; k < 3; ++k) {
-        out->middle[k] = 0.5 * (out->bounds.low[k] + out->bounds.high[k]);
+        out->centroid[k] = 0.5 * (out->bounds.low[k] + out->bounds.high[k]);
     }
 }
 
@@ -154,13 +155,13 @@ void bvh_destroy(bvh **tree)
 
 /* ---- rays ---- */
 
-typedef struct walk {
+typedef struct traversal {
     double origin[3], inverse[3];
     double t_min;
-} walk;
+} traversal;
 
-/* Kay and Kajiya's slabs, a little wider than rounding can narrow them. */
-static bool enters(const walk *ray, const box *bounds, double t_max, double *entry)
+/* The slab test of Kay and Kajiya, widened by more than rounding can narrow it. */
+static bool enters(const traversal *ray, const box *bounds, double t_max, double *entry)
 {
     double first = ray->t_min;
     double last = t_max;
@@ -176,8 +177,8 @@ static bool enters(const walk *ray, const box *bounds, double t_max, double *ent
     return first - QUOTIENT_ROUNDING * fabs(first) <= last + QUOTIENT_ROUNDING * fabs(last);
 }
 
-static void ask_leaf(const bvh *tree, const node *leaf, bvh_test *test, const void *triangles, const svo_ray *ray,
-                     svo_hit *best)
+static void test_leaf(const bvh *tree, const node *leaf, bvh_test *test, const void *triangles, const svo_ray *ray,
+                      svo_hit *best)
 {
     for (uint32_t i = 0; i < leaf->triangle_count; ++i) {
         const uint32_t triangle = tree->order[leaf->first + i];
@@ -192,7 +193,7 @@ static void ask_leaf(const bvh *tree, const node *leaf, bvh_test *test, const vo
 
 static void trace_one(const bvh *tree, bvh_test *test, const void *triangles, const svo_ray *ray, svo_hit *best)
 {
-    walk along = {.t_min = (double)ray->t_min};
+    traversal along = {.t_min = (double)ray->t_min};
     uint32_t stack[STACK_NODES] = {0};
     unsigned height = 1;
     for (int k = 0; k < 3; ++k) {
@@ -204,13 +205,14 @@ static void trace_one(const bvh *tree, bvh_test *test, const void *triangles, co
     while (height > 0) {
         const uint32_t own = stack[--height];
         const node *here = &tree->nodes[own];
-        const double t_max = (double)best->t * (1.0 + 1e-6); /* beyond the rounding of a float: ties are seen */
+        const double t_max =
+            (double)best->t * (1.0 + 1e-6); /* beyond the rounding of a float, so that ties are found */
         double entry = 0.0;
         if (!enters(&along, &here->bounds, t_max, &entry)) {
             continue;
         }
         if (here->triangle_count > 0) {
-            ask_leaf(tree, here, test, triangles, ray, best);
+            test_leaf(tree, here, test, triangles, ray, best);
             continue;
         }
         double first = 0.0;
@@ -236,10 +238,10 @@ typedef struct batch {
     svo_hit *hits;
 } batch;
 
-static void trace_portion(void *user, unsigned member, size_t begin, size_t end)
+static void trace_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
 {
     const batch *all = user;
-    (void)member;
+    (void)thread_index;
     for (size_t i = begin; i < end; ++i) {
         trace_one(all->tree, all->test, all->triangles, &all->rays[i], &all->hits[i]);
     }
@@ -250,6 +252,6 @@ double bvh_trace(const bvh *tree, bvh_test *test, const void *triangles, const s
 {
     batch all = {tree, test, triangles, rays, hits};
     const double started_ms = input_now_ms();
-    threads_run(thread_count, ray_count, RAYS_AT_A_TIME, trace_portion, &all);
+    threads_run(thread_count, ray_count, RAYS_PER_CHUNK, trace_chunk, &all);
     return input_now_ms() - started_ms;
 }

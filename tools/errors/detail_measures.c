@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The grid is flooded from outside; half-open voxels are 6-separating, so that the flood stays outside a closed
+/* A flood fill from outside finds the enclosed voxels: half-open voxels are 6-separating, so it stays outside a closed
    surface. */
 #include "errors/detail_measures.h"
 
@@ -54,8 +54,8 @@ bool detail_reference_create(const session *opened, const svo_mesh *mesh, detail
         detail_reference_free(out);
         return false;
     }
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(out->tree, &info);
     svo_tree_get_arrays(out->tree, &arrays);
     measure_mesh(&info, &arrays, out);
@@ -107,7 +107,7 @@ static void flood(const cells *grid)
     }
 }
 
-/* Faces: those of the surface's cells towards the outside, the usual estimate of its area. */
+/* Faces: those of surface cells towards the outside, the common estimate of the area. */
 static void count_cells(const cells *grid, double *inside, double *surface, double *faces)
 {
     const size_t steps[3] = {1, grid->width, grid->width * grid->width};
@@ -181,8 +181,8 @@ static bool measure_distance(const detail_reference *reference, const svo_tree_i
 bool detail_measure(const detail_reference *reference, const svo_tree *tree, cl_command_queue queue,
                     detail_measures *out)
 {
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     uint64_t *codes = calloc((size_t)info.leaf_count + 1, sizeof *codes);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Distance, area and volume of a set of voxels, and of the closed mesh they stand for. */
+/* Distance, area and volume of a set of voxels, and of the closed mesh that they represent. */
 #ifndef SVOCL_TOOLS_ERRORS_DETAIL_MEASURES_H
 #define SVOCL_TOOLS_ERRORS_DETAIL_MEASURES_H
 
@@ -8,7 +8,7 @@
 #include "support/session.h"
 
 typedef struct detail_reference {
-    svo_tree *tree; /* with lists, at the depth that suits queries */
+    svo_tree *tree; /* with lists, at the ray depth */
     double area, volume; /* of the snapped mesh, in double: world units */
 } detail_reference;
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* E1: voxels that are missed and voxels too many, for every way to voxelize, at 64^3 to 1024^3. */
+/* E1: false negatives and false positives of every voxelization method, at 64^3 to 1024^3. */
+#include "errors/e1_voxelization.h"
+
 #include <stdio.h>
 
 #include "errors/voxel_methods.h"
@@ -11,16 +13,17 @@ static result_table *begin_table(error_run *run)
     result_table *table = result_add_table(run->results, "e1-voxelization", "E1: voxelization", "");
     result_set_note(
         table,
-        "Each way makes the list of (voxel, triangle) pairs of the same snapped triangles; its voxels are compared "
-        "with the exact set of those it aims at, closed voxels for the two separating tests, half-open ones for the "
-        "others. The float32 ways follow the rules of their kind, the two tests for every voxel of a triangle's "
-        "bounds, on %u threads of the host, the exact ones run on the device or renderer named above (stage voxelize). "
-        "Medians of %zu rounds, interleaved, after one that does not count.",
+        "Each method lists the (voxel, triangle) pairs of the same snapped triangles. Its voxels are compared with the "
+        "exact set for its coverage: closed voxels for the two separating-axis tests, half-open ones for the others. "
+        "The "
+        "float32 methods run on %u host threads; the two tests visit every voxel of a triangle's bounds. The exact "
+        "methods run on the device or renderer named above (stage voxelize). Medians of %zu rounds after a warm-up "
+        "round; methods run interleaved.",
         run->threads, run->rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");
     result_add_column(table, "method", "");
-    result_add_column(table, "aims at", "");
+    result_add_column(table, "coverage", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "exact voxels", "");
     result_add_column(table, "missed", "");
@@ -37,7 +40,7 @@ static void add_row(result_table *table, const char *name, unsigned depth, const
     result_add_text(table, "%s", name);
     result_add_number(table, (double)(1u << depth));
     result_add_text(table, "%s", one->method);
-    result_add_text(table, "%s", one->target);
+    result_add_text(table, "%s", one->coverage);
     result_add_number(table, one->ms);
     result_add_number(table, (double)one->voxels);
     result_add_number(table, (double)one->missed_voxels);
@@ -67,11 +70,25 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
     return exit_code;
 }
 
-/* Curved surfaces, and flat ones of which many lie in the faces of voxels. */
-int errors_voxelization(error_run *run)
+/* A curved surface, and flat ones of which many lie on voxel faces. */
+static int measure(error_run *run)
 {
     result_table *table = begin_table(run);
     const int exit_code = measure_scene(run, table, "statue", run->quick ? "statue:60000" : "statue:120000", 10);
     return exit_code == PROGRAM_DONE ? measure_scene(run, table, "atrium", "atrium:17000", run->quick ? 9 : 10)
                                      : exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_voxelization = {
+    .name = "e1",
+    .group = "errors",
+    .summary = "error and run time of voxelization: false negatives and positives of each method",
+    .run_all = run_all,
+    .step_count = 10,
+};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* E2: rays that miss, rays that name the wrong triangle, and how far t is off, on rays aimed at where tests go
-   wrong. */
+/* E2: missed rays, wrong triangles and errors of t, for random and adversarial rays. */
+#include "errors/e2_rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +9,7 @@
 #include "errors/ray_methods.h"
 #include "measure/quantization.h"
 
-#define UNIT       32.0 /* corners are multiples of it, 0 .. 2^20 - 32: 15 bits, so that long double decides exactly */
+#define UNIT       32.0 /* of coordinates, 0 .. 2^20 - 32: 15 bits, so that long double decides exactly */
 #define GRID_EDGE  1048576.0
 #define QUICK_RAYS 30000u
 #define FULL_RAYS  200000u
@@ -18,16 +19,17 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     result_table *table = result_add_table(run->results, "e2-rays", "E2: rays", "");
     result_set_note(
         table,
-        "%zu rays of each set against the same triangles with whole numbers of 15 bits for coordinates, which float32 "
-        "holds exactly; origins are such numbers too, and aimed rays meet their corner or edge exactly, so that long "
-        "double decides the first hit without rounding. Wrong: another triangle at another t, or a hit where there is "
-        "none. Error of t: |t - exact| / exact over right hits. svocl and voxels alone run on the OpenCL device; the "
-        "float32 tests on %u threads of the host in one hierarchy whose boxes lose nothing, so that only the test "
-        "differs; Embree on as many threads. Voxels alone stop at the first leaf of depth 6, 8 or 10: they name no "
-        "triangle, and none is asked of them. Medians of %zu rounds, interleaved, after one that does not count.",
+        "%zu rays of each kind against the same triangles. Coordinates and origins are 15-bit integers, exact in "
+        "float32, and aimed rays pass through their vertex or edge exactly: long double decides the first hit without "
+        "rounding. Wrong: another triangle at another t, or a false hit. Error of t: |t - exact| / exact over correct "
+        "hits. svocl and \"voxels alone\" run on the OpenCL device. The float32 tests run on %u host threads in one "
+        "BVH "
+        "with conservative bounds, so that they differ in the test only; Embree runs on as many threads. \"Voxels "
+        "alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. Medians of %zu rounds after a "
+        "warm-up round; methods run interleaved.",
         ray_count, run->threads, run->rounds);
     result_add_column(table, "triangles", "");
-    result_add_column(table, "rays aimed", "");
+    result_add_column(table, "rays", "");
     result_add_column(table, "method", "");
     result_add_column(table, "time", "ns/ray");
     result_add_column(table, "missed", "");
@@ -38,10 +40,10 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     return table;
 }
 
-static void add_row(result_table *table, size_t triangle_count, aim kind, const ray_method_result *one)
+static void add_row(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
 {
     result_add_number(table, (double)triangle_count);
-    result_add_text(table, "%s", aim_name(kind));
+    result_add_text(table, "%s", ray_target_name(target));
     result_add_text(table, "%s", one->method);
     result_add_number(table, one->ms * 1e6 / (double)one->rays);
     result_add_number(table, (double)one->missed);
@@ -54,16 +56,16 @@ static void add_row(result_table *table, size_t triangle_count, aim kind, const 
 static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mesh, svo_ray *rays, size_t ray_count)
 {
     int exit_code = PROGRAM_DONE;
-    for (aim kind = AIM_ANYWHERE; kind < AIM_COUNT && exit_code == PROGRAM_DONE; ++kind) {
+    for (ray_target target = TARGET_RANDOM; target < TARGET_COUNT && exit_code == PROGRAM_DONE; ++target) {
         ray_method_result results[RAY_METHODS_MAX] = {0};
         size_t result_count = 0;
         const ray_case given = {
             .mesh = mesh, .edge = GRID_EDGE, .rays = rays, .ray_count = ray_count, .levels = {6, 8, 10}};
         progress_step(run->state->progress, "E2: rays");
-        adversarial_rays(mesh, &(adversarial_set){.kind = kind, .unit = UNIT}, ray_count, rays);
+        adversarial_rays(mesh, &(adversarial_set){.target = target, .unit = UNIT}, ray_count, rays);
         exit_code = ray_methods_measure(run, &given, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, mesh->triangle_count, kind, &results[i]);
+            add_row(table, mesh->triangle_count, target, &results[i]);
         }
     }
     return exit_code;
@@ -91,7 +93,7 @@ static int measure_scene(error_run *run, result_table *table, const char *spec, 
     return exit_code;
 }
 
-int errors_rays(error_run *run)
+static int measure(error_run *run)
 {
     static const char *const quick[] = {"statue:4000", "statue:40000", NULL};
     static const char *const full[] = {"statue:2000", "statue:15000", "statue:120000", NULL};
@@ -106,3 +108,17 @@ int errors_rays(error_run *run)
     free(rays);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_rays = {
+    .name = "e2",
+    .group = "errors",
+    .summary = "error and run time of ray tracing: missed and wrong rays of each ray-triangle test",
+    .run_all = run_all,
+    .step_count = 12,
+};

@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* E3: how far the colors and normals of voxels are from the means they stand for, and how much the order matters. */
+/* E3: errors of voxels' mean colors and normals, and their dependence on the order of samples. */
+#include "errors/e3_attributes.h"
+
 #include "errors/attribute_methods.h"
 
 static result_table *begin_table(error_run *run)
 {
     result_table *table = result_add_table(run->results, "e3-attributes", "E3: attributes", "");
     result_set_note(table,
-                    "The mean color and normal of every leaf against the mean in double over the parts of triangles "
-                    "inside it, weighed by area. Colors: the worst channel, in 1/255; normals: the angle to the "
-                    "mean's direction, in degrees. The running average keeps three octets and a count of eight bits in "
-                    "one word, exchanged by compare-and-swap; float atomics add in the same way. Both get their "
-                    "samples ready made, one per (voxel, triangle) pair, and average leaves only; svocl's times "
-                    "(stages link and filter) hold the sampling, the clipping and all levels above too. Order: how far "
-                    "results differ between orders of the samples or triangles. All on the OpenCL device; medians of "
-                    "%zu rounds, interleaved, after one that does not count.",
+                    "Each leaf's mean color and normal, compared with the area-weighted mean in double over the parts "
+                    "of triangles inside it. Colors: error of the worst channel, in 1/255. Normals: angle to the "
+                    "direction of the mean, in degrees. The running average keeps three 8-bit channels and an 8-bit "
+                    "count in one word, updated by compare-and-swap; float atomics use compare-and-swap too. Both "
+                    "receive precomputed samples, one per (voxel, triangle) pair, and average leaves only; svocl's "
+                    "times (stages link and filter) include sampling, clipping and all levels above. Order: difference "
+                    "between orders of the samples or triangles. All methods run on the OpenCL device, interleaved. "
+                    "Medians of %zu rounds after a warm-up round.",
                     run->rounds);
     result_add_column(table, "attribute", "");
     result_add_column(table, "depth", "");
@@ -21,7 +23,7 @@ static result_table *begin_table(error_run *run)
     result_add_column(table, "method", "");
     result_add_column(table, "time", "ms");
     result_add_column(table, "error, mean", "");
-    result_add_column(table, "error, 99 % below", "");
+    result_add_column(table, "error, 99th percentile", "");
     result_add_column(table, "error, largest", "");
     result_add_column(table, "order, mean", "");
     result_add_column(table, "order, largest", "");
@@ -37,13 +39,28 @@ static void add_row(result_table *table, attribute kind, unsigned depth, double 
     result_add_text(table, "%s", one->method);
     result_add_number(table, one->ms);
     result_add_number(table, one->mean);
-    result_add_number(table, one->most);
+    result_add_number(table, one->percentile_99);
     result_add_number(table, one->largest);
     result_add_number(table, one->order_mean);
     result_add_number(table, one->order_largest);
 }
 
-int errors_attributes(error_run *run)
+static int measure_depth(error_run *run, result_table *table, const svo_mesh *mesh, attribute kind, unsigned depth)
+{
+    attribute_method_result results[ATTRIBUTE_METHODS_MAX] = {0};
+    size_t result_count = 0;
+    double pairs_per_leaf = 0.0;
+    const int exit_code = attribute_methods_measure(run, mesh, kind, depth, results, &result_count, &pairs_per_leaf);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    for (size_t i = 0; i < result_count; ++i) {
+        add_row(table, kind, depth, pairs_per_leaf, &results[i]);
+    }
+    return PROGRAM_DONE;
+}
+
+static int measure(error_run *run)
 {
     const unsigned last_depth = run->quick ? 7 : 9;
     result_table *table = begin_table(run);
@@ -52,16 +69,23 @@ int errors_attributes(error_run *run)
     for (attribute kind = ATTRIBUTE_COLOR; kind < ATTRIBUTE_COUNT && exit_code == PROGRAM_DONE; ++kind) {
         progress_step(run->state->progress, "E3: attributes");
         for (unsigned depth = 3; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-            attribute_method_result results[ATTRIBUTE_METHODS_MAX] = {0};
-            size_t result_count = 0;
-            double pairs_per_leaf = 0.0;
-            exit_code =
-                attribute_methods_measure(run, scene_mesh(made), kind, depth, results, &result_count, &pairs_per_leaf);
-            for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-                add_row(table, kind, depth, pairs_per_leaf, &results[i]);
-            }
+            exit_code = measure_depth(run, table, scene_mesh(made), kind, depth);
         }
     }
     scene_destroy(&made);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_attributes = {
+    .name = "e3",
+    .group = "errors",
+    .summary = "error and run time of attributes: colors and normals of voxels, and their dependence on order",
+    .run_all = run_all,
+    .step_count = 2,
+};

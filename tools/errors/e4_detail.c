@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * E4: what a level of detail loses: how far its voxels are from the surface, and what its area and its enclosed volume
- * are off, against the time and the bytes that it takes.
+ * E4: errors of a level of detail (distance of its voxels from the surface, area and enclosed volume), with the time
+ * and memory that it takes.
  */
+#include "errors/e4_detail.h"
+
 #include <math.h>
 
 #include "errors/detail_measures.h"
@@ -17,12 +19,13 @@ static result_table *begin_table(error_run *run)
     result_table *table = result_add_table(run->results, "e4-detail", "E4: level of detail", "");
     result_set_note(
         table,
-        "One closed scene at each depth. Distance: the largest from a voxel's center to the surface (one-sided "
-        "Hausdorff distance of the centers; the surface itself is never outside its voxels), asked of the triangles by "
-        "svo_tree_nearest. Area: the sum of the leaves' fill, and the count of outer faces of the voxels as the usual "
-        "estimate, against the mesh's. Volume: what the voxels enclose, those of the surface counted half, against the "
-        "mesh's. All relative to the scene: lengths to its edge. Time: plan and build of nodes and fill; bytes: of "
-        "nodes and fill. Medians of %zu rounds after one that does not count.",
+        "One closed scene at each depth. Distance: the largest distance of a voxel center from the surface (one-sided "
+        "Hausdorff distance), found by svo_tree_nearest; the surface never leaves its voxels. Area, compared with the "
+        "mesh: the sum of the leaves' fill, and the common estimate from the number of outer voxel faces. Volume, "
+        "compared with the mesh: the enclosed voxels, with those of the surface counted half. Distances in %% are "
+        "relative to the edge of the grid. Time: plan and build of nodes and fill. Size: nodes and fill. Medians of "
+        "%zu "
+        "rounds after a warm-up round.",
         run->rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
@@ -75,7 +78,7 @@ static int add_depth(error_run *run, result_table *table, const char *name, cons
                   svo_tree_download(work.tree, run->opened.queue) == SVO_OK &&
                   detail_measure(reference, work.tree, run->opened.queue, &found);
     if (worked) {
-        svo_tree_info info;
+        svo_tree_info info = SVO_TREE_INFO_INIT;
         svo_tree_get_info(work.tree, &info);
         const double voxel = info.edge / (double)(1u << depth);
         result_add_text(table, "%s", name);
@@ -111,7 +114,7 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
     return exit_code;
 }
 
-int errors_detail(error_run *run)
+static int measure(error_run *run)
 {
     const unsigned last_depth = run->quick ? 8 : 9;
     result_table *table = begin_table(run);
@@ -120,3 +123,17 @@ int errors_detail(error_run *run)
                ? measure_scene(run, table, "statue", run->quick ? "statue:20000" : "statue:120000", last_depth)
                : exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_detail = {
+    .name = "e4",
+    .group = "errors",
+    .summary = "error and run time of levels of detail",
+    .run_all = run_all,
+    .step_count = 2,
+};

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* E5: the ways of E1 and E2 on meshes that get stiffer by one number at a time, to see where each of them breaks. */
+/* E5: the methods of E1 and E2 on meshes that become ill-conditioned by one number, to find where each fails. */
+#include "errors/e5_conditioning.h"
+
 #include <stdlib.h>
 
 #include "errors/adversarial_rays.h"
@@ -17,17 +19,19 @@ static const double values[CONDITIONING_COUNT][VALUES_MAX] = {
 
 static result_table *begin_table(error_run *run, size_t triangle_count, unsigned depth, size_t ray_count)
 {
-    result_table *table = result_add_table(run->results, "e5-conditioning", "E5: stiffness", "");
+    result_table *table = result_add_table(run->results, "e5-conditioning", "E5: ill-conditioned meshes", "");
     result_set_note(
         table,
-        "Voxelization: %zu triangles of random direction in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
-        "closed knot, from close by, as in E2. Aspect ratio: the triangles' longest edge over their height; for rays "
-        "the knot is flattened by so much. Offset: how many widths of the mesh it lies from the origin of coordinates, "
-        "along all axes; float32 ways and Embree get coordinates rounded to float32. Scale ratio: the grid's width "
-        "over three triangles' edges; for rays how many widths of the mesh they come from afar. Medians of %zu rounds, "
-        "interleaved, after one that does not count.",
+        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a closed "
+        "knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays the knot "
+        "is flattened by this factor. Offset: distance of the mesh from the origin along all axes, in widths of the "
+        "mesh; float32 methods and Embree get coordinates rounded to float32. Scale ratio: width of the grid over "
+        "three "
+        "edges of a triangle; for rays the distance of their origins in widths of the mesh. Medians of %zu rounds "
+        "after "
+        "a warm-up round; methods run interleaved.",
         triangle_count, 1u << depth, ray_count, run->rounds);
-    result_add_column(table, "of what", "");
+    result_add_column(table, "problem", "");
     result_add_column(table, "conditioning", "");
     result_add_column(table, "value", "");
     result_add_column(table, "method", "");
@@ -36,10 +40,10 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
     return table;
 }
 
-static void add_row(result_table *table, const char *what, conditioning family, double value, const char *method,
+static void add_row(result_table *table, const char *problem, conditioning family, double value, const char *method,
                     double ms, double error)
 {
-    result_add_text(table, "%s", what);
+    result_add_text(table, "%s", problem);
     result_add_text(table, "%s", conditioning_name(family));
     result_add_number(table, value);
     result_add_text(table, "%s", method);
@@ -70,30 +74,33 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
 {
     svo_ray *rays = calloc(ray_count, sizeof *rays);
     double *positions = calloc(knot->vertex_count * 3 + 1, sizeof *positions);
-    int exit_code = rays != NULL && positions != NULL ? PROGRAM_DONE : errors_fail(run);
-    if (exit_code == PROGRAM_DONE) {
-        const svo_mesh mesh = {.struct_size = sizeof mesh,
-                               .positions_double = positions,
-                               .vertex_count = knot->vertex_count,
-                               .indices = knot->indices,
-                               .triangle_count = knot->triangle_count};
-        const adversarial_set set = {.kind = AIM_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
-        const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
-        ray_method_result results[RAY_METHODS_MAX] = {0};
-        size_t result_count = 0;
-        ill_conditioned_positions(knot, family, value, positions);
-        adversarial_rays(&mesh, &set, ray_count, rays);
-        exit_code = ray_methods_measure(run, &given, results, &result_count);
-        for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
-        }
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions_double = positions,
+                           .vertex_count = knot->vertex_count,
+                           .indices = knot->indices,
+                           .triangle_count = knot->triangle_count};
+    const adversarial_set set = {.target = TARGET_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
+    const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
+    ray_method_result results[RAY_METHODS_MAX] = {0};
+    size_t result_count = 0;
+    int exit_code = PROGRAM_DONE;
+    if (rays == NULL || positions == NULL) {
+        exit_code = errors_fail(run);
+        goto cleanup;
     }
+    ill_conditioned_positions(knot, family, value, positions);
+    adversarial_rays(&mesh, &set, ray_count, rays);
+    exit_code = ray_methods_measure(run, &given, results, &result_count);
+    for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
+        add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
+    }
+cleanup:
     free(positions);
     free(rays);
     return exit_code;
 }
 
-int errors_conditioning(error_run *run)
+static int measure(error_run *run)
 {
     const size_t triangle_count = run->quick ? 200 : 400;
     const size_t ray_count = run->quick ? 5000 : 20000;
@@ -103,7 +110,7 @@ int errors_conditioning(error_run *run)
     int exit_code = knot != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
     for (int rays = 0; rays < 2 && exit_code == PROGRAM_DONE; ++rays) {
         for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
-            progress_step(run->state->progress, "E5: stiffness");
+            progress_step(run->state->progress, "E5: ill-conditioned meshes");
             for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
                 exit_code =
                     rays != 0
@@ -115,3 +122,17 @@ int errors_conditioning(error_run *run)
     scene_destroy(&knot);
     return exit_code;
 }
+
+static int run_all(suite *all)
+{
+    error_run run = errors_begin(all);
+    return measure(&run);
+}
+
+const suite_subject errors_conditioning = {
+    .name = "e5",
+    .group = "errors",
+    .summary = "where each method fails as meshes become ill-conditioned",
+    .run_all = run_all,
+    .step_count = 6,
+};

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* No number here is a multiple of a power of two, so that float32 has something to round. */
+/* Coordinates are no multiples of powers of two, so that float32 has to round. */
 #include "errors/ill_conditioned_meshes.h"
 
 #include <math.h>
 
 #define SEED      UINT64_C(20260301)
-#define UNIT_EDGE 0.31 /* of a triangle that is not small */
+#define UNIT_EDGE 0.31 /* of a triangle at scale ratio 1 */
 
 const char *conditioning_name(conditioning family)
 {
@@ -18,7 +18,7 @@ static double between(random_stream *random, double low, double high)
     return low + (high - low) * (double)(random_bits(random) >> 11) * 0x1p-53;
 }
 
-/* A segment of that length in some direction, and a third corner at that height over one of its points. */
+/* A segment of that length in a random direction, and a third vertex at that height over a point of it. */
 static void make_triangle(random_stream *random, double length, double height, double corners[9])
 {
     const vector3 along = random_direction(random);
@@ -39,7 +39,7 @@ static void make_triangle(random_stream *random, double length, double height, d
     }
 }
 
-/* A corner of the unit cube as a triangle: two of them, and the fitted grid is the same whatever the others are. */
+/* A triangle that is one corner of the unit cube: two of them fix the fitted grid, whatever the others are. */
 static void pin_grid(double corner, double corners[9])
 {
     for (int i = 0; i < 9; ++i) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens every way, times them interleaved, and judges what each of them found. */
+/* Sets up every method, times them interleaved, and compares their hits with the exact ones. */
 #include "errors/ray_methods.h"
 
 #include <math.h>
@@ -13,9 +13,9 @@
 #include "measure/ray_judge.h"
 #include "support/input.h"
 
-#define SOME_VOXEL    (SVO_NO_TRIANGLE - 1) /* in the place of a triangle */
-#define LEAN          0x1p-30
-#define LEANING_SIDES 8
+#define SOME_VOXEL    (SVO_NO_TRIANGLE - 1) /* a hit without a triangle */
+#define PERTURBATION  0x1p-30
+#define PERTURBATIONS 8
 
 typedef struct ray_bench ray_bench;
 
@@ -23,9 +23,9 @@ typedef struct ray_method {
     ray_bench *bench;
     const char *name;
     double (*work_ms)(void *user);
-    bvh_test *test; /* of a float way */
-    embree *rival; /* of Embree's */
-    voxel_cast *cast; /* of voxels alone */
+    bvh_test *test; /* of a float32 method */
+    embree *embree_scene; /* of Embree's */
+    voxel_cast *cast; /* of "voxels alone" */
     svo_hit *hits; /* of the last round */
 } ray_method;
 
@@ -38,16 +38,16 @@ struct ray_bench {
     svo_tree_arrays arrays;
     oracle_ray_scene snapped;
     float *vertices; /* of the tree, in world coordinates */
-    bvh *hierarchy;
+    bvh *host_bvh;
     cl_mem rays, hits; /* on the device */
-    svo_hit *found; /* of all ways, one after the other */
+    svo_hit *found; /* of all methods, one after the other */
     svo_hit *exact;
-    double *exact_ts; /* infinity: nothing is met */
+    double *exact_ts; /* infinity: no hit */
     ray_method methods[RAY_METHODS_MAX];
     size_t method_count;
 };
 
-/* ---- the ways ---- */
+/* ---- the methods ---- */
 
 static double run_ours(void *user)
 {
@@ -67,19 +67,19 @@ static double run_voxels(void *user)
     return voxel_cast_run(method->cast);
 }
 
-static double run_hierarchy(void *user)
+static double run_bvh(void *user)
 {
     const ray_method *method = user;
     const ray_bench *bench = method->bench;
     const float_triangles triangles = {bench->vertices, bench->arrays.indices};
-    return bvh_trace(bench->hierarchy, method->test, &triangles, bench->given->rays, method->hits,
+    return bvh_trace(bench->host_bvh, method->test, &triangles, bench->given->rays, method->hits,
                      bench->given->ray_count, bench->run->threads);
 }
 
 static double run_embree(void *user)
 {
     const ray_method *method = user;
-    return embree_trace(method->rival, method->bench->given->rays, method->hits, method->bench->given->ray_count,
+    return embree_trace(method->embree_scene, method->bench->given->rays, method->hits, method->bench->given->ray_count,
                         method->bench->run->threads);
 }
 
@@ -99,14 +99,14 @@ static bool add_embree(ray_bench *bench, const char *name, bool robust)
         return true;
     }
     ray_method *method = add_method(bench, name, run_embree);
-    method->rival = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
-                                  (size_t)bench->info.list_triangle_count, robust);
-    return method->rival != NULL;
+    method->embree_scene = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
+                                         (size_t)bench->info.list_triangle_count, robust);
+    return method->embree_scene != NULL;
 }
 
 static bool add_voxels(ray_bench *bench)
 {
-    static const char *const names[RAY_LEVELS_MAX] = {"voxels alone, coarse", "voxels alone, middle",
+    static const char *const names[RAY_LEVELS_MAX] = {"voxels alone, coarse", "voxels alone, medium",
                                                       "voxels alone, fine"};
     bool worked = true;
     for (size_t i = 0; i < RAY_LEVELS_MAX && bench->given->levels[i] != 0 && worked; ++i) {
@@ -125,8 +125,8 @@ static bool list_methods(ray_bench *bench)
         return false;
     }
     add_method(bench, "svocl", run_ours);
-    add_method(bench, "Möller-Trumbore, float32", run_hierarchy)->test = ray_test_moller_trumbore;
-    add_method(bench, "watertight, float32", run_hierarchy)->test = ray_test_watertight;
+    add_method(bench, "Möller-Trumbore, float32", run_bvh)->test = ray_test_moller_trumbore;
+    add_method(bench, "watertight, float32", run_bvh)->test = ray_test_watertight;
     bool worked =
         add_embree(bench, "Embree, fast", false) && add_embree(bench, "Embree, robust", true) && add_voxels(bench);
     for (size_t i = 0; i < bench->method_count; ++i) {
@@ -153,7 +153,9 @@ static bool build_tree(ray_bench *bench)
     }
     svo_plan_destroy(&plan);
     if (worked) {
+        bench->info = (svo_tree_info)SVO_TREE_INFO_INIT;
         svo_tree_get_info(bench->tree, &bench->info);
+        bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
         svo_tree_get_arrays(bench->tree, &bench->arrays);
         bench->snapped =
             (oracle_ray_scene){.vertices = bench->arrays.vertices,
@@ -165,8 +167,8 @@ static bool build_tree(ray_bench *bench)
     return worked;
 }
 
-/* World coordinates of the snapped triangles, and the hierarchy over them, wide enough for their rounding to float. */
-static bool make_hierarchy(ray_bench *bench)
+/* World coordinates of the snapped triangles, and their BVH with bounds that allow for rounding to float. */
+static bool make_bvh(ray_bench *bench)
 {
     const size_t count = (size_t)bench->info.vertex_count * 3;
     double *positions = calloc(count + 1, sizeof *positions);
@@ -178,11 +180,11 @@ static bool make_hierarchy(ray_bench *bench)
             bench->vertices[i] = (float)positions[i];
             largest = fmax(largest, fabs(positions[i]));
         }
-        bench->hierarchy =
+        bench->host_bvh =
             bvh_create(positions, bench->arrays.indices, (size_t)bench->info.list_triangle_count, largest * 0x1p-22);
     }
     free(positions);
-    return bench->hierarchy != NULL;
+    return bench->host_bvh != NULL;
 }
 
 static bool upload_rays(ray_bench *bench)
@@ -196,7 +198,7 @@ static bool upload_rays(ray_bench *bench)
                                 bench->given->rays, 0, NULL, NULL) == CL_SUCCESS;
 }
 
-/* The exact answers: the hierarchy proposes, long double decides. */
+/* The exact hits: the BVH finds candidates, long double decides. */
 static bool find_exact(ray_bench *bench)
 {
     const size_t count = bench->given->ray_count;
@@ -204,7 +206,7 @@ static bool find_exact(ray_bench *bench)
     bench->exact = calloc(count + 1, sizeof *bench->exact);
     bench->exact_ts = calloc(count + 1, sizeof *bench->exact_ts);
     if (bench->exact == NULL || bench->exact_ts == NULL ||
-        bvh_trace(bench->hierarchy, ray_test_exact, &triangles, bench->given->rays, bench->exact, count,
+        bvh_trace(bench->host_bvh, ray_test_exact, &triangles, bench->given->rays, bench->exact, count,
                   bench->run->threads) < 0.0) {
         return false;
     }
@@ -218,9 +220,9 @@ static bool find_exact(ray_bench *bench)
     return true;
 }
 
-/* ---- the verdict ---- */
+/* ---- comparison ---- */
 
-/* ts, and triangles by their position in the tree. */
+/* Reads ts, and triangles as indices into the tree's list. */
 static bool fetch(ray_bench *bench, ray_method *method)
 {
     const size_t count = bench->given->ray_count;
@@ -240,7 +242,7 @@ static bool fetch(ray_bench *bench, ray_method *method)
                             NULL, NULL) != CL_SUCCESS) {
         return false;
     }
-    uint32_t last = 0; /* triangle_ids ascend: a hit's id is at or before its number */
+    uint32_t last = 0; /* triangle_ids ascend: the index of an ID is at most the ID */
     for (size_t i = 0; i < count; ++i) {
         svo_hit *hit = &method->hits[i];
         last = hit->triangle < bench->info.list_triangle_count ? hit->triangle
@@ -253,17 +255,17 @@ static bool fetch(ray_bench *bench, ray_method *method)
     return true;
 }
 
-/* Whether the answer is that of the ray when it leans to some side, by far less than a float can say: a ray that only
-   touches an outline may be taken for one that meets it or for one that goes past. */
-static bool is_right_when_leaning(const ray_bench *bench, size_t index, const svo_hit *hit)
+/* Whether the result is correct for the ray with its direction perturbed by far less than a float resolves: a ray that
+   only touches a silhouette may count as a hit or as a miss. */
+static bool is_right_when_perturbed(const ray_bench *bench, size_t index, const svo_hit *hit)
 {
-    for (int side = 0; side < LEANING_SIDES; ++side) {
+    for (int side = 0; side < PERTURBATIONS; ++side) {
         exact_triangles triangles = {.snapped = &bench->snapped};
         svo_hit exact = {0};
         for (int k = 0; k < 3; ++k) {
-            triangles.lean[k] = (side >> k & 1) != 0 ? LEAN : -LEAN;
+            triangles.perturbation[k] = (side >> k & 1) != 0 ? PERTURBATION : -PERTURBATION;
         }
-        bvh_trace(bench->hierarchy, ray_test_exact, &triangles, &bench->given->rays[index], &exact, 1, 1);
+        bvh_trace(bench->host_bvh, ray_test_exact, &triangles, &bench->given->rays[index], &exact, 1, 1);
         if (exact.triangle == hit->triangle ||
             (exact.triangle != SVO_NO_TRIANGLE && hit->triangle != SVO_NO_TRIANGLE &&
              (hit->triangle == SOME_VOXEL || ray_ties((double)hit->t, (double)exact.t)))) {
@@ -284,7 +286,7 @@ static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, 
         result->t_error_mean += error;
         result->t_error_max = fmax(result->t_error_max, error);
         ++result->compared;
-    } else if ((met || !isinf(exact)) && !is_right_when_leaning(bench, index, hit)) {
+    } else if ((met || !isinf(exact)) && !is_right_when_perturbed(bench, index, hit)) {
         ++*(met ? &result->wrong : &result->missed);
     }
 }
@@ -299,14 +301,14 @@ static void judge(const ray_bench *bench, const ray_method *method, ray_method_r
 
 static bool measure(ray_bench *bench, ray_method_result *results)
 {
-    interleaved_method turns[RAY_METHODS_MAX];
+    interleaved_method timed[RAY_METHODS_MAX];
     for (size_t i = 0; i < bench->method_count; ++i) {
-        turns[i] = (interleaved_method){.work_ms = bench->methods[i].work_ms, .user = &bench->methods[i]};
+        timed[i] = (interleaved_method){.work_ms = bench->methods[i].work_ms, .user = &bench->methods[i]};
     }
-    bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    bool worked = interleave_measure(timed, bench->method_count, bench->run->rounds);
     for (size_t i = 0; i < bench->method_count && worked; ++i) {
         results[i] = (ray_method_result){
-            .method = bench->methods[i].name, .ms = turns[i].median_ms, .rays = bench->given->ray_count};
+            .method = bench->methods[i].name, .ms = timed[i].median_ms, .rays = bench->given->ray_count};
         worked = fetch(bench, &bench->methods[i]);
         if (worked) {
             judge(bench, &bench->methods[i], &results[i]);
@@ -318,7 +320,7 @@ static bool measure(ray_bench *bench, ray_method_result *results)
 static void release(ray_bench *bench)
 {
     for (size_t i = 0; i < bench->method_count; ++i) {
-        embree_destroy(&bench->methods[i].rival);
+        embree_destroy(&bench->methods[i].embree_scene);
         voxel_cast_destroy(&bench->methods[i].cast);
     }
     if (bench->rays != NULL) {
@@ -327,7 +329,7 @@ static void release(ray_bench *bench)
     if (bench->hits != NULL) {
         clReleaseMemObject(bench->hits);
     }
-    bvh_destroy(&bench->hierarchy);
+    bvh_destroy(&bench->host_bvh);
     svo_tree_destroy(&bench->tree);
     free(bench->vertices);
     free(bench->found);
@@ -340,7 +342,7 @@ int ray_methods_measure(error_run *run, const ray_case *given, ray_method_result
     ray_bench bench = {.run = run, .given = given};
     bench.grid = (svo_plan_options){.struct_size = sizeof bench.grid, .edge = given->edge};
     memcpy(bench.grid.origin, given->origin, sizeof bench.grid.origin);
-    const bool worked = build_tree(&bench) && make_hierarchy(&bench) && upload_rays(&bench) && find_exact(&bench) &&
+    const bool worked = build_tree(&bench) && make_bvh(&bench) && upload_rays(&bench) && find_exact(&bench) &&
                         list_methods(&bench) && measure(&bench, results);
     *result_count = bench.method_count;
     release(&bench);

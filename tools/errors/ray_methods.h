@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The same rays against the same triangles by every way there is: svocl's, its voxels alone, Embree's two modes where
- * the program has them, and float32 tests in a hierarchy on the host; each against the exact first hit.
+ * Traces the same rays against the same triangles by every method: svocl, its voxels alone, Embree's two modes where
+ * Embree is installed, and float32 tests in a BVH on the host. Each is compared with the exact first hit.
  */
 #ifndef SVOCL_TOOLS_ERRORS_RAY_METHODS_H
 #define SVOCL_TOOLS_ERRORS_RAY_METHODS_H
@@ -13,17 +13,17 @@
 
 typedef struct ray_method_result {
     const char *method; /* static */
-    double ms; /* median, of one batch */
+    double ms; /* median, of all rays */
     size_t rays;
-    size_t missed; /* the exact answer is a hit, the way has none */
-    size_t wrong; /* another triangle at another t, or a hit where there is none */
-    size_t compared; /* rays with the right answer that hit */
+    size_t missed; /* the exact result is a hit, the method's is none */
+    size_t wrong; /* another triangle at another t, or a false hit */
+    size_t compared; /* rays with a correct hit */
     double t_error_mean, t_error_max; /* |t - exact| / exact, over those */
 } ray_method_result;
 
 typedef struct ray_case {
     const svo_mesh *mesh;
-    double edge; /* of the grid from the origin; 0: fitted */
+    double edge; /* of the grid at the origin; 0: fitted */
     double origin[3];
     const svo_ray *rays;
     size_t ray_count;
@@ -33,7 +33,7 @@ typedef struct ray_case {
 /* results: RAY_METHODS_MAX of them. Returns the exit code. */
 int ray_methods_measure(error_run *run, const ray_case *given, ray_method_result *results, size_t *result_count);
 
-/* Missed and wrong rays over all. */
+/* The fraction of missed and wrong rays. */
 double ray_method_error(const ray_method_result *result);
 
 #endif

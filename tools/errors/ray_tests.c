@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One ray and one triangle at a time. */
+/* Each test intersects one ray with one triangle. */
 #include "errors/ray_tests.h"
 
 #include <math.h>
@@ -60,7 +60,7 @@ bool ray_test_moller_trumbore(const void *triangles, size_t triangle, const svo_
     return true;
 }
 
-/* The ray's longest axis last, the order of the others such that the winding stays. */
+/* The ray's longest axis last; the order of the others keeps the winding. */
 static void order_axes(const svo_ray *ray, int axes[3])
 {
     const float *d = ray->direction;
@@ -127,7 +127,7 @@ bool ray_test_exact(const void *triangles, size_t triangle, const svo_ray *ray, 
     const double longest = fmax(fabs(wide.direction[0]), fmax(fabs(wide.direction[1]), fabs(wide.direction[2])));
     double t = 0.0;
     for (int k = 0; k < 3; ++k) {
-        wide.direction[k] += longest * exact->lean[k];
+        wide.direction[k] += longest * exact->perturbation[k];
     }
     if (!oracle_ray_meets(exact->snapped, triangle, &wide, &t) || t > (double)hit->t) {
         return false;

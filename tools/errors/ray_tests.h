@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The usual ray-triangle tests in float32, and the exact one, as tests of a hierarchy. */
+/* Common ray-triangle tests in float32, and the exact test, for bvh.h. */
 #ifndef SVOCL_TOOLS_ERRORS_RAY_TESTS_H
 #define SVOCL_TOOLS_ERRORS_RAY_TESTS_H
 
 #include "errors/bvh.h"
 #include "reference/oracle_rays.h"
 
-/* Triangles as float32 sees them: world coordinates, rounded. */
+/* Triangles in world coordinates, rounded to float32. */
 typedef struct float_triangles {
     const float *vertices; /* three per vertex */
     const uint32_t *indices; /* three per triangle */
@@ -15,14 +15,13 @@ typedef struct float_triangles {
 /* Moller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997, two-sided, without an epsilon.
    triangles: a float_triangles. */
 bvh_test ray_test_moller_trumbore;
-/* Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", 2013: sheared to the ray, edge functions once more in
-   double where one of them is 0. triangles: a float_triangles. */
+/* Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", 2013: edge functions in ray space, again in double
+   where one of them is 0. triangles: a float_triangles. */
 bvh_test ray_test_watertight;
-/* The snapped triangles, and how far rays lean: what is added to their directions, in lengths of the longest
-   component. */
+/* The snapped triangles, and what is added to the rays' directions, in units of their longest component. */
 typedef struct exact_triangles {
     const oracle_ray_scene *snapped;
-    double lean[3];
+    double perturbation[3];
 } exact_triangles;
 
 /* In long double. triangles: an exact_triangles. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Times all ways interleaved, then compares what each of them found. */
+/* Times all methods interleaved, then compares their voxels with the exact ones. */
 #include "errors/voxel_methods.h"
 
 #include <stdlib.h>
@@ -10,14 +10,14 @@
 #include "support/input.h"
 #include "support/tree_check.h"
 
-#define TRIANGLES_AT_A_TIME 256u
+#define TRIANGLES_PER_CHUNK 256u
 
 typedef struct voxel_bench voxel_bench;
 
-/* One way to be timed. */
+/* One method to be timed. */
 typedef struct voxel_method {
     voxel_bench *bench;
-    svo_frontend *frontend; /* NULL: a float way */
+    svo_frontend *frontend; /* NULL: a float32 method */
     float_method floats;
     float_list lists[THREADS_MAX]; /* of the last round, one per thread */
 } voxel_method;
@@ -28,7 +28,7 @@ struct voxel_bench {
     unsigned depth;
     svo_plan_options plan_options;
     svo_plan *plan; /* of the nodes alone */
-    svo_tree *tree; /* with lists: the geometry that the float ways read */
+    svo_tree *tree; /* with lists: the geometry that the float32 methods read */
     svo_tree_info info;
     svo_tree_arrays arrays;
     oracle_pairs expected[2]; /* by coverage */
@@ -58,10 +58,11 @@ static const char *frontend_method_name(const svo_frontend *frontend)
 
 /* ---- times ---- */
 
-static void list_portion(void *user, unsigned member, size_t begin, size_t end)
+static void list_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
 {
     voxel_method *method = user;
-    float_method_list(method->floats, &method->bench->info, &method->bench->arrays, begin, end, &method->lists[member]);
+    float_method_list(method->floats, &method->bench->info, &method->bench->arrays, begin, end,
+                      &method->lists[thread_index]);
 }
 
 static void release_lists(voxel_method *method)
@@ -76,11 +77,11 @@ static double run_floats(void *user)
 {
     voxel_method *method = user;
     for (size_t i = 0; i < THREADS_MAX; ++i) {
-        method->lists[i].count = 0; /* the room stays: growing it is not what is measured */
+        method->lists[i].count = 0; /* keeps the memory: allocation is not measured */
     }
     const double started_ms = input_now_ms();
-    threads_run(method->bench->run->threads, (size_t)method->bench->info.list_triangle_count, TRIANGLES_AT_A_TIME,
-                list_portion, method);
+    threads_run(method->bench->run->threads, (size_t)method->bench->info.list_triangle_count, TRIANGLES_PER_CHUNK,
+                list_chunk, method);
     const double ms = input_now_ms() - started_ms;
     bool failed = false;
     for (size_t i = 0; i < THREADS_MAX; ++i) {
@@ -97,7 +98,7 @@ static double run_frontend(void *user)
     svo_tree *tree = NULL;
     const svo_status status = svo_build(bench->plan, method->frontend, bench->run->opened.queue, &tree, &report);
     svo_tree_destroy(&tree);
-    return status == SVO_OK ? report.stages[SVO_STAGE_VOXELIZE].ms : -1.0;
+    return status == SVO_OK ? report.stage_times[SVO_STAGE_VOXELIZE].ms : -1.0;
 }
 
 static void add_method(voxel_bench *bench, svo_frontend *frontend, float_method floats)
@@ -123,22 +124,22 @@ static void list_methods(voxel_bench *bench)
 
 static bool measure(voxel_bench *bench, voxel_method_result *results)
 {
-    interleaved_method turns[VOXEL_METHODS_MAX];
+    interleaved_method timed[VOXEL_METHODS_MAX];
     for (size_t i = 0; i < bench->method_count; ++i) {
         voxel_method *method = &bench->methods[i];
-        turns[i] =
+        timed[i] =
             (interleaved_method){.work_ms = method->frontend != NULL ? run_frontend : run_floats, .user = method};
     }
-    const bool worked = interleave_measure(turns, bench->method_count, bench->run->rounds);
+    const bool worked = interleave_measure(timed, bench->method_count, bench->run->rounds);
     for (size_t i = 0; i < bench->method_count && worked; ++i) {
-        results[i].ms = turns[i].median_ms;
+        results[i].ms = timed[i].median_ms;
     }
     return worked;
 }
 
 /* ---- errors ---- */
 
-/* What the way found, in order. */
+/* The pairs of the last round, sorted. */
 static bool float_pairs(voxel_method *method, oracle_pairs *out)
 {
     float_list all = {0};
@@ -161,8 +162,8 @@ static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, ora
     with_lists.need = SVO_NEED_RAYS;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     uint64_t empty_leaf_count = 0;
     bool worked = svo_plan_create(bench->run->opened.device, bench->mesh, bench->depth, &with_lists, &plan) == SVO_OK &&
                   svo_build(plan, frontend, bench->run->opened.queue, &tree, NULL) == SVO_OK &&
@@ -190,7 +191,7 @@ static bool compare(voxel_bench *bench, voxel_method *method, voxel_method_resul
     oracle_compare(expected, &found, &difference);
     oracle_pairs_free(&found);
     result->method = exact ? frontend_method_name(method->frontend) : voxel_method_name(method->floats);
-    result->target = coverage == ORACLE_CLOSED ? "closed" : "half-open";
+    result->coverage = coverage == ORACLE_CLOSED ? "closed" : "half-open";
     result->voxels = oracle_pairs_voxel_count(expected);
     result->pairs = expected->count;
     result->missed_voxels = difference.missed_voxels;
@@ -200,7 +201,7 @@ static bool compare(voxel_bench *bench, voxel_method *method, voxel_method_resul
     return true;
 }
 
-/* ---- all of it ---- */
+/* ---- the measurement ---- */
 
 /* The plan that is timed, the geometry, and the exact sets. */
 static bool prepare(voxel_bench *bench)
@@ -218,7 +219,9 @@ static bool prepare(voxel_bench *bench)
     if (!worked) {
         return false;
     }
+    bench->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(bench->tree, &bench->info);
+    bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(bench->tree, &bench->arrays);
     const oracle_mesh mesh = {bench->arrays.vertices, bench->arrays.indices, bench->arrays.triangle_ids,
                               (size_t)bench->info.list_triangle_count};

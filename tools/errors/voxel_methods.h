@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One mesh voxelized by every way there is: the usual ones in float32 on the host (tools/stress/float_methods.h), and
- * svocl's front ends; each against the exact set of the voxels that it aims at.
+ * Voxelizes one mesh by every method: common float32 methods on the host (stress/float_methods.h) and svocl's front
+ * ends. Each is compared with the exact set of voxels for its coverage rule.
  */
 #ifndef SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
 #define SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
@@ -14,23 +14,22 @@
 
 typedef struct voxel_method_result {
     const char *method; /* "exact integers, cl", "pixel centers", ...: static */
-    const char *target; /* coverage of the reference: static */
+    const char *coverage; /* of the reference: static */
     double ms; /* median, of making the list of pairs */
     uint64_t voxels; /* of the reference */
     uint64_t missed_voxels, surplus_voxels;
-    uint64_t pairs, missed_pairs, surplus_pairs; /* voxel-triangle pairs, in the same words */
+    uint64_t pairs, missed_pairs, surplus_pairs; /* of (voxel, triangle) pairs */
 } voxel_method_result;
 
-/* What a way is called: the same words in every experiment. */
+/* The method's name in tables. */
 const char *voxel_method_name(float_method method);
 
-/* mesh and depth as for a plan; edge 0: the fitted grid, else the grid from the origin. results: VOXEL_METHODS_MAX of
-   them.
+/* mesh, depth: as for a plan. edge: of a grid at the origin; 0: the fitted grid. results: VOXEL_METHODS_MAX of them.
    Returns the exit code. */
 int voxel_methods_measure(error_run *run, const svo_mesh *mesh, unsigned depth, double edge,
                           voxel_method_result *results, size_t *result_count);
 
-/* Missed and surplus voxels over those of the reference. */
+/* Missed and surplus voxels, relative to the number in the reference. */
 double voxel_method_error(const voxel_method_result *result);
 
 #endif

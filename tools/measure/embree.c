@@ -1,23 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* The only file that knows Embree. Built without it, there is no rival to measure against. */
+/* The only file that uses Embree. Without the library its functions say so and fail. */
 #include "measure/embree.h"
 
 #ifdef SVOCL_EMBREE
 
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/threads.h"
 #include "support/input.h"
 
-/* Rays a thread takes at a time. */
-#define PORTION       4096u
-#define THREADS_MAX   256u
-#define VERSION_BYTES 32
+#define RAYS_PER_CHUNK 4096u
+#define VERSION_BYTES  32
 
 struct embree {
     RTCDevice device;
@@ -75,38 +72,36 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
     return made;
 }
 
-void embree_destroy(embree **rival)
+void embree_destroy(embree **peer)
 {
-    if (*rival == NULL) {
+    if (*peer == NULL) {
         return;
     }
-    if ((*rival)->scene != NULL) {
-        rtcReleaseScene((*rival)->scene);
+    if ((*peer)->scene != NULL) {
+        rtcReleaseScene((*peer)->scene);
     }
-    if ((*rival)->device != NULL) {
-        rtcReleaseDevice((*rival)->device);
+    if ((*peer)->device != NULL) {
+        rtcReleaseDevice((*peer)->device);
     }
-    free(*rival);
-    *rival = NULL;
+    free(*peer);
+    *peer = NULL;
 }
 
-double embree_build_ms(const embree *rival)
+double embree_build_ms(const embree *peer)
 {
-    return rival->build_ms;
+    return peer->build_ms;
 }
 
-const char *embree_version(const embree *rival)
+const char *embree_version(const embree *peer)
 {
-    return rival->version;
+    return peer->version;
 }
 
-typedef struct crew {
-    const embree *rival;
+typedef struct ray_batch {
+    const embree *peer;
     const svo_ray *rays;
     svo_hit *hits;
-    size_t ray_count;
-    atomic_size_t next;
-} crew;
+} ray_batch;
 
 static void trace_one(RTCScene tree, struct RTCIntersectContext *context, const svo_ray *ray, svo_hit *hit)
 {
@@ -128,39 +123,24 @@ static void trace_one(RTCScene tree, struct RTCIntersectContext *context, const 
     hit->v = query.hit.v;
 }
 
-static void *work(void *shared)
+static void trace_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
 {
-    crew *all = shared;
+    const ray_batch *batch = user;
     struct RTCIntersectContext context;
+    (void)thread_index;
     rtcInitIntersectContext(&context);
-    for (;;) {
-        const size_t first = atomic_fetch_add(&all->next, PORTION);
-        if (first >= all->ray_count) {
-            return NULL;
-        }
-        const size_t end = first + PORTION < all->ray_count ? first + PORTION : all->ray_count;
-        for (size_t i = first; i < end; ++i) {
-            trace_one(all->rival->scene, &context, &all->rays[i], &all->hits[i]);
-        }
+    for (size_t i = begin; i < end; ++i) {
+        trace_one(batch->peer->scene, &context, &batch->rays[i], &batch->hits[i]);
     }
 }
 
-double embree_trace(const embree *rival, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
+double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
 {
-    crew all = {.rival = rival, .rays = rays, .hits = hits, .ray_count = ray_count};
-    pthread_t threads[THREADS_MAX];
-    unsigned started = 0;
-    atomic_init(&all.next, 0);
-    thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
+    ray_batch batch = {.peer = peer, .rays = rays, .hits = hits};
     const double start_ms = input_now_ms();
-    while (started + 1 < thread_count && pthread_create(&threads[started], NULL, work, &all) == 0) {
-        ++started;
-    }
-    work(&all);
-    for (unsigned i = 0; i < started; ++i) {
-        pthread_join(threads[i], NULL);
-    }
-    return started + 1 == thread_count ? input_now_ms() - start_ms : -1.0;
+    thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
+    const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, trace_chunk, &batch);
+    return took_part == thread_count ? input_now_ms() - start_ms : -1.0;
 }
 
 #else
@@ -181,26 +161,26 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
     return NULL;
 }
 
-void embree_destroy(embree **rival)
+void embree_destroy(embree **peer)
 {
-    *rival = NULL;
+    *peer = NULL;
 }
 
-double embree_build_ms(const embree *rival)
+double embree_build_ms(const embree *peer)
 {
-    (void)rival;
+    (void)peer;
     return -1.0;
 }
 
-const char *embree_version(const embree *rival)
+const char *embree_version(const embree *peer)
 {
-    (void)rival;
+    (void)peer;
     return "";
 }
 
-double embree_trace(const embree *rival, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
+double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
 {
-    (void)rival;
+    (void)peer;
     (void)rays;
     (void)hits;
     (void)ray_count;

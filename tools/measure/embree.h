@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Embree (https://www.embree.org) beside svocl: the same triangles, rays and hits through rtcIntersect1. */
+/* Embree (https://www.embree.org): the same triangles, rays and hits as for svocl, through rtcIntersect1. */
 #ifndef SVOCL_TOOLS_MEASURE_EMBREE_H
 #define SVOCL_TOOLS_MEASURE_EMBREE_H
 
@@ -12,17 +12,18 @@ typedef struct embree embree;
 /* Whether this program was built with Embree. */
 bool embree_is_there(void);
 
-/* vertices: three floats each; indices: three per triangle. robust: its slower mode, which promises fewer gaps. NULL
-   when Embree cannot. */
+/* vertices: three floats each; indices: three per triangle. robust: the slower mode with fewer gaps. NULL on
+   failure. */
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
                       bool robust);
-void embree_destroy(embree **rival);
-/* Milliseconds that the hierarchy over the triangles took, on all cores, their copy left out. */
-double embree_build_ms(const embree *rival);
+void embree_destroy(embree **peer);
+/* Milliseconds to build the BVH on all cores, without copying the triangles. */
+double embree_build_ms(const embree *peer);
 /* "3.13.5" */
-const char *embree_version(const embree *rival);
+const char *embree_version(const embree *peer);
 
-/* Fills t, triangle, u, v of the hits, on that many threads. Returns the milliseconds it took, below 0 on failure. */
-double embree_trace(const embree *rival, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count);
+/* Fills t, triangle, u and v of the hits on that many threads, at most THREADS_MAX. Returns the milliseconds, below 0
+   on failure. */
+double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count);
 
 #endif

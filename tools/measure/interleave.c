@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rounds of all ways, and medians. */
+/* Rounds over all methods, and their medians. */
 #include "measure/interleave.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Ways that are compared take turns in one run, so that whatever else the machine does falls on all of them alike. */
+/* Interleaved timing: each round runs every method once, so that disturbances of the machine affect all methods alike.
+   */
 #ifndef SVOCL_TOOLS_MEASURE_INTERLEAVE_H
 #define SVOCL_TOOLS_MEASURE_INTERLEAVE_H
 
@@ -7,13 +8,13 @@
 #include <stddef.h>
 
 typedef struct interleaved_method {
-    double (*work_ms)(void *user); /* does the work once; returns what it took, below 0 on failure */
+    double (*work_ms)(void *user); /* does the work once; returns its milliseconds, below 0 on failure */
     void *user;
-    double median_ms; /* of the rounds after the first: set by interleave_measure */
+    double median_ms; /* over all rounds after the first: set by interleave_measure */
 } interleaved_method;
 
-/* The first round warms up and does not count. Returns false when a way fails or memory runs out; then no median is
-   set. */
+/* Runs a warm-up round, then round_count measured ones. Returns false when a method fails or memory runs out; then no
+   median is set. */
 bool interleave_measure(interleaved_method *methods, size_t method_count, size_t round_count);
 
 #endif

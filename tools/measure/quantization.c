@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Snaps as a plan does, but into floats. */
+/* Snaps like a plan, but into floats. */
 #include "measure/quantization.h"
 
 #include <math.h>

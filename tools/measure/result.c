@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sets of tables in memory: made cell by cell by measurements, read by whatever shows them. */
+/* Sets of tables in memory, filled cell by cell. */
 #include "measure/result.h"
 
 #include <math.h>

@@ -1,30 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measurements as tables: what `svocl bench` produces and what a report is made of. A set holds the facts of the
- * machine and tables; a table has columns with units and rows of cells, each a text, a number, or nothing. As JSON:
+ * Measurements as tables: the output of `svocl bench` and the input of a report. A set holds the facts of the
+ * machine and tables; a table has columns with units and rows of cells, each a text, a number, or nothing.
  *
- *   {"machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
- *                "svocl": "0.1.0"},
- *    "tables": [{"id": "voxelize", "title": "...", "note": "...",
- *                "columns": [{"name": "scene", "unit": ""}, {"name": "median", "unit": "ms"}],
- *                "rows": [["knot", 1.25], ["cube", null]]}]}
- *
- * Running out of memory is kept in the set and shows once, in result_to_json and result_is_whole; functions that add
- * allow NULL and then do nothing, so that callers check in one place.
+ * Functions that add allow NULL and then do nothing. When memory runs out the set remembers it, and result_is_whole and
+ * result_to_json report it: callers check in one place.
  */
 #ifndef SVOCL_TOOLS_MEASURE_RESULT_H
 #define SVOCL_TOOLS_MEASURE_RESULT_H
 
-#include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
-#include "svocl/status.h"
-
 #define RESULT_FACT_BYTES 256
 
-/* What was measured on; "" where it is not known. */
+/* The machine of the measurements; "" where a fact is unknown. */
 typedef struct result_machine {
     char device[RESULT_FACT_BYTES]; /* "Portable Computing Language: pthread-..." */
     char driver[RESULT_FACT_BYTES]; /* version of the OpenCL driver */
@@ -32,6 +23,7 @@ typedef struct result_machine {
     char renderer[RESULT_FACT_BYTES]; /* OpenGL's; "none" without OpenGL */
     char svocl[RESULT_FACT_BYTES]; /* version of svocl */
     char date[RESULT_FACT_BYTES]; /* "": left out */
+    char instruction_set[RESULT_FACT_BYTES]; /* the host's widest vectors, "AVX-512"; "": left out */
     unsigned cpu_threads;
 } result_machine;
 
@@ -50,7 +42,7 @@ typedef struct result_column {
 
 typedef struct result_set result_set;
 
-/* Read freely; changed by the functions below alone. */
+/* Read its fields directly; change them through the functions below. */
 typedef struct result_table {
     result_set *owner;
     char *id; /* "voxelize", "builders", "e1-voxelization", ... */
@@ -75,10 +67,10 @@ void result_destroy(result_set **set); /* a pointer to NULL is allowed */
 
 /* A table without columns, at the end of the set, which owns it. NULL when out of memory. */
 result_table *result_add_table(result_set *set, const char *id, const char *title, const char *note);
-/* Puts a note in the place of the table's, once it is known what ran. */
+/* Replaces the note, once it is known what ran. */
 void result_set_note(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The next column; all of them come before the first cell. */
+/* The next column. All columns come before the first cell. */
 void result_add_column(result_table *table, const char *name, const char *unit);
 
 /* The next cell, row by row. A number that is not finite is absent. */
@@ -86,7 +78,7 @@ void result_add_text(result_table *table, const char *format, ...) __attribute__
 void result_add_number(result_table *table, double number);
 void result_add_absent(result_table *table);
 
-/* Whether nothing is missing: memory sufficed and every row is full. */
+/* Whether memory sufficed and every row is complete. */
 bool result_is_whole(const result_set *set);
 
 /* NULL where there is no such table. */
@@ -99,22 +91,7 @@ bool result_has_quartiles(const result_table *table, size_t column);
 /* NULL outside the table. */
 const result_cell *result_cell_at(const result_table *table, size_t row, size_t column);
 
-/* Moves the tables of one set to the end of another; one of an id that is there already takes that one's place. */
+/* Moves the tables of one set to the end of another. A table replaces one with the same ID. */
 void result_take(result_set *into, result_set *from);
-
-/* ---- result_json.c ---- */
-
-/* NULL when the set is not whole or memory runs out. */
-cJSON *result_to_json(const result_set *set);
-/* NULL with one line that names what is wrong with the text. */
-result_set *result_parse(const char *text, svo_message *message);
-
-/* ---- result_text.c ---- */
-
-/* The facts of the machine, and a table, for people, to standard output. */
-void result_print_machine(const result_set *set);
-void result_print(const result_table *results);
-/* RFC 4180: a heading with units, commas, texts quoted where they must be; an absent cell is empty. */
-void result_write_csv(const result_table *results, FILE *file);
 
 #endif

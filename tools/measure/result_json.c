@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Sets of tables as JSON, in both directions. What is read comes from a file and is checked field by field. */
+#include "measure/result_json.h"
+
 #include <stdio.h>
 #include <string.h>
-
-#include "measure/result.h"
 
 /* ---- writing ---- */
 
@@ -16,6 +16,9 @@ static cJSON *machine_to_json(const result_machine *machine)
     cJSON_AddStringToObject(object, "renderer", machine->renderer);
     cJSON_AddNumberToObject(object, "cpu_threads", machine->cpu_threads);
     cJSON_AddStringToObject(object, "svocl", machine->svocl);
+    if (machine->instruction_set[0] != '\0') {
+        cJSON_AddStringToObject(object, "instruction_set", machine->instruction_set);
+    }
     if (machine->date[0] != '\0') {
         cJSON_AddStringToObject(object, "date", machine->date);
     }
@@ -96,6 +99,12 @@ static bool read_fact(const cJSON *object, const char *name, char fact[RESULT_FA
     return text != NULL;
 }
 
+/* True without such a fact, too. */
+static bool read_optional(const cJSON *object, const char *name, char fact[RESULT_FACT_BYTES], svo_message *message)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name) == NULL || read_fact(object, name, fact, message);
+}
+
 static bool read_machine(const cJSON *document, result_machine *machine, svo_message *message)
 {
     const cJSON *object = cJSON_GetObjectItemCaseSensitive(document, "machine");
@@ -105,8 +114,8 @@ static bool read_machine(const cJSON *document, result_machine *machine, svo_mes
         return false;
     }
     machine->cpu_threads = (unsigned)threads->valuedouble;
-    if (cJSON_GetObjectItemCaseSensitive(object, "date") != NULL &&
-        !read_fact(object, "date", machine->date, message)) {
+    if (!read_optional(object, "date", machine->date, message) ||
+        !read_optional(object, "instruction_set", machine->instruction_set, message)) {
         return false;
     }
     return read_fact(object, "device", machine->device, message) &&

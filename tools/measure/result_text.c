@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Sets of tables as text: aligned columns for people, CSV for spreadsheets and plotters. */
+#include "measure/result_text.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "measure/result.h"
 #include "support/table.h"
 
 /* ---- for people ---- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Order statistics of a few repeated measurements, and their place in a table. */
+/* Medians and quartiles of repeated measurements, and their columns in a table. */
 #include "measure/spread.h"
 
 #include <math.h>

@@ -11,10 +11,10 @@ typedef struct spread {
     double median, low, high; /* low, high: the quartiles. All NAN: nothing was measured */
 } spread;
 
-/* Interpolates between neighbors (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996). Sorts
-   the values. */
+/* Sorts the values. Quantiles interpolate between neighbors: type 7 of Hyndman and Fan, "Sample Quantiles in
+   Statistical Packages", 1996. */
 spread spread_of(double *values, size_t count);
-/* The value below which that fraction, 0 .. 1, of sorted values lies; count: above 0. */
+/* The quantile of sorted values at a fraction, 0 .. 1. count: above 0. */
 double spread_quantile(const double *sorted, size_t count, double fraction);
 /* Nothing measured. */
 spread spread_none(void);

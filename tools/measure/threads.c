@@ -1,55 +1,56 @@
 /* SPDX-License-Identifier: MIT */
-/* Portions are handed out by one counter; the calling thread is a member too. */
+/* An atomic counter hands out the chunks; the calling thread works too. */
 #include "measure/threads.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 
-typedef struct crew {
+typedef struct job_queue {
     threads_work *work;
     void *user;
-    size_t count, portion;
+    size_t count, chunk_size;
     atomic_size_t next;
-} crew;
+} job_queue;
 
-typedef struct seat {
-    crew *all;
-    unsigned member;
+typedef struct worker {
+    job_queue *queue;
+    unsigned thread_index;
     pthread_t thread;
-} seat;
+} worker;
 
 static void *work_until_done(void *own)
 {
-    const seat *place = own;
-    crew *all = place->all;
+    const worker *self = own;
+    job_queue *queue = self->queue;
     for (;;) {
-        const size_t begin = atomic_fetch_add(&all->next, all->portion);
-        if (begin >= all->count) {
+        const size_t begin = atomic_fetch_add(&queue->next, queue->chunk_size);
+        if (begin >= queue->count) {
             return NULL;
         }
-        const size_t left = all->count - begin;
-        all->work(all->user, place->member, begin, begin + (left < all->portion ? left : all->portion));
+        const size_t left = queue->count - begin;
+        queue->work(queue->user, self->thread_index, begin,
+                    begin + (left < queue->chunk_size ? left : queue->chunk_size));
     }
 }
 
-unsigned threads_run(unsigned thread_count, size_t count, size_t portion, threads_work *work, void *user)
+unsigned threads_run(unsigned thread_count, size_t count, size_t chunk_size, threads_work *work, void *user)
 {
-    crew all = {.work = work, .user = user, .count = count, .portion = portion > 0 ? portion : 1};
-    seat seats[THREADS_MAX];
+    job_queue queue = {.work = work, .user = user, .count = count, .chunk_size = chunk_size > 0 ? chunk_size : 1};
+    worker workers[THREADS_MAX];
     unsigned started = 0;
-    atomic_init(&all.next, 0);
+    atomic_init(&queue.next, 0);
     thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
     while (started + 1 < thread_count) {
-        seats[started] = (seat){.all = &all, .member = started + 1};
-        if (pthread_create(&seats[started].thread, NULL, work_until_done, &seats[started]) != 0) {
+        workers[started] = (worker){.queue = &queue, .thread_index = started + 1};
+        if (pthread_create(&workers[started].thread, NULL, work_until_done, &workers[started]) != 0) {
             break;
         }
         ++started;
     }
-    seat own = {.all = &all};
+    worker own = {.queue = &queue};
     work_until_done(&own);
     for (unsigned i = 0; i < started; ++i) {
-        pthread_join(seats[i].thread, NULL);
+        pthread_join(workers[i].thread, NULL);
     }
     return started + 1;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The page of a report: one HTML file that needs nothing else, and the short version in Markdown. */
+/* The page of a report: one HTML file that needs no other, made from page.html, page.css, scripts and results. */
 #ifndef SVOCL_TOOLS_REPORT_PAGE_H
 #define SVOCL_TOOLS_REPORT_PAGE_H
 
@@ -11,14 +11,10 @@
 typedef struct page_content {
     const result_set *results;
     const pictures *drawn;
-    const char *source; /* how the figures came here, one sentence: "Measured in this run." */
-    const char *absence; /* why a table is not there: "not in results.json" */
+    const char *origin; /* of the results, as content.js knows it: "full", "quick" or "file" */
 } page_content;
 
-/* A step of the progress bar. Returns the exit code. */
+/* Returns the exit code, its line printed. */
 int page_write(program *state, const page_content *content, FILE *page);
-
-/* summary.c: the shortened tables, for a README. */
-void summary_write(const page_content *content, FILE *text);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One tree per scene, one picture per view. */
+/* Builds one tree per scene and renders one picture per view. */
 #include "report/pictures.h"
 
 #include <math.h>
@@ -19,26 +19,25 @@ typedef struct view {
     unsigned depth, quick_depth;
     svo_render_view kind;
     unsigned width, height;
-    float nearness; /* of the camera: 0: where it frames all, 1: at its target */
+    float nearness; /* of the camera: 0: the whole scene in view, 1: at its target */
     const char *name, *caption;
 } view;
 
 static const view views[PICTURES_MAX] = {
     {"atrium", "atrium:17000", 10, 8, SVO_VIEW_SHADED, 1120, 700, 0.0f, "atrium",
-     "The atrium, shaded: color and normal of each voxel, and one ray to the light."},
+     "The atrium, shaded with each voxel's color and normal and one shadow ray."},
     {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_NORMAL, 520, 620, 0.0f, "normals",
-     "The statue's filtered normals: x, y, z as red, green, blue."},
+     "The statue's filtered normals; red, green and blue are x, y and z."},
     {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_STEPS, 520, 620, 0.0f, "steps",
-     "Cells that each ray looked into, from blue to red at 64."},
+     "Cells visited per ray, from blue to red at 64."},
     {"statue:120000", "statue:40000", 11, 10, SVO_VIEW_LEVEL, 520, 620, 0.72f, "levels",
-     "The level at which each ray stopped, a color each, from close by: where voxels are smaller than pixels, larger "
-     "nodes do."},
+     "The level at which each ray stopped, one color per level: a ray stops at a node smaller than a pixel."},
 };
 
 typedef struct studio {
     program *state;
     session opened;
-    const char *scene; /* that tree is of */
+    const char *scene; /* of the tree; NULL: none yet */
     unsigned depth;
     svo_tree *tree;
 } studio;
@@ -72,7 +71,7 @@ static int build(studio *at, const char *spec, unsigned depth)
     return worked ? PROGRAM_DONE : fail(at, spec);
 }
 
-/* Moves the camera towards what it looks at and down, and sees as much of it by a wider angle. */
+/* Moves the camera towards its target and down, and widens its angle to keep as much in view. */
 static void approach(svo_camera *camera, float nearness)
 {
     const float away[3] = {camera->eye[0] - camera->target[0], camera->eye[1] - camera->target[1],
@@ -85,7 +84,7 @@ static void approach(svo_camera *camera, float nearness)
     camera->vertical_fov = fminf(WIDEST_ANGLE, 2.0f * atanf(tanf(0.5f * camera->vertical_fov) / (1.0f - nearness)));
 }
 
-/* Lets the page's ground through where no ray met anything: the color of the first pixel, but not of a sky. */
+/* Makes the background transparent: the color of the first pixel. Not for views with a sky. */
 static void cut_out(uint8_t *rgba, size_t pixel_count)
 {
     uint32_t ground = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The pictures of a report: scenes built and drawn by the program, as PNG in memory. */
+/* The pictures of a report: scenes built and rendered by the program, as PNG in memory. */
 #ifndef SVOCL_TOOLS_REPORT_PICTURES_H
 #define SVOCL_TOOLS_REPORT_PICTURES_H
 
@@ -19,8 +19,8 @@ typedef struct pictures {
     size_t count;
 } pictures;
 
-/* Opens a session of its own. A step of the progress bar per picture. Returns the exit code; on failure nothing is
-   left. */
+/* Opens a session of its own and advances the progress bar by one step per picture. Returns the exit code; on failure
+   out is empty. */
 int pictures_make(program *state, bool quick, pictures *out);
 void pictures_free(pictures *made);
 

@@ -1,124 +1,425 @@
 /* SPDX-License-Identifier: MIT */
-/* A few rows and columns of the tables that matter most, as Markdown. */
+/* One list of extracts serves summary.md and the marked tables of docs/. */
+#include "report/summary.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "report/page.h"
-#include "report/table_html.h"
 #include "report/text.h"
 
-#define PICKS_MAX   2
-#define COLUMNS_MAX 8
+#define PICKS_MAX   3
+#define COLUMNS_MAX 13
 
-/* Rows whose column has that text, or, without a text, the column's largest number. */
+/* Rows whose column has that text. Without a text: those with the column's largest number among the rows that the picks
+   before leave. */
 typedef struct pick {
     const char *column, *text;
 } pick;
 
-typedef struct extract {
+struct summary_extract {
+    const char *id; /* in the markers of docs/ */
     const char *table_id, *title;
-    pick picks[PICKS_MAX]; /* a column of NULL: none */
+    bool in_summary;
+    pick picks[PICKS_MAX]; /* a column of NULL: no more */
     const char *columns[COLUMNS_MAX]; /* ends with NULL */
-} extract;
-
-static const extract extracts[] = {
-    {"e1-voxelization",
-     "Voxels of the statue on the finest grid",
-     {{"scene", "statue"}, {"grid edge", NULL}},
-     {"method", "time", "false negatives", "false positives"}},
-    {"e2-rays",
-     "Rays aimed at edges",
-     {{"rays aimed", "at edges"}, {"triangles", NULL}},
-     {"method", "time", "error", "error of t, mean"}},
-    {"e3-attributes",
-     "Colors of voxels, in 1/255",
-     {{"attribute", "color, 1/255"}, {"depth", NULL}},
-     {"method", "time", "error, mean", "error, largest", "order, largest"}},
-    {"builders",
-     "Builders",
-     {{"depth", NULL}, {NULL, NULL}},
-     {"scene", "builder", "subdivide", "pack", "filter", "list to tree", "ratio"}},
-    {"e6-leaving-out", "Leaving out", {{"depth", NULL}, {NULL, NULL}}, {"need", "build", "peak", "tree"}},
-    {"older-a",
-     "Beside the first older system, depth 6",
-     {{"depth", NULL}, {NULL, NULL}},
-     {"scene", "voxelize", "structure", "total", "published structure, least", "published structure, most"}},
-    {"older-b",
-     "Beside the second older system, 512³",
-     {{"voxels per axis", NULL}, {NULL, NULL}},
-     {"whose", "fragment list", "full octree", "sparse octree", "voxelize", "first build", "second build"}},
-    {"rays", "Rays beside Embree", {{NULL, NULL}, {NULL, NULL}}, {"scene", "rays", "svocl", "Embree", "ratio"}},
+    /* Not NULL: a column whose numbers become columns. Then columns are two: what a row is of, and what it shows. */
+    const char *across;
 };
 
-static bool fits(const result_table *table, size_t row, const pick *wanted)
+static const summary_extract extracts[] = {
+    /* README.md */
+    {.id = "exactness",
+     .table_id = "e1-voxelization",
+     .title = "Voxels of the statue on the finest grid",
+     .picks = {{"scene", "statue"}, {"grid edge", NULL}},
+     .columns = {"method", "time", "missed", "surplus"}},
+    /* docs/performance.md */
+    {.id = "stages",
+     .table_id = "builders",
+     .title = "A build, stage by stage",
+     .picks = {{"builder", "cl"}, {"depth", NULL}},
+     .columns = {"scene", "depth", "triangles", "fragments", "nodes", "voxelize", "transfer", "subdivide", "link",
+                 "pack", "filter", "total"}},
+    {.id = "frontends",
+     .table_id = "voxelize",
+     .title = "Front ends",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "fragments", "frontend", "share", "voxelize", "transfer", "rate", "ratio"}},
+    {.id = "filter",
+     .table_id = "filter",
+     .title = "Payload by weights",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "nodes", "attributes", "weights", "filter", "list to tree", "ratio"}},
+    {.id = "startup",
+     .table_id = "startup",
+     .title = "Start-up",
+     .columns = {"scene", "depth", "method", "cold", "cold compile", "warm", "warm compile"}},
+    {.id = "rays",
+     .table_id = "rays",
+     .title = "Rays, compared with Embree",
+     .in_summary = true,
+     .columns = {"scene", "triangles", "rays", "svocl", "Embree", "ratio", "wrong", "Embree wrong"}},
+    {.id = "ray-structures",
+     .table_id = "peer-embree",
+     .title = "Building what rays need",
+     .columns = {"scene", "triangles", "depth", "svocl tree", "BVH", "svocl", "BVH time", "Embree", "ratio"}},
+    {.id = "builders",
+     .table_id = "builders",
+     .title = "Builders",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "builder", "subdivide", "link", "pack", "filter", "list to tree", "ratio"}},
+    {.id = "share",
+     .table_id = "share",
+     .title = "Share paths",
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "list", "frontend", "share", "voxelize", "transfer", "ratio"}},
+    {.id = "leaving-out",
+     .table_id = "e6-leaving-out",
+     .title = "Time and bytes of each need",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "depth", "need", "builder", "build", "peak", "tree", "tree per leaf", "ratio"}},
+    {.id = "sizes",
+     .table_id = "scene-sizes",
+     .title = "From no triangle to a million",
+     .columns = {"triangles", "depth", "need", "leaves", "peak", "tree", "build"}},
+    {.id = "memory",
+     .table_id = "memory",
+     .title = "Bytes of occupancy alone",
+     .columns = {"scene", "depth", "leaves", "tree", "tree per leaf", "fragment list", "full octree",
+                 "list of 36 bytes"}},
+    {.id = "thesis-2020",
+     .table_id = "thesis-2020",
+     .title = "Octree-building thesis (2020), depth 6",
+     .in_summary = true,
+     .picks = {{"depth", NULL}},
+     .columns = {"scene", "voxelize", "structure", "total", "published structure, least", "published structure, most"}},
+    {.id = "thesis-2016",
+     .table_id = "thesis-2016",
+     .title = "Voxel cone tracing thesis (2016), 512³",
+     .in_summary = true,
+     .picks = {{"voxels per axis", NULL}},
+     .columns = {"system", "fragment list", "full octree", "sparse octree", "voxelize", "first build", "second build"}},
+    /* docs/accuracy.md */
+    {.id = "e1",
+     .table_id = "e1-voxelization",
+     .title = "Voxels of the statue on the finest grid",
+     .in_summary = true,
+     .picks = {{"scene", "statue"}, {"grid edge", NULL}},
+     .columns = {"grid edge", "method", "coverage", "time", "missed", "surplus", "false negatives", "false positives"}},
+    {.id = "e2",
+     .table_id = "e2-rays",
+     .title = "Rays",
+     .picks = {{"triangles", NULL}},
+     .columns = {"rays", "method", "time", "missed", "wrong", "error", "error of t, mean",
+                 "error of t, largest"}},
+    {.id = "e2-edges",
+     .table_id = "e2-rays",
+     .title = "Rays aimed at edges",
+     .in_summary = true,
+     .picks = {{"rays", "at edges"}, {"triangles", NULL}},
+     .columns = {"method", "time", "missed", "wrong", "error", "error of t, mean", "error of t, largest"}},
+    {.id = "e3-color",
+     .table_id = "e3-attributes",
+     .title = "Colors of voxels, in 1/255",
+     .in_summary = true,
+     .picks = {{"attribute", "color, 1/255"}, {"depth", NULL}},
+     .columns = {"method", "time", "error, mean", "error, 99th percentile", "error, largest", "order, largest"}},
+    {.id = "e3-normal",
+     .table_id = "e3-attributes",
+     .title = "Normals of voxels, in degrees",
+     .picks = {{"attribute", "normal, degrees"}, {"depth", NULL}},
+     .columns = {"method", "time", "error, mean", "error, 99th percentile", "error, largest", "order, largest"}},
+    {.id = "e4",
+     .table_id = "e4-detail",
+     .title = "Levels of detail",
+     .columns = {"scene", "depth", "voxels", "size", "time", "distance of centers", "area by fill, error",
+                 "area by faces, error", "volume, error"}},
+    {.id = "e5-voxels-aspect",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the aspect ratio",
+     .picks = {{"problem", "voxelization"}, {"conditioning", "aspect ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-voxels-offset",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the offset from the origin",
+     .picks = {{"problem", "voxelization"}, {"conditioning", "offset from the origin"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-voxels-scale",
+     .table_id = "e5-conditioning",
+     .title = "Voxels and the scale ratio",
+     .picks = {{"problem", "voxelization"}, {"conditioning", "scale ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-aspect",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the aspect ratio",
+     .picks = {{"problem", "rays"}, {"conditioning", "aspect ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-offset",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the offset from the origin",
+     .picks = {{"problem", "rays"}, {"conditioning", "offset from the origin"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+    {.id = "e5-rays-scale",
+     .table_id = "e5-conditioning",
+     .title = "Rays and the scale ratio",
+     .picks = {{"problem", "rays"}, {"conditioning", "scale ratio"}},
+     .columns = {"method", "error"},
+     .across = "value"},
+};
+
+const summary_extract *summary_find(const char *id)
 {
-    if (wanted->column == NULL) {
-        return true;
+    for (size_t i = 0; i < sizeof extracts / sizeof extracts[0]; ++i) {
+        if (strcmp(extracts[i].id, id) == 0) {
+            return &extracts[i];
+        }
     }
-    const size_t column = result_find_column(table, wanted->column);
-    const result_cell *cell = result_cell_at(table, row, column);
-    if (cell == NULL || wanted->text != NULL) {
-        return cell != NULL && cell->kind == RESULT_TEXT && strcmp(cell->text, wanted->text) == 0;
-    }
-    double most = -HUGE_VAL;
-    for (size_t i = 0; i < result_row_count(table); ++i) {
-        const result_cell *other = result_cell_at(table, i, column);
-        most = other->kind == RESULT_NUMBER ? fmax(most, other->number) : most;
-    }
-    return cell->kind == RESULT_NUMBER && cell->number == most;
+    return NULL;
 }
 
-static void write_heads(const extract *wanted, const result_table *table, FILE *text)
+/* ---- rows ---- */
+
+static bool has_text(const result_cell *cell, const char *text)
+{
+    return cell != NULL && cell->kind == RESULT_TEXT && strcmp(cell->text, text) == 0;
+}
+
+/* Whether the first pick_count picks leave the row. */
+static bool fits(const result_table *table, size_t row, const pick *picks, size_t pick_count)
+{
+    for (size_t i = 0; i < pick_count && picks[i].column != NULL; ++i) {
+        const size_t column = result_find_column(table, picks[i].column);
+        const result_cell *cell = result_cell_at(table, row, column);
+        if (picks[i].text != NULL && !has_text(cell, picks[i].text)) {
+            return false;
+        }
+        if (picks[i].text != NULL) {
+            continue;
+        }
+        double most = -HUGE_VAL;
+        for (size_t other = 0; other < result_row_count(table); ++other) {
+            const result_cell *beside = result_cell_at(table, other, column);
+            if (beside != NULL && beside->kind == RESULT_NUMBER && fits(table, other, picks, i)) {
+                most = fmax(most, beside->number);
+            }
+        }
+        if (cell == NULL || cell->kind != RESULT_NUMBER || cell->number < most) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether the table has what the extract names. */
+static bool is_there(const summary_extract *wanted, const result_table *table)
+{
+    if (table == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
+        if (result_find_column(table, wanted->columns[i]) == table->column_count) {
+            return false;
+        }
+    }
+    if (wanted->across != NULL && result_find_column(table, wanted->across) == table->column_count) {
+        return false;
+    }
+    for (size_t row = 0; row < result_row_count(table); ++row) {
+        if (fits(table, row, wanted->picks, PICKS_MAX)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- Markdown ---- */
+
+/* The unit that a column is shown in, and what its numbers are divided by. */
+static double unit_of(const result_table *table, size_t column, const char **unit)
+{
+    return text_choose_unit(table, column, unit);
+}
+
+static void write_text(const char *cell, FILE *text)
+{
+    for (const char *c = cell; *c != '\0'; ++c) {
+        fputs(*c == '|' ? "\\" : "", text);
+        fputc(*c, text);
+    }
+}
+
+static void write_heads(const summary_extract *wanted, const result_table *table, FILE *text)
 {
     fputs("|", text);
     for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
         const char *unit = "";
-        const size_t column = result_find_column(table, wanted->columns[i]);
-        if (column < table->column_count) {
-            table_html_unit(table, column, &unit);
-        }
+        unit_of(table, result_find_column(table, wanted->columns[i]), &unit);
         fprintf(text, " %s%s%s |", wanted->columns[i], unit[0] != '\0' ? ", " : "", unit);
     }
     fputs("\n|", text);
     for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
         const result_cell *cell = result_cell_at(table, 0, result_find_column(table, wanted->columns[i]));
-        fputs(cell != NULL && cell->kind == RESULT_TEXT ? " --- |" : " ---: |", text);
+        fputs(cell->kind == RESULT_TEXT ? " --- |" : " ---: |", text);
     }
     fputs("\n", text);
 }
 
-static void write_row(const extract *wanted, const result_table *table, size_t row, FILE *text)
+static void write_cell(const result_table *table, size_t row, size_t column, FILE *text)
 {
-    fputs("|", text);
-    for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
-        const char *unit = "";
-        const size_t column = result_find_column(table, wanted->columns[i]);
-        const result_cell *cell = result_cell_at(table, row, column);
-        if (cell != NULL && cell->kind == RESULT_NUMBER) {
-            fprintf(text, " %s |", text_format_number(cell->number / table_html_unit(table, column, &unit)).text);
-        } else {
-            fprintf(text, " %s |", cell != NULL && cell->kind == RESULT_TEXT ? cell->text : "");
-        }
+    const char *unit = "";
+    const result_cell *cell = result_cell_at(table, row, column);
+    fputc(' ', text);
+    if (cell->kind == RESULT_NUMBER) {
+        fputs(text_format_number(cell->number / unit_of(table, column, &unit)).text, text);
+    } else if (cell->kind == RESULT_TEXT) {
+        write_text(cell->text, text);
     }
-    fputs("\n", text);
+    fputs(" |", text);
 }
 
-void summary_write(const page_content *content, FILE *text)
+static void write_rows(const summary_extract *wanted, const result_table *table, FILE *text)
 {
-    const result_machine *machine = &content->results->machine;
-    fprintf(text, "On %s, driver %s, OpenGL by %s, %u threads, svocl %s.\n", machine->device, machine->driver,
-            machine->renderer, machine->cpu_threads, machine->svocl);
-    for (size_t i = 0; i < sizeof extracts / sizeof extracts[0]; ++i) {
-        const result_table *table = result_find(content->results, extracts[i].table_id);
-        if (table == NULL) {
+    write_heads(wanted, table, text);
+    for (size_t row = 0; row < result_row_count(table); ++row) {
+        if (!fits(table, row, wanted->picks, PICKS_MAX)) {
             continue;
         }
-        fprintf(text, "\n**%s**\n\n", extracts[i].title);
-        write_heads(&extracts[i], table, text);
-        for (size_t row = 0; row < result_row_count(table); ++row) {
-            if (fits(table, row, &extracts[i].picks[0]) && fits(table, row, &extracts[i].picks[1])) {
-                write_row(&extracts[i], table, row, text);
+        fputs("|", text);
+        for (size_t i = 0; i < COLUMNS_MAX && wanted->columns[i] != NULL; ++i) {
+            write_cell(table, row, result_find_column(table, wanted->columns[i]), text);
+        }
+        fputs("\n", text);
+    }
+}
+
+/* ---- a column's numbers as columns ---- */
+
+typedef struct crossing {
+    const summary_extract *wanted;
+    const result_table *table;
+    size_t label, shown, across; /* columns */
+} crossing;
+
+/* Whether the row is one of the extract's and has that label. NULL: any. */
+static bool is_labeled(const crossing *of, size_t row, const char *label)
+{
+    return fits(of->table, row, of->wanted->picks, PICKS_MAX) &&
+           (label == NULL || has_text(result_cell_at(of->table, row, of->label), label));
+}
+
+/* Whether no row before this one has the same label. */
+static bool begins_label(const crossing *of, size_t row)
+{
+    const result_cell *label = result_cell_at(of->table, row, of->label);
+    if (label->kind != RESULT_TEXT || !is_labeled(of, row, label->text)) {
+        return false;
+    }
+    for (size_t before = 0; before < row; ++before) {
+        if (is_labeled(of, before, label->text)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The rows of one label, from the one that begins it: what is shown of each, or the heads above. */
+static void write_label(const crossing *of, size_t begin, size_t column, FILE *text)
+{
+    const char *label = result_cell_at(of->table, begin, of->label)->text;
+    for (size_t row = begin; row < result_row_count(of->table); ++row) {
+        if (is_labeled(of, row, label)) {
+            write_cell(of->table, row, column, text);
+        }
+    }
+    fputs("\n", text);
+}
+
+/* Every label has a row for each of the values, in the same order. */
+static void write_crossing(const crossing *of, FILE *text)
+{
+    bool has_heads = false;
+    for (size_t row = 0; row < result_row_count(of->table); ++row) {
+        if (!begins_label(of, row)) {
+            continue;
+        }
+        const char *label = result_cell_at(of->table, row, of->label)->text;
+        if (!has_heads) {
+            fprintf(text, "| %s |", of->wanted->columns[0]);
+            write_label(of, row, of->across, text);
+            fputs("| --- |", text);
+            for (size_t other = row; other < result_row_count(of->table); ++other) {
+                fputs(is_labeled(of, other, label) ? " ---: |" : "", text);
             }
+            fputs("\n", text);
+            has_heads = true;
+        }
+        fputs("| ", text);
+        write_text(label, text);
+        fputs(" |", text);
+        write_label(of, row, of->shown, text);
+    }
+}
+
+bool summary_write_extract(const summary_extract *wanted, const result_set *results, FILE *text)
+{
+    const result_table *table = result_find(results, wanted->table_id);
+    if (!is_there(wanted, table)) {
+        return false;
+    }
+    if (wanted->across == NULL) {
+        write_rows(wanted, table, text);
+    } else {
+        const crossing of = {.wanted = wanted,
+                             .table = table,
+                             .label = result_find_column(table, wanted->columns[0]),
+                             .shown = result_find_column(table, wanted->columns[1]),
+                             .across = result_find_column(table, wanted->across)};
+        write_crossing(&of, text);
+    }
+    return true;
+}
+
+static void write_fact(const char *name, const char *fact, const char *more, FILE *text)
+{
+    if (fact[0] == '\0') {
+        return;
+    }
+    fprintf(text, "| %s | ", name);
+    write_text(fact, text);
+    write_text(more, text);
+    fputs(" |\n", text);
+}
+
+void summary_write_machine(const result_machine *machine, FILE *text)
+{
+    char driver[RESULT_FACT_BYTES + 16];
+    char date[RESULT_FACT_BYTES + 16];
+    char threads[16];
+    snprintf(driver, sizeof driver, ", driver %s", machine->driver);
+    snprintf(date, sizeof date, "%s%s", machine->date[0] != '\0' ? ", " : "", machine->date);
+    snprintf(threads, sizeof threads, "%u", machine->cpu_threads);
+    fputs("| measured on | |\n| --- | --- |\n", text);
+    write_fact("OpenCL", machine->device, driver, text);
+    write_fact("OpenGL", machine->renderer, "", text);
+    write_fact("instruction set", machine->instruction_set, "", text);
+    write_fact("threads", threads, "", text);
+    write_fact("svocl", machine->svocl, date, text);
+}
+
+void summary_write(const result_set *results, FILE *text)
+{
+    summary_write_machine(&results->machine, text);
+    for (size_t i = 0; i < sizeof extracts / sizeof extracts[0]; ++i) {
+        if (extracts[i].in_summary && is_there(&extracts[i], result_find(results, extracts[i].table_id))) {
+            fprintf(text, "\n**%s**\n\n", extracts[i].title);
+            summary_write_extract(&extracts[i], results, text);
         }
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Small pieces of pages. */
+/* Text in the forms that pages, summaries and file names need. */
 #include "report/text.h"
 
 #include <ctype.h>
@@ -9,23 +9,15 @@
 
 #include "support/table.h"
 
-void text_escape(const char *text, FILE *page)
+void text_write_script_json(const char *json, FILE *page)
 {
-    for (const char *c = text; *c != '\0'; ++c) {
-        switch (*c) {
-        case '&':
-            fputs("&amp;", page);
-            break;
-        case '<':
-            fputs("&lt;", page);
-            break;
-        case '>':
-            fputs("&gt;", page);
-            break;
-        case '"':
-            fputs("&quot;", page);
-            break;
-        default:
+    for (const char *c = json; *c != '\0'; ++c) {
+        if (*c == '<') {
+            fputs("\\u003c", page);
+        } else if (strncmp(c, "\xe2\x80\xa8", 3) == 0 || strncmp(c, "\xe2\x80\xa9", 3) == 0) {
+            fputs(c[2] == '\xa8' ? "\\u2028" : "\\u2029", page);
+            c += 2;
+        } else {
             fputc(*c, page);
         }
     }
@@ -62,7 +54,8 @@ text_name text_make_name(const char *text)
     return name;
 }
 
-text_number text_format_power(int exponent)
+/* "10⁻⁸" */
+static text_number format_power(int exponent)
 {
     static const char *const digits[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     text_number result;
@@ -84,7 +77,7 @@ static void write_scientific(double number, text_number *out)
         mantissa /= 10.0;
         ++exponent;
     }
-    snprintf(out->text, sizeof out->text, "%.1f×%.40s", mantissa, text_format_power(exponent).text);
+    snprintf(out->text, sizeof out->text, "%.1f×%.40s", mantissa, format_power(exponent).text);
 }
 
 text_number text_format_number(double number)
@@ -103,4 +96,19 @@ text_number text_format_number(double number)
         snprintf(result.text, sizeof result.text, "%.*f", decimals, number);
     }
     return result;
+}
+
+double text_choose_unit(const result_table *shown, size_t column, const char **unit)
+{
+    double most = 0.0;
+    *unit = shown->columns[column].unit;
+    if (strcmp(*unit, "B") != 0) {
+        return 1.0;
+    }
+    for (size_t row = 0; row < result_row_count(shown); ++row) {
+        const result_cell *cell = result_cell_at(shown, row, column);
+        most = cell->kind == RESULT_NUMBER && cell->number > most ? cell->number : most;
+    }
+    *unit = most >= 0x1p20 ? "MiB" : most >= 0x1p13 ? "KiB" : "bytes";
+    return most >= 0x1p20 ? 0x1p20 : most >= 0x1p13 ? 0x1p10 : 1.0;
 }

@@ -1,31 +1,36 @@
 /* SPDX-License-Identifier: MIT */
-/* Text of pages: characters that mean something there, bytes as letters, and figures as people read them. */
+/* Text of a report: JSON inside a page, bytes as letters, and numbers as people read them. text.js has the same rules
+   for numbers and units. */
 #ifndef SVOCL_TOOLS_REPORT_TEXT_H
 #define SVOCL_TOOLS_REPORT_TEXT_H
 
 #include <stddef.h>
 #include <stdio.h>
 
-#define PLOT_RULE_COLOR 0xc8c8c8u /* of grid lines, as gnuplot is told */
+#include "measure/result.h"
 
-void text_escape(const char *text, FILE *page);
+/* JSON for the inside of a script element: '<' escaped, so that no text ends the element, and U+2028 and U+2029, which
+   end lines in older JavaScript. */
+void text_write_script_json(const char *json, FILE *page);
 
 /* RFC 4648. */
 void text_base64(const unsigned char *bytes, size_t byte_count, FILE *page);
 
-/* Letters and digits of the text, others as '-': for names of files, ids and anchors. */
+/* Letters and digits of the text, anything else as '-': for names of files. */
 typedef struct text_name {
     char text[96];
 } text_name;
 text_name text_make_name(const char *text);
 
-/* Three significant digits, more in front of the point; counts whole, with separators; powers of ten where the number
-   is very small or large. */
+/* At least three significant digits; counts in full, with separators; powers of ten for very small and large
+   numbers. */
 typedef struct text_number {
     char text[48];
 } text_number;
 text_number text_format_number(double number);
-/* "10⁻⁸" */
-text_number text_format_power(int exponent);
+
+/* The unit that a column is shown in, and the divisor of its numbers: bytes get the one that suits the largest of them,
+   other columns keep theirs. */
+double text_choose_unit(const result_table *shown, size_t column, const char **unit);
 
 #endif

@@ -83,7 +83,9 @@ bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, uns
         stress_tree_free(out);
         return false;
     }
+    out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(out->tree, &out->info);
+    out->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(out->tree, &out->arrays);
     if (svo_tree_hash(out->tree, SVO_HASH_ALL, out->hash) != SVO_OK ||
         svo_tree_hash(out->tree, SVO_HASH_NODES, out->nodes_hash) != SVO_OK) {

@@ -23,13 +23,13 @@ static void list_stages(const job *done, stage_row rows[STAGE_ROWS])
                                                      SVO_STAGE_TRANSFER, SVO_STAGE_COMPILE};
     rows[0] = (stage_row){"import", {done->source.import_ms, "wall"}};
     for (size_t i = 0; i < SVO_STAGE_COUNT; ++i) {
-        rows[i + 1] = (stage_row){svo_stage_name(order[i]), done->result.report.stages[order[i]]};
+        rows[i + 1] = (stage_row){svo_stage_name(order[i]), done->result.report.stage_times[order[i]]};
     }
 }
 
 static double stage_ms(const job *done, svo_stage stage)
 {
-    return done->result.report.stages[stage].ms;
+    return done->result.report.stage_times[stage].ms;
 }
 
 /* From the fragment list to the finished tree. */

@@ -9,10 +9,11 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
 {
     result->peak_bytes = svo_plan_peak_bytes(plan);
     free(result->buffers);
-    const size_t count = svo_plan_get_buffer(plan, 0, NULL);
+    const size_t count = svo_plan_buffer_count(plan);
     result->buffers = calloc(count + 1, sizeof *result->buffers);
     result->buffer_count = result->buffers != NULL ? count : 0;
     for (size_t i = 0; i < result->buffer_count; ++i) {
+        result->buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &result->buffers[i]);
     }
 }
@@ -66,7 +67,9 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
     if (status != SVO_OK) {
         return program_fail_library(state, svo_device_message(opened->device));
     }
+    result->plan = (svo_plan_info)SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &result->plan);
+    result->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(result->tree, &result->info);
     keep_buffers(plan, result);
     return PROGRAM_DONE;
@@ -102,7 +105,7 @@ static double median(double *values, size_t count)
 static void take_medians(double *times, size_t repeats, svo_build_report *report)
 {
     for (size_t stage = 0; stage < SVO_STAGE_COUNT && repeats > 1; ++stage) {
-        report->stages[stage].ms = median(times + stage * repeats, repeats - 1);
+        report->stage_times[stage].ms = median(times + stage * repeats, repeats - 1);
     }
 }
 
@@ -117,10 +120,10 @@ static int build_repeatedly(program *state, session *opened, const svo_mesh *mes
     for (size_t i = 0; i < repeats && exit_code == PROGRAM_DONE; ++i) {
         exit_code = build_once(state, opened, mesh, need, result);
         if (i == 0) {
-            result->first_compile_ms = result->report.stages[SVO_STAGE_COMPILE].ms;
+            result->first_compile_ms = result->report.stage_times[SVO_STAGE_COMPILE].ms;
         }
         for (size_t stage = 0; stage < SVO_STAGE_COUNT && i > 0; ++stage) {
-            times[stage * repeats + i - 1] = result->report.stages[stage].ms;
+            times[stage * repeats + i - 1] = result->report.stage_times[stage].ms;
         }
     }
     take_medians(times, repeats, &result->report);

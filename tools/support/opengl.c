@@ -39,6 +39,7 @@ static bool open_context(const options *given, opengl *out, svo_message *reason)
             continue;
         }
         if (create_context(given, (svo_gl_context_kind)kind, &out->context, &message) == SVO_OK) {
+            out->info = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
             svo_gl_context_get_info(out->context, &out->info);
             return true;
         }

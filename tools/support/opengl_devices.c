@@ -18,7 +18,7 @@ static void gather_renderer(cJSON *renderers, svo_gl_context_kind kind, uint32_t
 {
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    svo_gl_context_info info = {.kind = kind, .device_index = device_index};
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     if (opened->count < RENDERERS_MAX) {
         if (svo_gl_context_create(kind, device_index, &context, &message) == SVO_OK) {
             svo_gl_context_get_info(context, &info);
@@ -55,7 +55,7 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
     svo_device *joined = NULL;
     (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
-    svo_gl_context_info info;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(renderer, &info);
     cJSON *pair = cJSON_CreateObject();
     json_add_text(pair, "device", svo_device_name(device));

@@ -299,6 +299,8 @@ static const rule rules[] = {
      "smaller scenes, fewer depths, 3 repeats: to see that it works"},
     {"from", '\0', OPTION_REPORT_COMMAND, "FILE", read_text, FIELD(from), 0, 0, NULL,
      "JSON that svocl bench -o wrote: shown in place of new measurements"},
+    {"docs", '\0', OPTION_REPORT_COMMAND, "DIR", read_text, FIELD(docs), 0, 0, NULL,
+     "write the marked tables of DIR/README.md and DIR/docs/*.md anew; -o may be left out"},
     {"plan", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan), 0, 0, NULL,
      "print what the build is going to do, allocate and leave out, then build"},
     {"plan-only", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan_only), 0, 0, NULL,

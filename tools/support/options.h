@@ -30,7 +30,7 @@ enum option_group {
     OPTION_TRACE_COMMAND = 4096, /* rays, camera */
     OPTION_PICTURE_SIZE = 8192,
     OPTION_MEASURE = 16384, /* on how much work, how often */
-    OPTION_REPORT_COMMAND = 32768 /* from */
+    OPTION_REPORT_COMMAND = 32768 /* from, docs */
 };
 
 enum option_frontend {
@@ -86,6 +86,7 @@ typedef struct options {
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
     uint64_t quick; /* measurements: a flag */
     const char *from; /* report: a file of measurements; NULL: they are made */
+    const char *docs; /* report: the folder whose documents get their tables anew; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 

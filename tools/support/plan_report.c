@@ -24,7 +24,7 @@ static svo_message stages_of(const svo_plan *plan)
 
 static void print_request(const svo_plan *plan, const char *input)
 {
-    svo_plan_info info;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &info);
     table_heading("plan for %s", input);
     table *rows = table_create("ll");
@@ -54,8 +54,8 @@ static void print_kernels(const svo_plan *plan, bool with_opengl)
     table_gap();
     table_heading("kernels");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
-        svo_kernels_info kernels;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
             table_cell(rows, "%s", kernels.name);
@@ -70,8 +70,8 @@ static void print_buffers(const svo_plan *plan)
     table_gap();
     table_heading("device memory");
     table *rows = table_create("lrll");
-    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
-        svo_buffer_info buffer;
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         table_cell(rows, "%s", buffer.name);
         table_cell(rows, "%s", figure_bytes(buffer.bytes).text);
@@ -94,8 +94,8 @@ static void print_left_out(const svo_plan *plan, bool with_opengl)
     table_gap();
     table_heading("left out");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
-        svo_left_out entry;
+    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+        svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         if (applies(entry.what, with_opengl)) {
             table_cell(rows, "%s", entry.what);
@@ -116,8 +116,8 @@ void plan_print(const svo_plan *plan, const char *input, bool with_opengl)
 static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "kernels");
-    for (size_t i = 0; i < svo_plan_get_kernels(plan, 0, NULL); ++i) {
-        svo_kernels_info kernels;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (!applies(kernels.name, with_opengl)) {
             continue;
@@ -132,8 +132,8 @@ static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 static void add_buffers(cJSON *document, const svo_plan *plan)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "buffers");
-    for (size_t i = 0; i < svo_plan_get_buffer(plan, 0, NULL); ++i) {
-        svo_buffer_info buffer;
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         cJSON *entry = cJSON_CreateObject();
         svo_plan_get_buffer(plan, i, &buffer);
         json_add_text(entry, "name", buffer.name);
@@ -147,8 +147,8 @@ static void add_buffers(cJSON *document, const svo_plan *plan)
 static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "left_out");
-    for (size_t i = 0; i < svo_plan_get_left_out(plan, 0, NULL); ++i) {
-        svo_left_out left_out;
+    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+        svo_left_out left_out = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &left_out);
         if (!applies(left_out.what, with_opengl)) {
             continue;
@@ -172,7 +172,7 @@ static void add_stages(cJSON *document, const svo_plan *plan)
 
 cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
 {
-    svo_plan_info info;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     cJSON *document = cJSON_CreateObject();
     svo_plan_get_info(plan, &info);
     json_add_count(document, "depth", info.depth);

@@ -1,28 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl bench: measurements of time, as tables, JSON, or a file of it. Each subject is a file of its own in bench/. */
+/* svocl bench: measurements as tables, as JSON, or as a file of it. The subjects are in bench/ and errors/. */
 #include <string.h>
 
-#include "bench/bench.h"
-#include "errors/bench_errors.h"
+#include "bench/rays.h"
+#include "measure/result_json.h"
+#include "measure/result_text.h"
 #include "support/json.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
+#include "svocl/subjects.h"
+
+static bool is_in(size_t index, const char *group)
+{
+    return subjects[index] != NULL && strcmp(subjects[index]->group, group) == 0;
+}
+
+static size_t add_subjects(table *rows, size_t index, const char *group)
+{
+    for (; is_in(index, group); ++index) {
+        table_cell(rows, "%s", subjects[index]->name);
+        table_cell(rows, "%s", subjects[index]->summary);
+    }
+    return index;
+}
 
 void command_bench_print_subjects(void)
 {
     table *rows = table_create("ll");
-    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
-        table_cell(rows, "%s", bench_describe(i)->name);
-        table_cell(rows, "%s", bench_describe(i)->summary);
-    }
-    const char *summary = NULL;
+    const size_t first_experiment = add_subjects(rows, 0, "all");
     table_cell(rows, "all");
     table_cell(rows, "all of these; rays alone takes INPUT and the options of a build");
-    for (size_t i = 0; bench_errors_describe(i, &summary) != NULL; ++i) {
-        table_cell(rows, "%s", bench_errors_describe(i, &summary));
-        table_cell(rows, "%s", summary);
-    }
+    add_subjects(rows, first_experiment, "errors");
     table_cell(rows, "errors");
     table_cell(rows, "e1 to e5");
     table_gap();
@@ -30,22 +39,12 @@ void command_bench_print_subjects(void)
     table_print(rows);
 }
 
-static bool is_known(const char *wanted)
-{
-    for (size_t i = 0; bench_describe(i) != NULL; ++i) {
-        if (strcmp(bench_describe(i)->name, wanted) == 0) {
-            return true;
-        }
-    }
-    return strcmp(wanted, "all") == 0 || bench_errors_know(wanted);
-}
-
-/* "voxelize, build, ..., all" */
+/* "voxelize, build, ..., all, errors, e1 to e5" */
 static void list_subjects(char *text, size_t text_bytes)
 {
     size_t used = 0;
-    for (size_t i = 0; bench_describe(i) != NULL && used < text_bytes; ++i) {
-        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", bench_describe(i)->name);
+    for (size_t i = 0; is_in(i, "all") && used < text_bytes; ++i) {
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subjects[i]->name);
     }
     if (used < text_bytes) {
         snprintf(text + used, text_bytes - used, "all, errors, e1 to e5");
@@ -60,14 +59,14 @@ static int check_subject(program *state)
     if (given->subject == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "what to measure is missing: one of %s", known);
     }
-    if (!is_known(given->subject)) {
+    if (!subjects_know(given->subject)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' cannot be measured, only one of %s", given->subject,
                             known);
     }
     return PROGRAM_DONE;
 }
 
-/* Subjects have their own scenes, depths, needs and ways: what a build is told is told to `bench rays` alone. */
+/* Subjects have scenes, depths, needs and methods of their own; only `bench rays` takes the options of a build. */
 static int check_options(program *state)
 {
     const options *given = &state->options;
@@ -103,40 +102,54 @@ static void print_tables(const result_set *results)
     }
 }
 
+/* Saves, and prints as JSON or as tables. */
+static int show(program *state, const result_set *results)
+{
+    const options *given = &state->options;
+    cJSON *document = result_to_json(results);
+    if (given->output_path != NULL) {
+        const int exit_code = json_save(state, given->output_path, document);
+        if (exit_code != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return exit_code;
+        }
+    }
+    if (given->json) {
+        return json_print(state, document);
+    }
+    cJSON_Delete(document);
+    print_tables(results);
+    return PROGRAM_DONE;
+}
+
 static int run_subjects(program *state)
 {
     result_set *results = result_create();
     if (results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    int exit_code = bench_collect(state, state->options.subject, results);
-    cJSON *document = exit_code == PROGRAM_DONE ? result_to_json(results) : NULL;
-    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
-        exit_code = json_save(state, state->options.output_path, document);
+    int exit_code = suite_collect(state, subjects, state->options.subject, results);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = show(state, results);
     }
-    if (exit_code == PROGRAM_DONE && state->options.json) {
-        exit_code = json_print(state, document);
-        document = NULL;
-    } else if (exit_code == PROGRAM_DONE) {
-        print_tables(results);
-    }
-    cJSON_Delete(document);
     result_destroy(&results);
     return exit_code;
 }
 
 int command_bench(program *state)
 {
+    const options *given = &state->options;
     int exit_code = check_subject(state);
-    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
-        exit_code = output_check(state, state->options.output_path);
-    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (strcmp(state->options.subject, "rays") == 0 && state->options.scenes == NULL && state->options.depths == NULL) {
+    exit_code = given->output_path != NULL ? output_check(state, given->output_path) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
         return bench_rays_alone(state);
     }
     exit_code = check_options(state);
-    return exit_code == PROGRAM_DONE ? run_subjects(state) : exit_code;
+    return exit_code != PROGRAM_DONE ? exit_code : run_subjects(state);
 }

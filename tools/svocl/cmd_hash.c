@@ -27,7 +27,7 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
     if (done != NULL) {
         job_add_what_ran(document, done);
     } else {
-        svo_tree_info info;
+        svo_tree_info info = SVO_TREE_INFO_INIT;
         svo_tree_get_info(tree, &info);
         json_add_count(document, "depth", info.depth);
     }

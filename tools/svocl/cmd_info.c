@@ -110,6 +110,7 @@ int command_info(program *state)
         return exit_code;
     }
     file_facts facts = {0};
+    facts.info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &facts.info);
     struct stat status;
     if (stat(state->options.input, &status) != 0) {

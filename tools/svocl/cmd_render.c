@@ -52,7 +52,7 @@ static int report_picture(program *state, const session *opened, const svo_camer
 }
 
 /* tree: on the device, and its arrays on the host. */
-static int render(program *state, const session *opened, const svo_tree *tree)
+static int render(program *state, const session *opened, svo_tree *tree)
 {
     const options *given = &state->options;
     svo_render_options render_options = {.struct_size = sizeof render_options,

@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl report: every measurement as one page, with the same figures as CSV and JSON beside it. */
+/* svocl report: all results as one page, and the same values as CSV, JSON and Markdown. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 
-#include "bench/bench.h"
+#include "measure/result_json.h"
+#include "measure/result_text.h"
+#include "report/docs_tables.h"
 #include "report/page.h"
-#include "report/plot.h"
+#include "report/summary.h"
 #include "report/text.h"
 #include "support/json.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
+#include "svocl/subjects.h"
 
 #define PATH_BYTES     4096
 #define FILE_BYTES_MAX ((size_t)64 << 20)
 
-/* ---- where the figures come from ---- */
+/* ---- reading or measuring ---- */
 
 /* The text of a file, by malloc; NULL with the failure printed. */
 static char *read_text(program *state, const char *path)
@@ -85,8 +88,8 @@ static result_set *measure(program *state)
     result_set *results = result_create();
     if (results == NULL) {
         program_fail(state, PROGRAM_FAILED, "out of memory");
-    } else if (bench_collect(state, "errors", results) != PROGRAM_DONE ||
-               bench_collect(state, "all", results) != PROGRAM_DONE) {
+    } else if (suite_collect(state, subjects, "errors", results) != PROGRAM_DONE ||
+               suite_collect(state, subjects, "all", results) != PROGRAM_DONE) {
         result_destroy(&results);
     } else {
         set_date(&results->machine);
@@ -94,7 +97,7 @@ static result_set *measure(program *state)
     return results;
 }
 
-/* ---- where they go ---- */
+/* ---- writing ---- */
 
 static int make_folder(program *state, const char *folder)
 {
@@ -129,7 +132,7 @@ static int write_summary(program *state, const page_content *content, const resu
 {
     (void)state;
     (void)shown;
-    summary_write(content, stream);
+    summary_write(content->results, stream);
     return PROGRAM_DONE;
 }
 
@@ -170,22 +173,31 @@ static int write_file(program *state, const page_content *content, const result_
     return output_commit(state, &file);
 }
 
-static int write_all(program *state, const page_content *content)
+static int write_tables(program *state, const page_content *content)
 {
-    int exit_code = PROGRAM_DONE;
-    for (size_t i = 0; i < content->results->table_count && exit_code == PROGRAM_DONE; ++i) {
+    for (size_t i = 0; i < content->results->table_count; ++i) {
         char name[128];
         const result_table *shown = content->results->tables[i];
         snprintf(name, sizeof name, "%s.csv", text_make_name(shown->id).text);
-        exit_code = write_file(state, content, shown, name, write_csv);
+        const int exit_code = write_file(state, content, shown, name, write_csv);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = write_file(state, content, NULL, "results.json", write_json);
+    return PROGRAM_DONE;
+}
+
+static int write_all(program *state, const page_content *content)
+{
+    static const struct {
+        const char *name;
+        write_part *write;
+    } files[] = {{"results.json", write_json}, {"summary.md", write_summary}, {"index.html", write_page}};
+    int exit_code = write_tables(state, content);
+    for (size_t i = 0; i < sizeof files / sizeof files[0] && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = write_file(state, content, NULL, files[i].name, files[i].write);
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = write_file(state, content, NULL, "summary.md", write_summary);
-    }
-    return exit_code == PROGRAM_DONE ? write_file(state, content, NULL, "index.html", write_page) : exit_code;
+    return exit_code;
 }
 
 /* ---- the command ---- */
@@ -193,18 +205,13 @@ static int write_all(program *state, const page_content *content)
 static int make_report(program *state, const result_set *results)
 {
     const options *given = &state->options;
-    char source[PATH_BYTES];
     pictures drawn;
-    snprintf(source, sizeof source, "%s",
-             given->from != NULL ? "The figures were measured before and read from a file."
-             : given->quick != 0 ? "A quick run: smaller scenes and fewer rounds than the full one."
-                                 : "The full run.");
-    page_content content = {.results = results,
-                            .drawn = &drawn,
-                            .source = source,
-                            .absence = given->from != NULL ? "the file that the report was made from has no such table."
-                                                           : "this program or machine has nothing to measure it with."};
-    program_begin_progress(state, PICTURES_MAX + 1);
+    const page_content content = {.results = results,
+                                  .drawn = &drawn,
+                                  .origin = given->from != NULL ? "file"
+                                            : given->quick != 0 ? "quick"
+                                                                : "full"};
+    program_begin_progress(state, PICTURES_MAX);
     int exit_code = pictures_make(state, given->quick != 0, &drawn);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
@@ -221,11 +228,11 @@ static int make_report(program *state, const result_set *results)
 int command_report(program *state)
 {
     const options *given = &state->options;
-    if (given->output_path == NULL) {
+    if (given->output_path == NULL && given->docs == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o DIR is missing");
     }
-    int exit_code = plot_check(state);
-    if (exit_code == PROGRAM_DONE) {
+    int exit_code = PROGRAM_DONE;
+    if (given->output_path != NULL) {
         exit_code = make_folder(state, given->output_path);
     }
     if (exit_code != PROGRAM_DONE) {
@@ -235,7 +242,12 @@ int command_report(program *state)
     if (results == NULL) {
         return PROGRAM_FAILED;
     }
-    exit_code = make_report(state, results);
+    if (given->output_path != NULL) {
+        exit_code = make_report(state, results);
+    }
+    if (exit_code == PROGRAM_DONE && given->docs != NULL) {
+        exit_code = docs_tables_write(state, results, given->docs);
+    }
     result_destroy(&results);
     return exit_code;
 }

@@ -24,7 +24,7 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
                   double trace_ms)
 {
     size_t met = 0;
-    svo_tree_info info;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &info);
     for (size_t i = 0; i < count; ++i) {
         met += hits[i].triangle != SVO_NO_TRIANGLE;
@@ -63,7 +63,7 @@ static int make_rays(program *state, const svo_tree *tree, ray_table *out)
 }
 
 /* tree: on the device, and its arrays on the host. */
-static int trace(program *state, const session *opened, const svo_tree *tree)
+static int trace(program *state, const session *opened, svo_tree *tree)
 {
     ray_table cast = {0};
     progress_step(state->progress, "tracing rays");

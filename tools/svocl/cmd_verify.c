@@ -104,8 +104,8 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
 /* done: NULL for a tree from a file. */
 static int verify(program *state, const svo_tree *tree, const job *done)
 {
-    svo_tree_info info;
-    svo_tree_arrays arrays;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     verdict found = {0};
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);

@@ -8,7 +8,7 @@
  * in capitals (SVO_K_MARK). Storage blocks are bound in the order of the launch's buffers, as an OpenCL kernel's
  * arguments are; parameters are the records of layout.h as uniforms.
  */
-#include "svocl/layout.h"
+#include "shared/layout.h"
 
 layout(local_size_x = SVO_GROUP_ITEMS) in;
 

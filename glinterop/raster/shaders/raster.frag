@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One column of voxels of one triangle: finds the voxels that the exact test lets pass, and appends a fragment (Morton
- * code, triangle) for each. They are consecutive, since the triangle is convex.
+ * One column of voxels of one triangle: finds the voxels that pass the exact test and appends a fragment (Morton code,
+ * triangle) for each. These voxels are consecutive because the triangle is convex.
  *
- * The list's counter counts on when the chunk is full, so that the exact need is known; nothing is written past the
- * end.
+ * The chunk's counter keeps counting when the chunk is full, so the host learns the exact capacity needed. Nothing is
+ * written past the end.
  */
 layout(std430, binding = 3) buffer Counters
 {
@@ -33,12 +33,13 @@ uint spread(uint bits)
     return (bits | bits << 2) & 0x09249249u;
 }
 
-void append(uint slot, ivec3 turned_voxel)
+/* permuted_voxel: u, v, t */
+void append(uint slot, ivec3 permuted_voxel)
 {
     uint axis = uint(corner_a.w);
     uint at_u = (axis + 1u) % 3u;
     uint at_v = (axis + 2u) % 3u;
-    uvec3 voxel = uvec3(turned_voxel);
+    uvec3 voxel = uvec3(permuted_voxel);
     uvec3 low = voxel & 0x3ffu;
     uint code = spread(low.x) << at_u | spread(low.y) << at_v | spread(low.z) << axis;
 #ifdef SVO_CODE48

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fetches a triangle and places what is to be rasterized for it, so that every pixel whose column of voxels the
- * triangle can touch is covered:
+ * Fetches a triangle and positions a primitive that covers every pixel whose column of voxels the triangle can touch:
  *
- *   SVO_POINT  the one pixel (GL_POINTS)
- *   bounds     needles, triangles without area, those that reach outside: a right triangle around the bounding
- *   rectangle,
- *              or around the band along the longest edge where that is thinner: a needle costs what it is long
+ *   SVO_POINT  one pixel (GL_POINTS)
+ *   bounds     for needles, triangles without area and those that reach outside the grid: a right triangle around the
+ *              bounding rectangle or, where that is thinner, around a band along the longest edge, so that the cost of
+ *              a needle grows with its length
  *   otherwise  the triangle with its edges moved outwards by SVO_REACH pixels along each axis, after Hasselgren,
  *              Akenine-Moller and Ohlsson, "Conservative Rasterization", GPU Gems 2, 2005
  *
- * Three vertices per item (one for points), pulled from storage blocks; everything the fragment shader needs travels
- * flat. SVO_REACH is half a pixel (none where the hardware rasterizes conservatively) and a margin of 1/16 pixel (none
- * where the hardware does so before it snaps). The margin covers the rounding of positions to the rasterizer's
- * sub-pixel grid (1/256 pixel or coarser) and of the float arithmetic here: positions are below 2^14 pixels and exact
- * to 2^-9.
+ * Each item has three vertices (a point has one), pulled from storage blocks. All outputs are flat.
+ *
+ * SVO_REACH is half a pixel (0 where the hardware rasterizes conservatively) plus a margin of 1/16 pixel (0 where the
+ * hardware does so before it snaps). The margin covers two roundings: of positions to the rasterizer's sub-pixel grid,
+ * which is 1/256 pixel or coarser, and of the float arithmetic here. Positions are below 2^14 pixels and exact to 2^-9.
  */
 layout(std430, binding = 0) readonly buffer Vertices
 {
@@ -32,7 +31,7 @@ layout(std430, binding = 2) readonly buffer Items
 uniform uint first_item;
 uniform int view_log2; /* log2 of the viewport's pixels per axis */
 
-flat out ivec4 corner_a;    /* u, v, t in grid units from the first voxel's corner; w: the axis of projection */
+flat out ivec4 corner_a;    /* u, v, t in grid units from the first voxel's corner; w: axis of projection */
 flat out ivec4 corner_b;    /* w: the triangle */
 flat out ivec4 corner_c;
 flat out ivec4 first_voxel; /* u, v, t in voxels */
@@ -44,17 +43,17 @@ ivec3 fetch(uint triangle, uint corner)
     return ivec3(vertices[vertex], vertices[vertex + 1u], vertices[vertex + 2u]);
 }
 
-/* Where corner b goes when the edges a-b and b-c move outwards. All in pixels. */
+/* The position of corner b after the edges a-b and b-c have moved outwards. In pixels. */
 vec2 expand(vec2 a, vec2 b, vec2 c)
 {
     vec2 n = vec2(b.y - a.y, a.x - b.x);
     vec2 m = vec2(c.y - b.y, b.x - c.x);
-    float interleaved_method = n.x * m.y - n.y * m.x;
-    float side = interleaved_method < 0.0 ? -1.0 : 1.0;
+    float cross_z = n.x * m.y - n.y * m.x;
+    float side = cross_z < 0.0 ? -1.0 : 1.0;
     float reach = side * SVO_REACH;
     float n_reach = reach * (abs(n.x) + abs(n.y));
     float m_reach = reach * (abs(m.x) + abs(m.y));
-    return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / interleaved_method;
+    return b + vec2(n_reach * m.y - m_reach * n.y, m_reach * n.x - n_reach * m.x) / cross_z;
 }
 
 vec2 longer(vec2 a, vec2 b)
@@ -62,12 +61,12 @@ vec2 longer(vec2 a, vec2 b)
     return max(abs(a.x), abs(a.y)) < max(abs(b.x), abs(b.y)) ? b : a;
 }
 
-/* A corner of the triangle around all pixels that a-b-c touches: (0, 0), (2, 0) and (0, 2) of its bounding rectangle or
-   of the band, which is the rectangle sheared along the longest edge. size: of the rectangle. All in pixels.
+/* A corner of a triangle that covers all pixels a-b-c touches: (0, 0), (2, 0) and (0, 2) of its bounding rectangle, or
+   of the band, which is the rectangle sheared along the longest edge. size: of the rectangle. In pixels.
 
-   The center of a pixel that is touched is at most half a pixel off along both axes, so at most one off the band's
-   line. A quarter is left for the sub-pixel grid, and 2^-19 of the largest coordinate for float arithmetic, here and in
-   clipping. */
+   The center of a touched pixel is at most half a pixel away along either axis, so at most one from the band's line. A
+   quarter pixel is reserved for the sub-pixel grid, and 2^-19 of the largest coordinate for the float arithmetic here
+   and in clipping. */
 vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
 {
     vec2 edge = longer(longer(b - a, c - b), a - c);
@@ -78,8 +77,8 @@ vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
     edge = steep ? edge.yx : edge;
     size = steep ? size.yx : size;
 
-    vec2 max_distance = max(abs(a), max(abs(b), abs(c)));
-    float reach = 1.25 + max(max_distance.x, max_distance.y) * 1.9073486e-6;
+    vec2 largest = max(abs(a), max(abs(b), abs(c)));
+    float reach = 1.25 + max(largest.x, largest.y) * 1.9073486e-6;
     float slope = edge.x != 0.0 ? edge.y / edge.x : 0.0;
     vec3 above = vec3(a.y - slope * a.x, b.y - slope * b.x, c.y - slope * c.x);
     float low = min(above.x, min(above.y, above.z)) - reach;
@@ -114,9 +113,10 @@ void main()
     ivec3 first = clamp((min(a, min(b, c)) - (1 - open)) >> voxel_log2, ivec3(0), limit);
     ivec3 last = clamp(max(a, max(b, c)) >> voxel_log2, ivec3(0), limit) - first;
     ivec3 base = first << voxel_log2;
-    svo_point local[3] = svo_point[3](interleaved_method(a - base, axis), interleaved_method(b - base, axis), interleaved_method(c - base, axis));
-    svo_point start = interleaved_method(first, axis);
-    svo_point extent = interleaved_method(last, axis);
+    svo_point local[3] =
+        svo_point[3](permute(a - base, axis), permute(b - base, axis), permute(c - base, axis));
+    svo_point start = permute(first, axis);
+    svo_point extent = permute(last, axis);
 
     corner_a = ivec4(local[0].u, local[0].v, local[0].t, int(axis));
     corner_b = ivec4(local[1].u, local[1].v, local[1].t, int(item.triangle));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the vertex and fragment shaders of the raster front end share: the snapped mesh as storage blocks, and the turn
- * of the axes that puts a triangle's axis of projection last.
+ * What the vertex and fragment shaders of the raster front end share: uniforms, and the permutation of the axes that
+ * puts a triangle's axis of projection last.
  *
  *   axis 2: (u, v, t) = (x, y, z)     axis 0: (y, z, x)     axis 1: (z, x, y)
  *
@@ -15,13 +15,13 @@ uniform int voxel_log2;
 uniform int open;
 uniform ivec2 view_origin;
 
-/* Component k of p after the turn: 0 u, 1 v, 2 t. */
-int turned(ivec3 p, uint axis, int k)
+/* Component k of the permuted p: 0 u, 1 v, 2 t. */
+int permuted(ivec3 p, uint axis, int k)
 {
     return p[(int(axis) + 1 + k) % 3];
 }
 
-svo_point interleaved_method(ivec3 p, uint axis)
+svo_point permute(ivec3 p, uint axis)
 {
-    return svo_make_point(turned(p, axis, 0), turned(p, axis, 1), turned(p, axis, 2));
+    return svo_make_point(permuted(p, axis, 0), permuted(p, axis, 1), permuted(p, axis, 2));
 }

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The GL compute builder: the tree of a fragment list that never leaves OpenGL, by compute shaders, in the order of
+ * lib/build.c, which draws the list and calls svo_i_gl_make_tree. At the end the tree's arrays are copied to OpenCL.
+ */
+#include "compute/build.h"
+
+#include <stdlib.h>
+
+#include "commands/timing.h"
+#include "compute/buffer.h"
+#include "compute/filter.h"
+#include "compute/material.h"
+#include "compute/pack.h"
+#include "compute/subdivide.h"
+#include "compute/surface.h"
+#include "core/message.h"
+#include "plan/estimate.h"
+#include "stages/geometry.h"
+#include "stages/material.h"
+
+static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    if (bytes <= (double)gl->limits.storage_block_bytes) {
+        return SVO_OK;
+    }
+    return svo_i_device_fail(compute->device, SVO_UNSUPPORTED,
+                             SVO_I_GL_BUILD ": %s need about %.0f bytes, above the storage block limit of %lld of %s",
+                             name, bytes, (long long)gl->limits.storage_block_bytes, gl->renderer);
+}
+
+svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan)
+{
+    const double fragments = plan->info.expected_fragments;
+    svo_status status = check_array(compute, "triangle records", (double)plan->triangle_count * 16);
+    if (status == SVO_OK && plan->work.lists) {
+        status = check_array(compute, "leaf lists", fragments * 4);
+    }
+    if (status == SVO_OK && (plan->work.made & SVO_NEED_MATERIAL) != 0) {
+        status = check_array(compute, "material entries", fragments * 8);
+    }
+    return status == SVO_OK ? check_array(compute, "texels", (double)plan->texel_count * 4) : status;
+}
+
+static svo_status alloc_cursors(svo_i_gl_build *gl_build)
+{
+    const svo_i_fragment_list *list = &gl_build->build->list;
+    gl_build->cursors = calloc(list->chunk_count + 1u, sizeof *gl_build->cursors);
+    if (gl_build->cursors == NULL) {
+        return svo_i_device_fail(gl_build->build->commands.device, SVO_OUT_OF_HOST_MEMORY,
+                                 SVO_I_GL_BUILD ": no memory for %u chunks", list->chunk_count);
+    }
+    svo_status status = SVO_OK;
+    for (uint32_t i = 0; i < list->chunk_count && status == SVO_OK; ++i) {
+        status = svo_i_compute_alloc(gl_build->compute, "cursors", list->chunks[i].needed * 4, &gl_build->cursors[i]);
+    }
+    return status;
+}
+
+/* One attempt with room for that many inner nodes. */
+static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, bool *fits)
+{
+    svo_i_compute *compute = gl_build->compute;
+    GLuint *masks = &gl_build->arrays[SVO_TREE_CHILD_MASK];
+    GLuint *first_child = &gl_build->arrays[SVO_TREE_FIRST_CHILD];
+    gl_build->build->inner_capacity = inner_capacity;
+    svo_i_compute_free(compute, masks);
+    svo_i_compute_free(compute, first_child);
+    svo_status status = svo_i_compute_alloc(compute, "child_mask_pool", inner_capacity, masks);
+    if (status == SVO_OK) {
+        status = svo_i_compute_alloc(compute, "first_child_pool", inner_capacity * 4, first_child);
+    }
+    return status == SVO_OK ? svo_i_gl_subdivide(gl_build, fits) : status;
+}
+
+/* Masks and first children, rerun once with room for certain when the fragment estimate misjudged the scene. */
+static svo_status make_nodes(svo_i_gl_build *gl_build)
+{
+    svo_i_build *build = gl_build->build;
+    const svo_i_gl_functions *gl = gl_build->compute->gl;
+    const uint64_t most = (uint64_t)gl->limits.storage_block_bytes / 4 - 1;
+    bool fits = false;
+    uint64_t wanted = 0;
+    for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
+        wanted = svo_i_plan_inner_nodes(build->commands.plan, build->fragment_count, attempt > 0);
+        const svo_status status = try_nodes(gl_build, wanted < most ? wanted : most, &fits);
+        if (status != SVO_OK) {
+            return status;
+        }
+        build->commands.report->reruns += fits ? 0 : 1;
+    }
+    if (!fits && wanted > most) {
+        return svo_i_device_fail(build->commands.device, SVO_UNSUPPORTED,
+                                 SVO_I_GL_BUILD
+                                 ": the tree has more inner nodes than the %llu of a storage block of %lld bytes of %s",
+                                 (unsigned long long)most, (long long)gl->limits.storage_block_bytes, gl->renderer);
+    }
+    if (!fits) {
+        return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
+                                 SVO_I_GL_BUILD ": %llu fragments made more than %llu nodes",
+                                 (unsigned long long)build->fragment_count, (unsigned long long)wanted);
+    }
+    return SVO_OK;
+}
+
+/* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
+static svo_status make_payload(svo_i_gl_build *gl_build)
+{
+    svo_i_build *build = gl_build->build;
+    const svo_i_work *work = &build->commands.plan->work;
+    const bool has_leaves = build->tree->info.leaf_count > 0;
+    const bool own_ranges = has_leaves && work->ranges && !work->lists;
+    svo_i_gl_surface surface = {0};
+    svo_status status = svo_i_gl_surface_upload(gl_build, &surface);
+    if (status == SVO_OK && own_ranges) {
+        status = svo_i_gl_pack(gl_build, false);
+    }
+    if (status == SVO_OK && (work->made & SVO_NEED_MATERIAL) != 0) {
+        /* A root alone needs no shader: OpenCL fills its payload. */
+        status = has_leaves ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build);
+    }
+    if (own_ranges) {
+        svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
+    }
+    if (status == SVO_OK && work->filter) {
+        status = svo_i_gl_filter(gl_build, &surface);
+    }
+    svo_i_gl_surface_free(gl_build, &surface);
+    return status;
+}
+
+/* Shaders make it for all levels, also for those above the plan's payload_level. */
+static bool is_payload(svo_tree_buffer buffer)
+{
+    return buffer == SVO_TREE_COLORS || buffer == SVO_TREE_NORMALS || buffer == SVO_TREE_MATERIALS ||
+           buffer == SVO_TREE_FILLS;
+}
+
+/* The tree's arrays, cut to what they hold. */
+static svo_status copy_arrays(svo_i_gl_build *gl_build)
+{
+    svo_i_build *build = gl_build->build;
+    svo_status status = SVO_OK;
+    const double start_ms = svo_i_now_ms();
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
+        if (gl_build->arrays[i] != 0) {
+            const svo_tree_info *info = &build->tree->info;
+            const uint64_t element_bytes = svo_i_tree_element_bytes(i);
+            const uint64_t skipped = is_payload(i) ? info->level_begin[info->payload_level] : 0;
+            status = svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[i], svo_tree_buffer_name(i),
+                                         skipped * element_bytes, svo_i_tree_element_count(info, i) * element_bytes,
+                                         &build->tree->buffers[i]);
+            svo_i_compute_free(gl_build->compute, &gl_build->arrays[i]);
+        }
+    }
+    svo_i_report_add(build->commands.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    return status;
+}
+
+static svo_status run_stages(svo_i_gl_build *gl_build)
+{
+    svo_i_build *build = gl_build->build;
+    const svo_i_work *work = &build->commands.plan->work;
+    svo_status status = alloc_cursors(gl_build);
+    if (status == SVO_OK) {
+        status = make_nodes(gl_build);
+    }
+    if (status == SVO_OK && work->lists) {
+        status = svo_i_geometry_upload(build);
+        if (status == SVO_OK) {
+            status = svo_i_gl_pack(gl_build, true);
+        }
+    }
+    if (status == SVO_OK && work->surface) {
+        status = make_payload(gl_build);
+    }
+    return status == SVO_OK ? copy_arrays(gl_build) : status;
+}
+
+svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build)
+{
+    svo_i_gl_build gl_build = {.build = build, .compute = compute};
+    svo_i_gl_clear_errors(compute->gl);
+    const svo_status status = run_stages(&gl_build);
+    for (uint32_t i = 0; gl_build.cursors != NULL && i < build->list.chunk_count; ++i) {
+        svo_i_compute_free(compute, &gl_build.cursors[i]);
+    }
+    free(gl_build.cursors);
+    svo_i_compute_free(compute, &gl_build.state);
+    svo_i_compute_free(compute, &gl_build.partials);
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        svo_i_compute_free(compute, &gl_build.arrays[i]);
+    }
+    return status;
+}

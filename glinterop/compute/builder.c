@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+/* What compute shaders of one context need: created with the first build, released with svo_gl. */
+#include "compute/builder.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "compute/buffer.h"
+#include "compute/program.h"
+
+static bool has_int64(const svo_i_gl_functions *gl, bool no_int64)
+{
+    return !no_int64 && svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64");
+}
+
+/* llvmpipe's timer queries leave out work and begin with nonsense. */
+static bool believes_timer(const svo_i_gl_functions *gl)
+{
+    return strstr(gl->renderer, "llvmpipe") == NULL;
+}
+
+svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, bool no_int64, svo_i_compute **out)
+{
+    svo_i_compute *compute = calloc(1, sizeof *compute);
+    if (compute == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, SVO_I_GL_BUILD ": no memory for the builder");
+    }
+    compute->device = device;
+    compute->context = context;
+    compute->gl = svo_i_gl_context_functions(context);
+    compute->int64 = has_int64(compute->gl, no_int64);
+    compute->has_timer = believes_timer(compute->gl);
+    svo_status status = svo_i_gl_context_make_current(context, &device->message);
+    if (status == SVO_OK) {
+        svo_i_gl_clear_errors(compute->gl);
+        compute->gl->GenQueries(2, compute->queries);
+        status = svo_i_compute_alloc_zero(compute, "exhausted", 4, &compute->exhausted);
+        svo_i_gl_context_release_current(context);
+    }
+    if (status != SVO_OK) {
+        svo_i_compute_destroy(&compute);
+        return status;
+    }
+    *out = compute;
+    return SVO_OK;
+}
+
+void svo_i_compute_destroy(svo_i_compute **compute)
+{
+    svo_i_compute *dying = *compute;
+    if (dying == NULL) {
+        return;
+    }
+    if (svo_i_gl_context_make_current(dying->context, NULL) == SVO_OK) {
+        svo_i_compute_programs_destroy(dying);
+        dying->gl->DeleteQueries(2, dying->queries);
+        svo_i_compute_free(dying, &dying->exhausted);
+        svo_i_gl_context_release_current(dying->context);
+    }
+    free(dying);
+    *compute = NULL;
+}
+
+void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t need, char *reason,
+                          size_t reason_bytes)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
+    const bool payload = (need & SVO_I_NEED_PAYLOAD) != 0;
+    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6; /* SVO_I_ENTRY_SORT_LONG has the most of the others */
+    const int has = gl->limits.compute_storage_blocks < gl->limits.storage_bindings ? gl->limits.compute_storage_blocks
+                                                                                    : gl->limits.storage_bindings;
+    reason[0] = '\0';
+    if (gl->limits.compute_group_invocations < SVO_GROUP_ITEMS) {
+        (void)snprintf(reason, reason_bytes, "%s has groups of %d invocations, below %d", gl->renderer,
+                       gl->limits.compute_group_invocations, SVO_GROUP_ITEMS);
+    } else if (has < blocks) {
+        (void)snprintf(reason, reason_bytes, "%s has %d storage blocks for compute shaders, %sneeds %d", gl->renderer,
+                       has, payload ? "payload " : "it ", blocks);
+    } else if (payload && !has_int64(gl, no_int64)) {
+        (void)snprintf(reason, reason_bytes, "payload needs GL_ARB_gpu_shader_int64, which %s does not have%s",
+                       gl->renderer, no_int64 ? " by svo_gl_options.no_int64" : "");
+    }
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The mesh's attributes in storage blocks, for the stages that make payload of them (material.c, filter.c):
+ * shaders/attribute.glsl reads them. Only what the plan has is uploaded. Attributes of vertices share a block, since a
+ * shader may have few.
+ */
+#include "compute/surface.h"
+
+#include "compute/buffer.h"
+
+/* Uploads an array if the plan has it. */
+static svo_status upload(svo_i_gl_build *gl_build, const char *name, const void *data, uint64_t bytes, GLuint *out)
+{
+    return data != NULL ? svo_i_compute_upload(gl_build->compute, name, data, bytes, out) : SVO_OK;
+}
+
+/* One attribute behind those before it; *end moves on. */
+static void put_attribute(svo_i_gl_build *gl_build, const void *data, uint64_t bytes, uint64_t *end)
+{
+    const svo_i_gl_functions *gl = gl_build->compute->gl;
+    if (data != NULL && bytes > 0) {
+        gl->BufferSubData(GL_COPY_READ_BUFFER, (GLintptr)*end, (GLsizeiptr)bytes, data);
+        *end += bytes;
+    }
+}
+
+/* Colors, then normals, then texture coordinates. */
+static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
+{
+    const svo_plan *plan = gl_build->build->commands.plan;
+    const uint64_t vertices = plan->vertex_count;
+    const uint64_t bytes = vertices * ((plan->colors != NULL ? 4u : 0u) + (plan->normals != NULL ? 8u : 0u) +
+                                       (plan->uvs != NULL ? 8u : 0u));
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    const svo_status status = svo_i_compute_alloc(gl_build->compute, "vertex_attributes", bytes, out);
+    if (status == SVO_OK) {
+        uint64_t end = 0;
+        gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, *out);
+        put_attribute(gl_build, plan->colors, vertices * 4, &end);
+        put_attribute(gl_build, plan->normals, vertices * 8, &end);
+        put_attribute(gl_build, plan->uvs, vertices * 8, &end);
+        gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
+    }
+    return status;
+}
+
+/* What places a triangle in a voxel; uniform weights do not look at vertices. */
+static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
+{
+    const svo_plan *plan = gl_build->build->commands.plan;
+    const uint64_t triangles = plan->triangle_count;
+    svo_status status = SVO_OK;
+    if (plan->options.weights != SVO_WEIGHTS_UNIFORM) {
+        status = upload(gl_build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices);
+    }
+    if (status == SVO_OK) {
+        status = upload(gl_build, "indices", plan->indices, triangles * 12, &out->indices);
+    }
+    return status == SVO_OK
+               ? upload(gl_build, "records", plan->records, triangles * sizeof(svo_triangle_record), &out->records)
+               : status;
+}
+
+svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
+{
+    const svo_plan *plan = gl_build->build->commands.plan;
+    svo_i_compute_stage_begin(gl_build->compute);
+    svo_status status = upload_triangles(gl_build, out);
+    if (status == SVO_OK) {
+        status = upload_attributes(gl_build, &out->attributes);
+    }
+    if (status == SVO_OK) {
+        status = upload(gl_build, "material_records", plan->materials,
+                        plan->material_count * sizeof(svo_material_record), &out->materials);
+    }
+    if (status == SVO_OK) {
+        status = upload(gl_build, "texels", plan->texels, plan->texel_count * 4, &out->texels);
+    }
+    return status == SVO_OK ? svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_TRANSFER) : status;
+}
+
+void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface)
+{
+    GLuint *buffers[] = {&surface->vertices,   &surface->indices,   &surface->records,
+                         &surface->attributes, &surface->materials, &surface->texels};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_compute_free(gl_build->compute, buffers[i]);
+    }
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* Off-screen contexts by EGL, and what EGL has current on a thread. */
+#ifndef SVO_GLINTEROP_CONTEXT_EGL_H
+#define SVO_GLINTEROP_CONTEXT_EGL_H
+
+#include "context/platform.h"
+
+extern const svo_i_gl_platform svo_i_egl_platform;
+
+/* What EGL has current on this thread. Handles are EGL's, without its types. */
+typedef struct svo_i_egl_binding {
+    bool loaded; /* the process has loaded libEGL, so there is something to restore */
+    unsigned api;
+    void *display, *context, *draw_surface, *read_surface; /* context: NULL when none is current */
+} svo_i_egl_binding;
+
+/* Reads what EGL has current and unbinds it. Does nothing when the process has not loaded libEGL. */
+void svo_i_egl_binding_take(svo_i_egl_binding *binding);
+/* Binds it again. */
+void svo_i_egl_binding_restore(const svo_i_egl_binding *binding);
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/* Probes methods of rasterization and share paths when an svo_gl is created, and chooses one of each. */
+#include "frontend/choice.h"
+
+#include <string.h>
+
+#include "core/message.h"
+#include "raster/selftest.h"
+#include "share/probe.h"
+
+/* Hardware-conservative rasterization where the extension exists and the self-test passes; else NULL and a reason. */
+static svo_i_raster *try_hardware(svo_gl *gl)
+{
+    char *reason = gl->raster_reasons[SVO_GL_RASTER_HW];
+    const char *missing = "";
+    const svo_i_conservative method = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
+    if (method == SVO_I_CONSERVATIVE_EXPAND) {
+        memcpy(reason, missing, strlen(missing) + 1);
+        return NULL;
+    }
+    svo_i_raster *raster = NULL;
+    if (svo_i_raster_create(gl->device, gl->context, method, gl->no_int64, &raster) != SVO_OK) {
+        memcpy(reason, gl->device->message.text, SVO_I_GL_REASON_BYTES - 1);
+        return NULL;
+    }
+    svo_i_raster_selftest(gl->device, gl->context, raster, reason, SVO_I_GL_REASON_BYTES);
+    if (reason[0] != '\0') {
+        svo_i_raster_destroy(&raster);
+    }
+    return raster;
+}
+
+svo_status svo_i_gl_choose_raster(svo_gl *gl, svo_gl_raster asked)
+{
+    svo_i_raster *hardware = try_hardware(gl);
+    if (asked == SVO_GL_RASTER_HW && hardware == NULL) {
+        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: gl-hw does not work: %s",
+                                 gl->raster_reasons[SVO_GL_RASTER_HW]);
+    }
+    if (hardware != NULL && asked != SVO_GL_RASTER_EXPAND) {
+        gl->raster = hardware;
+        gl->raster_choice = SVO_GL_RASTER_HW;
+        return SVO_OK;
+    }
+    svo_i_raster_destroy(&hardware);
+    gl->raster_choice = SVO_GL_RASTER_EXPAND;
+    return svo_i_raster_create(gl->device, gl->context, SVO_I_CONSERVATIVE_EXPAND, gl->no_int64, &gl->raster);
+}
+
+svo_status svo_i_gl_choose_share(svo_gl *gl, svo_gl_share asked)
+{
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
+        svo_i_share_probe(gl->device, gl->context, share, gl->share_reasons[share], SVO_I_GL_REASON_BYTES);
+    }
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
+        const bool works = gl->share_reasons[share][0] == '\0';
+        if (asked == share && !works) {
+            return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: share %s does not work: %s",
+                                     svo_gl_share_name(share), gl->share_reasons[share]);
+        }
+        if (works && (asked == share || asked == SVO_GL_SHARE_AUTO)) {
+            gl->share_choice = share;
+            return SVO_OK;
+        }
+    }
+    return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: no share path works: %s",
+                             gl->share_reasons[SVO_GL_SHARE_COPY]);
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* The insides of svo_gl: a device, a context, and what rasterizes and builds with them. */
+#ifndef SVO_GLINTEROP_FRONTEND_HANDLE_H
+#define SVO_GLINTEROP_FRONTEND_HANDLE_H
+
+#include "commands/frontend.h"
+#include "compute/compute.h"
+#include "raster/raster.h"
+
+#define SVO_I_GL_REASON_BYTES 512
+#define SVO_I_GL_RASTERS      3
+#define SVO_I_GL_SHARES       4
+
+struct svo_gl {
+    svo_device *device;
+    svo_gl_context *context;
+    bool no_int64;
+    svo_gl_raster raster_choice;
+    svo_gl_share share_choice;
+    /* "" for a method or path that works. */
+    char raster_reasons[SVO_I_GL_RASTERS][SVO_I_GL_REASON_BYTES];
+    char share_reasons[SVO_I_GL_SHARES][SVO_I_GL_REASON_BYTES];
+    svo_i_raster *raster;
+    svo_frontend frontend;
+
+    /* svo_gl_build. */
+    char build_reason[SVO_I_GL_REASON_BYTES]; /* the last answer of svo_gl_build_reason */
+    svo_i_compute *compute; /* NULL until the first build */
+    svo_frontend build_frontend; /* its list stays in OpenGL */
+};
+
+#endif

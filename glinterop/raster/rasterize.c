@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rasterizes a plan's triangles into the fragment list: one shared buffer per chunk, filled by OpenGL, then handed over
+ * to OpenCL. The list is the input of the stages that build the tree.
+ */
+#include "raster/rasterize.h"
+
+#include <stdlib.h>
+
+#include "commands/timing.h"
+#include "core/message.h"
+#include "plan/estimate.h"
+#include "share/share.h"
+
+/* Creates a chunk's buffer and gives it to OpenGL. */
+static svo_status create_chunk(const svo_i_rasterizer *rasterizer, size_t bytes, cl_command_queue queue,
+                               svo_i_fragments *chunk)
+{
+    svo_i_share_buffer *shared = chunk->owner;
+    SVO_I_TRY(svo_i_share_buffer_create(rasterizer->device, rasterizer->context, rasterizer->share,
+                                        bytes > 0 ? bytes : 4, shared));
+    chunk->buffer = shared->memory;
+    return svo_i_share_buffer_to_gl(shared, queue);
+}
+
+/* svo_i_rasterize_release frees the chunks, also after a failure. */
+static svo_status create_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan,
+                                const svo_i_chunking *chunking, cl_command_queue queue, svo_i_fragment_list *list)
+{
+    const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        svo_i_fragments *chunk = &list->chunks[i];
+        chunk->owner = calloc(1, sizeof(svo_i_share_buffer));
+        if (chunk->owner == NULL) {
+            return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                     chunking->chunk_count);
+        }
+        chunk->capacity = chunking->chunks[i].capacity;
+        SVO_I_TRY(create_chunk(rasterizer, (size_t)chunk->capacity * fragment_bytes, queue, chunk));
+    }
+    return SVO_OK;
+}
+
+/* The voxels of a triangle's bounding box, one voxel wider on every side. */
+static double box_voxels(const svo_plan *plan, uint32_t triangle)
+{
+    const uint32_t *corners = plan->indices + (size_t)triangle * 3;
+    const int32_t width = 1 << plan->info.depth;
+    double voxels = 1.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int32_t low = width, high = -1;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const int32_t voxel = plan->vertices[(size_t)corners[corner] * 3 + axis] >> plan->voxel_log2;
+            low = voxel < low ? voxel : low;
+            high = voxel > high ? voxel : high;
+        }
+        low = low > 0 ? low : 0;
+        high = high < width ? high : width;
+        voxels *= high >= low ? (double)(high - low) + 3.0 : 3.0;
+    }
+    return voxels;
+}
+
+/* The most fragments that a chunk's triangles can touch. */
+static double possible_fragments(const svo_plan *plan, const svo_i_chunking *chunking, const svo_i_chunk *chunk)
+{
+    double most = 0.0;
+    for (uint32_t i = 0; i < chunk->draw_count; ++i) {
+        const svo_i_draw *draw = &chunking->draws[chunk->first_draw + i];
+        for (uint32_t item = 0; item < draw->item_count; ++item) {
+            most += box_voxels(plan, plan->items[draw->first_item + item].triangle);
+        }
+    }
+    return most;
+}
+
+/* A chunk that was too small is allocated again with the driver's count, so an impossible count is an error. */
+static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
+                              uint32_t chunk, uint32_t needed)
+{
+    if (needed <= chunking->chunks[chunk].capacity) {
+        return SVO_OK;
+    }
+    const double most = possible_fragments(plan, chunking, &chunking->chunks[chunk]);
+    if ((double)needed > most) {
+        return svo_i_device_fail(rasterizer->device, SVO_GL_ERROR,
+                                 "svo_build: %s counted %u fragments where at most %.0f are possible",
+                                 svo_i_gl_context_functions(rasterizer->context)->renderer, needed, most);
+    }
+    return SVO_OK;
+}
+
+/* Draws all chunks; needed: one counter per chunk. */
+static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
+                              svo_i_fragment_list *list, uint32_t *needed)
+{
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        svo_i_share_buffer_bind(list->chunks[i].owner, SVO_I_RASTER_FRAGMENTS);
+        SVO_I_TRY(svo_i_raster_draw(rasterizer->raster, plan, chunking, i));
+    }
+    SVO_I_TRY(svo_i_raster_finish(rasterizer->raster, chunking->chunk_count, needed));
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        list->chunks[i].needed = needed[i];
+        SVO_I_TRY(check_count(rasterizer, plan, chunking, i, needed[i]));
+    }
+    return SVO_OK;
+}
+
+static svo_status draw_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
+                            svo_i_fragment_list *list)
+{
+    uint32_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
+    if (needed == NULL) {
+        return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
+                                 chunking->chunk_count);
+    }
+    const svo_status status = draw_chunks(rasterizer, plan, chunking, list, needed);
+    free(needed);
+    return status;
+}
+
+/* Gives the written part of each chunk to OpenCL. */
+static svo_status hand_over(const svo_plan *plan, cl_command_queue queue, svo_i_fragment_list *list)
+{
+    const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        const svo_i_fragments *chunk = &list->chunks[i];
+        const uint64_t held = chunk->needed < chunk->capacity ? chunk->needed : chunk->capacity;
+        SVO_I_TRY(svo_i_share_buffer_to_cl(chunk->owner, (size_t)held * fragment_bytes, queue));
+    }
+    return SVO_OK;
+}
+
+/* Adds the time since *start_ms to a stage and starts anew. */
+static void take_time(svo_build_report *report, svo_stage stage, double *start_ms)
+{
+    const double now_ms = svo_i_now_ms();
+    svo_i_report_add(report, stage, now_ms - *start_ms, "wall");
+    *start_ms = now_ms;
+}
+
+static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
+                            const svo_i_chunking *chunking, svo_i_fragment_list *list)
+{
+    const svo_plan *plan = commands->plan;
+    double start_ms = svo_i_now_ms();
+    SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
+    SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));
+    take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
+    SVO_I_TRY(draw_list(rasterizer, plan, chunking, list));
+    take_time(commands->report, SVO_STAGE_VOXELIZE, &start_ms);
+    if (rasterizer->share != SVO_GL_SHARE_AUTO) {
+        SVO_I_TRY(hand_over(plan, commands->queue, list));
+    }
+    take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
+    return SVO_OK;
+}
+
+svo_status svo_i_rasterize_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
+                                const svo_i_chunking *chunking, svo_i_fragment_list *list)
+{
+    SVO_I_TRY(svo_i_gl_context_make_current(rasterizer->context, &rasterizer->device->message));
+    const svo_status status = make_list(rasterizer, commands, chunking, list);
+    svo_i_raster_drop(rasterizer->raster);
+    svo_i_gl_context_release_current(rasterizer->context);
+    return status;
+}
+
+void svo_i_rasterize_release(svo_i_fragment_list *list)
+{
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        if (list->chunks[i].owner != NULL) {
+            svo_i_share_buffer_destroy(list->chunks[i].owner);
+            free(list->chunks[i].owner);
+        }
+    }
+    list->chunk_count = 0;
+}

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which share path works on a pair of device and context, and why the others do not. Called once per svo_gl.
+ *
+ * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the
+ * one before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
+ */
+#include "share/probe.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "core/message.h"
+#include "share/interop.h"
+#include "share/share.h"
+
+enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };
+
+/* Two regions with two values, so that neither a stale buffer nor a wrong offset passes. */
+static cl_uint test_word(unsigned round, unsigned word)
+{
+    return (word < TEST_SPLIT_WORDS ? 0x5eed0001u : 0xc0ffee02u) + round;
+}
+
+/* OpenGL copies the pattern from a buffer of its own: the one way of writing that heeds none of the caller's state. */
+static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_uint *words)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    GLuint own = 0;
+    for (unsigned i = 0; i < TEST_WORDS; ++i) {
+        words[i] = test_word(round, i);
+    }
+    svo_i_gl_clear_errors(gl);
+    gl->GenBuffers(1, &own);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, own);
+    gl->BufferData(GL_COPY_READ_BUFFER, TEST_BYTES, words, GL_STREAM_COPY);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, buffer->name);
+    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, (GLintptr)buffer->offset_bytes, TEST_BYTES);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
+    gl->DeleteBuffers(1, &own);
+    return svo_i_gl_check(gl, "svo_i_share_probe", "glCopyBufferSubData", &buffer->device->message);
+}
+
+/* The device itself copies the shared bytes to a buffer of its own; what arrives there is what kernels would see. */
+static svo_status compare_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_mem own, cl_command_queue queue,
+                                  cl_uint *words)
+{
+    svo_device *device = buffer->device;
+    cl_event copied = NULL;
+    cl_int error = clEnqueueCopyBuffer(queue, buffer->memory, own, 0, 0, TEST_BYTES, 0, NULL, &copied);
+    if (error == CL_SUCCESS) {
+        error = clEnqueueReadBuffer(queue, own, CL_TRUE, 0, TEST_BYTES, words, 1, &copied, NULL);
+        clReleaseEvent(copied);
+    }
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, "svo_i_share_probe", "clEnqueueCopyBuffer", error);
+    }
+    for (unsigned i = 0; i < TEST_WORDS; ++i) {
+        if (words[i] != test_word(round, i)) {
+            return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                     "OpenCL reads 0x%08x at word %u where OpenGL wrote 0x%08x", words[i], i,
+                                     test_word(round, i));
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_queue queue, cl_uint *words)
+{
+    svo_status status = SVO_OK;
+    for (unsigned round = 0; round < TEST_ROUNDS && status == SVO_OK; ++round) {
+        status = svo_i_share_buffer_to_gl(buffer, queue);
+        if (status == SVO_OK) {
+            status = write_pattern(buffer, round, words);
+        }
+        if (status == SVO_OK) {
+            status = svo_i_share_buffer_to_cl(buffer, TEST_BYTES, queue);
+        }
+        if (status == SVO_OK) {
+            status = compare_pattern(buffer, round, own, queue, words);
+        }
+    }
+    return status;
+}
+
+/* OpenGL writes, OpenCL reads, twice. Expects the context current; the reason is left in the device's message. */
+static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl_share share)
+{
+    svo_i_share_buffer buffer = {0};
+    cl_mem own = NULL;
+    cl_int error = CL_SUCCESS;
+    cl_uint *words = malloc(TEST_BYTES);
+    cl_command_queue queue = clCreateCommandQueue(device->context, device->device, 0, &error);
+    svo_status status = SVO_OK;
+    if (words == NULL) {
+        status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "no %d bytes for the self-test", (int)TEST_BYTES);
+    } else if (error != CL_SUCCESS) {
+        status = svo_i_device_fail_cl(device, "svo_i_share_probe", "clCreateCommandQueue", error);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_device_buffer(device, "svo_i_share_probe", "self-test", CL_MEM_READ_WRITE, TEST_BYTES, &own);
+    }
+    if (status == SVO_OK) {
+        status = svo_i_share_buffer_create(device, context, share, TEST_BYTES, &buffer);
+    }
+    if (status == SVO_OK) {
+        status = run_rounds(&buffer, own, queue, words);
+    }
+    svo_i_share_buffer_destroy(&buffer);
+    if (own != NULL) {
+        clReleaseMemObject(own);
+    }
+    if (queue != NULL) {
+        clReleaseCommandQueue(queue);
+    }
+    free(words);
+    return status;
+}
+
+/* Whether the pair can share, and its OpenCL context was made for it. */
+static svo_status check_interop(svo_device *device, svo_gl_context *context)
+{
+    svo_i_interop sharing;
+    cl_context joined = NULL;
+    svo_status status = svo_i_interop_find(device, context, &sharing, &device->message);
+    if (status != SVO_OK || svo_i_interop_is_joined(device, context)) {
+        return status;
+    }
+    status = svo_i_interop_create_context(device, context, &joined, &device->message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    clReleaseContext(joined);
+    return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                             "the device's OpenCL context was not made against the OpenGL context "
+                             "(svo_gl_device_create makes one)");
+}
+
+static svo_status check_host(svo_device *device, const svo_gl_context *context)
+{
+    if (!device->is_cpu) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s is not a CPU device", device->name);
+    }
+    if (svo_i_gl_context_functions(context)->BufferStorage == NULL) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "the context has neither OpenGL 4.4 nor GL_ARB_buffer_storage");
+    }
+    return SVO_OK;
+}
+
+/* Expects the context current. */
+static void probe_current(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason,
+                          size_t reason_bytes)
+{
+    const svo_status possible =
+        share == SVO_GL_SHARE_HOST ? check_host(device, context) : check_interop(device, context);
+    if (possible != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "%s", device->message.text);
+    } else if (round_trip(device, context, share) != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+    }
+}
+
+/* What the steps say is left in the device's message, which is put back. */
+static void probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason, size_t reason_bytes)
+{
+    const svo_message before = device->message;
+    if (svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
+        (void)snprintf(reason, reason_bytes, "%s", device->message.text);
+    } else {
+        probe_current(device, context, share, reason, reason_bytes);
+        svo_i_gl_context_release_current(context);
+    }
+    device->message = before;
+}
+
+void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason,
+                       size_t reason_bytes)
+{
+    reason[0] = '\0';
+    switch (share) {
+    case SVO_GL_SHARE_INTEROP:
+    case SVO_GL_SHARE_HOST:
+        probe(device, context, share, reason, reason_bytes);
+        break;
+    case SVO_GL_SHARE_COPY: /* needs nothing that the front end does not need itself */
+        break;
+    case SVO_GL_SHARE_AUTO:
+        (void)snprintf(reason, reason_bytes, "auto is not a share path");
+        break;
+    }
+}

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Records of rays, hits and queries, as they lie in the buffers of trace.h and in kernels of the caller's own. One text
+ * for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only, without padding. Offsets are in bytes.
+ */
+#ifndef SVOCL_RAY_TYPES_H
+#define SVOCL_RAY_TYPES_H
+
+#if defined(__OPENCL_C_VERSION__)
+#define SVO_U32 uint
+#define SVO_I32 int
+#define SVO_F32 float
+#define SVO_RECORD(name)      \
+    typedef struct name name; \
+    struct name
+#elif defined(GL_core_profile)
+#define SVO_U32          uint
+#define SVO_I32          int
+#define SVO_F32          float
+#define SVO_RECORD(name) struct name
+#else
+#include <stdint.h>
+#define SVO_U32 uint32_t
+#define SVO_I32 int32_t
+#define SVO_F32 float
+#define SVO_RECORD(name)      \
+    typedef struct name name; \
+    struct name
+#endif
+
+/* A ray in world coordinates: origin + t * direction for t_min <= t <= t_max. 32 bytes. */
+SVO_RECORD(svo_ray)
+{
+    SVO_F32 origin[3]; /* 0 */
+    SVO_F32 direction[3]; /* 12: any length above 0 */
+    SVO_F32 t_min; /* 24: in lengths of direction */
+    SVO_F32 t_max; /* 28: infinity allowed */
+};
+
+/* What a ray met. 32 bytes. */
+SVO_RECORD(svo_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: nothing */
+    SVO_F32 u; /* 8: weight of the triangle's second corner */
+    SVO_F32 v; /* 12: weight of the third; the first has 1 - u - v */
+    SVO_F32 normal[3]; /* 16: of the triangle, unit, by the order of its corners; zero without area */
+    SVO_U32 count; /* 28: leaves looked into; with SVO_TRACE_COUNT the triangles met */
+};
+#define SVO_NO_TRIANGLE 0xffffffffu
+
+/* A point that asks for its nearest triangle. 16 bytes. */
+SVO_RECORD(svo_query_point)
+{
+    SVO_F32 position[3]; /* 0: world */
+    SVO_F32 max_distance; /* 12: world: triangles farther away do not count; infinity allowed */
+};
+
+/* The triangle nearest to a point. 32 bytes. */
+SVO_RECORD(svo_nearest)
+{
+    SVO_F32 distance; /* 0: world; infinity: none */
+    SVO_U32 triangle; /* 4: its position in the mesh's index array; SVO_NO_TRIANGLE: none */
+    SVO_F32 position[3]; /* 8: world: the nearest point on it */
+    SVO_U32 leaves; /* 20: looked into */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* What a ray met of the voxels. 32 bytes. */
+SVO_RECORD(svo_voxel_hit)
+{
+    SVO_F32 t; /* 0: in lengths of the ray's direction; infinity: nothing */
+    SVO_U32 node; /* 4: into the tree's nodes; SVO_NO_NODE: nothing */
+    SVO_U32 level; /* 8: of the node; the tree's depth: a leaf */
+    SVO_U32 face; /* 12: it was entered by: 2 * axis, plus 1 for the high side; SVO_FACE_NONE: the ray began in it */
+    SVO_F32 normal[3]; /* 16: of that face, unit; zero without one */
+    SVO_U32 steps; /* 28: cells looked into */
+};
+#define SVO_NO_NODE   0xffffffffu
+#define SVO_FACE_NONE 6u
+
+/* Sizes are checked wherever the text is compiled, but for GLSL, which has no way to say so. */
+#if !defined(GL_core_profile)
+#if defined(__OPENCL_C_VERSION__)
+#define SVO_ASSERT_BYTES(name, bytes) typedef char name##_bytes[sizeof(name) == (bytes) ? 1 : -1]
+#elif defined(__cplusplus)
+#define SVO_ASSERT_BYTES(name, bytes) static_assert(sizeof(name) == (bytes), #name)
+#else
+#define SVO_ASSERT_BYTES(name, bytes) _Static_assert(sizeof(name) == (bytes), #name)
+#endif
+SVO_ASSERT_BYTES(svo_ray, 32);
+SVO_ASSERT_BYTES(svo_hit, 32);
+SVO_ASSERT_BYTES(svo_query_point, 16);
+SVO_ASSERT_BYTES(svo_nearest, 32);
+SVO_ASSERT_BYTES(svo_voxel_hit, 32);
+#endif
+
+#endif

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/* Measuring what a build allocates and launches: for plans, workspaces and warm-up. */
+#include "build/measure.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "build/order.h"
+#include "plan/buffers.h"
+#include "plan/chunking.h"
+#include "plan/estimate.h"
+#include "stages/voxelize.h"
+
+/* Lists of more chunks are measured as if they had this many. */
+#define CHUNKS_MAX 32
+
+/* How much of a build is measured. */
+typedef enum build_extent { LIST_ALONE, ALL_STAGES } build_extent;
+
+static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunking, build_extent extent)
+{
+    svo_i_commands *commands = &build->commands;
+    build->list.chunk_count = chunking->chunk_count;
+    build->list.chunks = calloc(chunking->chunk_count + 1u, sizeof *build->list.chunks);
+    if (build->list.chunks == NULL) {
+        return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for %u chunks",
+                                 chunking->chunk_count);
+    }
+    build->owns_list = true;
+    if (build->frontend == NULL || build->frontend->on_device) { /* others have their lists in memory of their own */
+        SVO_I_TRY(svo_i_voxelize(NULL, commands, chunking, &build->list));
+    }
+    if (!build->in_place) { /* a build that waits has read them by now */
+        svo_i_commands_free(commands, &build->list.counters);
+    }
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        build->list.chunks[i].needed = chunking->chunks[i].capacity;
+        build->fragment_count += chunking->chunks[i].capacity;
+    }
+    svo_i_build_fill_info(build);
+    svo_i_build_assume_counts(build);
+    return extent == ALL_STAGES ? svo_i_order_run(build) : SVO_OK;
+}
+
+/* The handles in a measured tree are none: the allocations behind them are the tree's. */
+static void mark_persistent(svo_i_build *build)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if (build->tree->buffers[i] != NULL) {
+            build->commands.allocations->entries[(size_t)(uintptr_t)build->tree->buffers[i] - 1].persistent = true;
+            build->tree->buffers[i] = NULL;
+        }
+    }
+}
+
+/* build: its frontend, in_place, and the allocations and warm_up of its commands are set. */
+static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *chunking, build_extent extent)
+{
+    svo_i_allocations unread = {0};
+    svo_build_report report = {0};
+    build->commands.mode = SVO_I_MODE_MEASURE;
+    build->commands.device = plan->device;
+    build->commands.plan = plan;
+    build->commands.report = &report;
+    if (build->commands.allocations == NULL) {
+        build->commands.allocations = &unread;
+    }
+    build->tree = svo_i_tree_new();
+    if (build->tree == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
+    }
+    svo_i_plan_buffers_reset(plan);
+    const svo_status status = measure_stages(build, chunking, extent);
+    svo_i_build_release_scratch(build);
+    mark_persistent(build);
+    svo_i_allocations_free(&unread);
+    svo_tree_destroy(&build->tree);
+    return status;
+}
+
+svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chunking *chunking,
+                         svo_i_allocations *allocations)
+{
+    svo_i_build build = {
+        .commands = {.allocations = allocations}, .frontend = frontend, .in_place = allocations != NULL};
+    return run(&build, plan, chunking, ALL_STAGES);
+}
+
+/* Equal chunks, for a list that would be cut into many more: cutting it in earnest takes time and memory that a plan
+   should not. */
+static svo_status cut_roughly(const svo_plan *plan, svo_i_chunking *chunking)
+{
+    const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
+    *chunking = (svo_i_chunking){.chunks = calloc(CHUNKS_MAX, sizeof *chunking->chunks), .chunk_count = CHUNKS_MAX};
+    for (uint32_t i = 0; chunking->chunks != NULL && i < CHUNKS_MAX; ++i) {
+        chunking->chunks[i].capacity = fragments / CHUNKS_MAX + 1;
+    }
+    return chunking->chunks != NULL
+               ? SVO_OK
+               : svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
+}
+
+static svo_status cut(const svo_plan *plan, svo_i_chunking *chunking)
+{
+    const uint64_t asked = plan->options.chunk_bytes;
+    const uint64_t most = plan->device->max_allocation_bytes;
+    const uint64_t chunk_bytes = asked != 0 && asked < most ? asked : most;
+    const double chunks =
+        svo_i_plan_expected(plan, plan->info.depth) * svo_i_plan_fragment_bytes(plan) / (double)chunk_bytes;
+    return chunks < CHUNKS_MAX ? svo_i_chunking_create(plan, chunk_bytes, chunking) : cut_roughly(plan, chunking);
+}
+
+svo_status svo_i_predict(svo_plan *plan)
+{
+    svo_i_chunking chunking = {0};
+    SVO_I_TRY(cut(plan, &chunking));
+    const svo_status status = svo_i_measure(plan, NULL, &chunking, NULL);
+    svo_i_chunking_destroy(&chunking);
+    plan->predicted_bytes = plan->peak_bytes;
+    return status;
+}
+
+/* Runs the stages over nothing, for the kernels of fresh programs. */
+static svo_status warm_up_stages(const svo_i_build *build, svo_i_warm_up *warm_up, build_extent extent)
+{
+    svo_plan *plan = build->commands.plan;
+    const svo_plan before = *plan;
+    svo_i_chunking chunking = {0};
+    svo_i_build on_nothing = {.commands = {.plan = plan, .warm_up = warm_up}, .frontend = build->frontend};
+    memcpy(on_nothing.programs, build->programs, sizeof on_nothing.programs);
+    SVO_I_TRY(cut(plan, &chunking));
+    const svo_status status = run(&on_nothing, plan, &chunking, extent);
+    svo_i_chunking_destroy(&chunking);
+    *plan = before; /* nothing but its list of buffers was changed */
+    return status;
+}
+
+static svo_status compile(svo_i_build *build, build_extent extent)
+{
+    svo_status status = SVO_OK;
+    svo_i_commands *commands = &build->commands;
+    svo_frontend *frontend = build->frontend;
+    const double start_ms = svo_i_now_ms();
+    svo_i_warm_up warm_up = svo_i_warm_up_begin(commands->device, commands->queue);
+    if (extent == ALL_STAGES && frontend->make_tree == NULL) {
+        SVO_I_TRY_CLEANUP(svo_i_order_get_programs(build, &warm_up));
+    }
+    SVO_I_TRY_CLEANUP(frontend->prepare(frontend->self, commands->plan, &warm_up));
+    if (warm_up.program_count > 0) {
+        const double warm_ms = svo_i_now_ms();
+        SVO_I_TRY_CLEANUP(warm_up_stages(build, &warm_up, extent));
+        commands->device->compile_ms += svo_i_now_ms() - warm_ms;
+    }
+cleanup:
+    svo_i_warm_up_end(&warm_up);
+    svo_i_report_add(commands->report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
+    return status;
+}
+
+svo_status svo_i_compile(svo_i_build *build)
+{
+    return compile(build, ALL_STAGES);
+}
+
+svo_status svo_i_compile_frontend(svo_i_build *build)
+{
+    return compile(build, LIST_ALONE);
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs the stages that the plan has, one after the other. */
+#include "build/order.h"
+
+#include "plan/configuration.h"
+
+svo_status svo_i_order_get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
+{
+    static const svo_i_program_kind kinds[] = {SVO_I_PROGRAM_BUILD, SVO_I_PROGRAM_SORT};
+    const svo_plan *plan = build->commands.plan;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        char defines[SVO_I_DEFINES_BYTES];
+        bool fresh = false;
+        if (svo_i_plan_needs_program(plan, kinds[i])) {
+            svo_i_plan_defines(plan, kinds[i], defines, sizeof defines);
+            SVO_I_TRY(
+                svo_i_program_get(plan->device, SVO_I_BUILD, kinds[i], defines, &build->programs[kinds[i]], &fresh));
+        }
+        if (fresh) {
+            svo_i_warm_up_add_program(warm_up, build->programs[kinds[i]]);
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_order_run(svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        if (plan->stages[i].run != NULL && plan->stages[i].runs(plan)) {
+            SVO_I_TRY(plan->stages[i].run(build));
+        }
+    }
+    return SVO_OK;
+}

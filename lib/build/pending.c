@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* What becomes of enqueued builds when they end, fail, or lose their tree. */
+#include "build/pending.h"
+
+#include <stdlib.h>
+
+void svo_i_pending_release(svo_i_pending *pending)
+{
+    if (pending->done != NULL) {
+        clReleaseEvent(pending->done);
+    }
+    svo_i_stage_collect(&pending->build.commands);
+    if (pending->owns_list) {
+        svo_frontend *frontend = pending->build.frontend;
+        frontend->release(frontend->self, &pending->build.list);
+    }
+    free(pending->build.list.chunks);
+    free(pending->build.cursors);
+    free(pending);
+}
+
+static bool is_done(cl_event event)
+{
+    cl_int status = CL_QUEUED;
+    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL);
+    return status <= CL_COMPLETE;
+}
+
+void svo_i_pending_release_given_up(svo_workspace *workspace, bool all)
+{
+    for (svo_i_pending **at = &workspace->given_up; *at != NULL;) {
+        svo_i_pending *pending = *at;
+        if (all || is_done(pending->done)) {
+            *at = pending->next;
+            svo_i_pending_release(pending);
+        } else {
+            at = &pending->next;
+        }
+    }
+}
+
+/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to
+   it. */
+void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending)
+{
+    if (pending->done == NULL || is_done(pending->done)) {
+        svo_i_pending_release(pending);
+    } else {
+        pending->next = workspace->given_up;
+        workspace->given_up = pending;
+    }
+}
+
+/* No more builds go into the tree. */
+static void leave_workspace(svo_tree *tree)
+{
+    svo_tree **at = tree->workspace != NULL ? &tree->workspace->trees : NULL;
+    while (at != NULL && *at != tree) {
+        at = &(*at)->next;
+    }
+    if (at != NULL) {
+        *at = tree->next;
+    }
+    tree->workspace = NULL;
+    tree->next = NULL;
+}
+
+void svo_i_pending_leave_workspace(svo_tree *tree)
+{
+    if (tree->pending != NULL) {
+        clWaitForEvents(1, &tree->pending->done);
+        svo_i_pending_release(tree->pending);
+        tree->pending = NULL;
+    }
+    leave_workspace(tree);
+}

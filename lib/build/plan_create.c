@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* svo_plan_create: makes a plan, and has the stages measure what its build will allocate. */
+#include "build/measure.h"
+#include "build/stage_table.h"
+#include "plan/plan.h"
+
+svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                           svo_plan **out)
+{
+    size_t stage_count = 0;
+    const svo_i_stage *stages = svo_i_stage_table(&stage_count);
+    svo_plan *plan = NULL;
+    SVO_I_TRY(svo_i_plan_new(device, mesh, depth, options, stages, stage_count, out != NULL ? &plan : NULL));
+    const svo_status status = svo_i_predict(plan);
+    if (status != SVO_OK) {
+        svo_plan_destroy(&plan);
+        return status;
+    }
+    *out = plan;
+    return SVO_OK;
+}

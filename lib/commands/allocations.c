@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Places scratch buffers with known lifetimes in one piece of memory: each, in order, at the lowest offset at which no
+ * other one lies that is needed at the same time (first fit: Knuth, "The Art of Computer Programming", volume 1, 2.5).
+ */
+#include "commands/allocations.h"
+
+#include <stdlib.h>
+
+bool svo_i_allocations_add(svo_i_allocations *list, const char *name, uint64_t bytes, size_t *index)
+{
+    if (list->count == list->capacity) {
+        const size_t capacity = list->capacity * 2 + 32;
+        svo_i_allocation *grown = realloc(list->entries, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return false;
+        }
+        list->entries = grown;
+        list->capacity = capacity;
+    }
+    list->entries[list->count] =
+        (svo_i_allocation){.name = name, .bytes = bytes > 0 ? bytes : 1, .born = list->clock++, .died = UINT64_MAX};
+    *index = list->count++;
+    return true;
+}
+
+void svo_i_allocations_release(svo_i_allocations *list, size_t index)
+{
+    list->entries[index].died = list->clock++;
+}
+
+static bool overlap_in_time(const svo_i_allocation *a, const svo_i_allocation *b)
+{
+    return a->born < b->died && b->born < a->died;
+}
+
+static uint64_t aligned(uint64_t bytes, uint64_t alignment)
+{
+    return (bytes + alignment - 1) / alignment * alignment;
+}
+
+/* The end of an earlier entry that lies across [offset, offset + bytes) while the entry is needed, or 0: it is free. */
+static uint64_t blocked_until(const svo_i_allocations *list, size_t index, uint64_t offset)
+{
+    const svo_i_allocation *entry = &list->entries[index];
+    for (size_t i = 0; i < index; ++i) {
+        const svo_i_allocation *other = &list->entries[i];
+        if (!other->persistent && overlap_in_time(entry, other) && offset < other->offset_bytes + other->bytes &&
+            other->offset_bytes < offset + entry->bytes) {
+            return other->offset_bytes + other->bytes;
+        }
+    }
+    return 0;
+}
+
+void svo_i_allocations_place(svo_i_allocations *list, uint64_t alignment)
+{
+    list->scratch_bytes = 0;
+    for (size_t i = 0; i < list->count; ++i) {
+        svo_i_allocation *entry = &list->entries[i];
+        if (entry->persistent) {
+            continue;
+        }
+        uint64_t offset = 0;
+        for (uint64_t end = blocked_until(list, i, 0); end != 0; end = blocked_until(list, i, offset)) {
+            offset = aligned(end, alignment);
+        }
+        entry->offset_bytes = offset;
+        const uint64_t end = offset + entry->bytes;
+        list->scratch_bytes = end > list->scratch_bytes ? end : list->scratch_bytes;
+    }
+}
+
+void svo_i_allocations_free(svo_i_allocations *list)
+{
+    for (size_t i = 0; i < list->count; ++i) {
+        if (list->entries[i].memory != NULL) {
+            clReleaseMemObject(list->entries[i].memory);
+        }
+    }
+    free(list->entries);
+    *list = (svo_i_allocations){0};
+}

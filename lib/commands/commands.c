@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT */
+/* Buffers, copies and launches, in each of the three modes. */
+#include "commands/commands.h"
+
+#include "plan/buffers.h"
+
+const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue)
+{
+    if (queue == NULL) {
+        return "queue is NULL";
+    }
+    cl_context context = NULL;
+    clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
+    return context != device->context ? "queue is of another context than the device" : NULL;
+}
+
+svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report)
+{
+    cl_command_queue_properties properties = 0;
+    clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
+    return (svo_i_commands){.device = plan->device,
+                            .plan = plan,
+                            .queue = queue,
+                            .profiling = (properties & CL_QUEUE_PROFILING_ENABLE) != 0,
+                            .report = report};
+}
+
+void svo_i_commands_end(svo_i_commands *commands)
+{
+    if (commands->last != NULL) {
+        clWaitForEvents(1, &commands->last);
+        clReleaseEvent(commands->last);
+        commands->last = NULL;
+    }
+    if (commands->stage_first != NULL) {
+        clReleaseEvent(commands->stage_first);
+        commands->stage_first = NULL;
+    }
+}
+
+/* Measuring, a buffer is known by a handle that is no object but its allocation's index, plus one. */
+static cl_mem handle_of(size_t index)
+{
+    return (cl_mem)(uintptr_t)(index + 1);
+}
+
+static svo_status measure(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
+{
+    size_t index = 0;
+    if (!svo_i_allocations_add(commands->allocations, name, bytes, &index)) {
+        return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list of buffers",
+                                 SVO_I_BUILD);
+    }
+    *out = handle_of(index);
+    return SVO_OK;
+}
+
+/* The next of the allocations that were measured. */
+static svo_status take(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
+{
+    const svo_i_allocations *list = commands->allocations;
+    const svo_i_allocation *entry = &list->entries[commands->next_allocation];
+    if (commands->next_allocation >= list->count || entry->bytes < bytes) {
+        return svo_i_device_fail(commands->device, SVO_INTERNAL, "%s: buffer %s of %llu bytes is not in the plan",
+                                 SVO_I_BUILD, name, (unsigned long long)bytes);
+    }
+    ++commands->next_allocation;
+    *out = entry->memory;
+    return SVO_OK;
+}
+
+svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
+{
+    if (commands->mode == SVO_I_MODE_ENQUEUE) {
+        return take(commands, name, bytes, out);
+    }
+    if (commands->mode == SVO_I_MODE_MEASURE) {
+        SVO_I_TRY(measure(commands, name, bytes, out));
+    } else {
+        SVO_I_TRY(svo_i_device_buffer(commands->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out));
+    }
+    svo_i_plan_buffer_add(commands->plan, name, bytes > 0 ? bytes : 1);
+    return SVO_OK;
+}
+
+/* Makes event the newest; on failure turns the error into a status. */
+static svo_status follow(svo_i_commands *commands, const char *call, cl_int error, cl_event event)
+{
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(commands->device, SVO_I_BUILD, call, error);
+    }
+    if (commands->stage_first == NULL) {
+        clRetainEvent(event);
+        commands->stage_first = event;
+    }
+    if (commands->last != NULL) {
+        clReleaseEvent(commands->last);
+    }
+    commands->last = event;
+    return SVO_OK;
+}
+
+static cl_uint wait_count(const svo_i_commands *commands)
+{
+    return commands->last != NULL ? 1 : 0;
+}
+
+static const cl_event *wait_list(const svo_i_commands *commands)
+{
+    return commands->last != NULL ? &commands->last : NULL;
+}
+
+svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, const void *data, uint64_t bytes,
+                                 cl_mem *out)
+{
+    SVO_I_TRY(svo_i_commands_alloc(commands, name, bytes, out));
+    return svo_i_commands_write(commands, *out, data, bytes);
+}
+
+/* Nothing to do: no bytes, no work-items, or the build only measures. */
+static bool is_idle(const svo_i_commands *commands, uint64_t amount)
+{
+    return amount == 0 || commands->mode == SVO_I_MODE_MEASURE;
+}
+
+svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    if (is_idle(commands, bytes)) {
+        return SVO_OK;
+    }
+    cl_event event = NULL;
+    const cl_bool blocking = commands->mode == SVO_I_MODE_RUN ? CL_TRUE : CL_FALSE;
+    const cl_int error = clEnqueueWriteBuffer(commands->queue, buffer, blocking, 0, (size_t)bytes, data,
+                                              wait_count(commands), wait_list(commands), &event);
+    return follow(commands, "clEnqueueWriteBuffer", error, event);
+}
+
+void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
+{
+    if (*buffer == NULL || commands->mode == SVO_I_MODE_ENQUEUE) {
+        *buffer = NULL;
+        return;
+    }
+    size_t bytes = 0;
+    if (commands->mode == SVO_I_MODE_MEASURE) {
+        const size_t index = (size_t)(uintptr_t)*buffer - 1;
+        svo_i_plan_buffer_remove(commands->plan, commands->allocations->entries[index].bytes);
+        svo_i_allocations_release(commands->allocations, index);
+        *buffer = NULL;
+        return;
+    }
+    clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    svo_i_plan_buffer_remove(commands->plan, bytes);
+    clReleaseMemObject(*buffer);
+    *buffer = NULL;
+}
+
+svo_status svo_i_commands_fill(svo_i_commands *commands, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                               uint64_t bytes)
+{
+    if (is_idle(commands, bytes)) {
+        return SVO_OK;
+    }
+    cl_event event = NULL;
+    const cl_int error = clEnqueueFillBuffer(commands->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
+                                             wait_count(commands), wait_list(commands), &event);
+    return follow(commands, "clEnqueueFillBuffer", error, event);
+}
+
+svo_status svo_i_commands_fill_zero(svo_i_commands *commands, cl_mem buffer, uint64_t bytes)
+{
+    const cl_uint zero = 0;
+    return svo_i_commands_fill(commands, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
+}
+
+svo_status svo_i_commands_copy(svo_i_commands *commands, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes)
+{
+    if (is_idle(commands, bytes)) {
+        return SVO_OK;
+    }
+    cl_event event = NULL;
+    const cl_int error = clEnqueueCopyBuffer(commands->queue, from, to, 0, (size_t)to_offset, (size_t)bytes,
+                                             wait_count(commands), wait_list(commands), &event);
+    return follow(commands, "clEnqueueCopyBuffer", error, event);
+}
+
+svo_status svo_i_commands_wait(svo_i_commands *commands)
+{
+    const bool waits = commands->mode == SVO_I_MODE_RUN && commands->last != NULL;
+    const cl_int error = waits ? clWaitForEvents(1, &commands->last) : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(commands->device, SVO_I_BUILD, "clWaitForEvents", error);
+}
+
+svo_status svo_i_commands_read(svo_i_commands *commands, cl_mem buffer, void *to, size_t bytes)
+{
+    if (is_idle(commands, bytes)) {
+        return SVO_OK;
+    }
+    cl_event event = NULL;
+    const cl_bool blocking = commands->mode == SVO_I_MODE_RUN ? CL_TRUE : CL_FALSE;
+    const cl_int error = clEnqueueReadBuffer(commands->queue, buffer, blocking, 0, bytes, to, wait_count(commands),
+                                             wait_list(commands), &event);
+    return follow(commands, "clEnqueueReadBuffer", error, event);
+}
+
+bool svo_i_commands_launch_kernels(const svo_i_commands *commands)
+{
+    return commands->mode != SVO_I_MODE_MEASURE || commands->warm_up != NULL;
+}
+
+svo_status svo_i_commands_kernel(svo_i_commands *commands, cl_program program, const char *name, cl_kernel *out)
+{
+    return svo_i_commands_launch_kernels(commands)
+               ? svo_i_kernel_create(commands->device, SVO_I_BUILD, program, name, out)
+               : SVO_OK;
+}
+
+svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, const char *name,
+                              const svo_i_argument *arguments, cl_uint argument_count, uint64_t items)
+{
+    cl_kernel kernel = NULL;
+    if (items == 0 || !svo_i_commands_launch_kernels(commands)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_commands_kernel(commands, program, name, &kernel));
+    const svo_status status = svo_i_commands_launch(commands, kernel, arguments, argument_count, items);
+    clReleaseKernel(kernel);
+    return status;
+}
+
+svo_status svo_i_commands_launch(svo_i_commands *commands, cl_kernel kernel, const svo_i_argument *arguments,
+                                 cl_uint argument_count, uint64_t items)
+{
+    if (items == 0 || !svo_i_commands_launch_kernels(commands)) {
+        return SVO_OK;
+    }
+    if (commands->mode == SVO_I_MODE_MEASURE) {
+        return svo_i_warm_up_launch(commands->warm_up, kernel, arguments, argument_count, items);
+    }
+    SVO_I_TRY(svo_i_kernel_set(commands->device, SVO_I_BUILD, kernel, arguments, argument_count));
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = (size_t)((items + local - 1) / local) * local;
+    cl_event event = NULL;
+    const cl_int error = clEnqueueNDRangeKernel(commands->queue, kernel, 1, NULL, &global, &local, wait_count(commands),
+                                                wait_list(commands), &event);
+    return follow(commands, "clEnqueueNDRangeKernel", error, event);
+}

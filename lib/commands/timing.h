@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* The time of each stage: of its first to its last command by events, or by the wall clock. */
+#ifndef SVO_LIB_COMMANDS_TIMING_H
+#define SVO_LIB_COMMANDS_TIMING_H
+
+#include "commands/commands.h"
+
+SVO_I_SHARED_BEGIN
+
+/* Adds to a stage's time. clock: a static string. */
+void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock);
+
+/* Commands between begin and end count as the stage's. A stage may be entered several times. */
+void svo_i_stage_begin(svo_i_commands *commands);
+svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage);
+/* Adds the times of a build that was enqueued and is done to the report, and releases their events. */
+void svo_i_stage_collect(svo_i_commands *commands);
+
+SVO_I_SHARED_END
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* The list of buffers: kept while a build allocates, and while one measures what it would allocate. */
+#include <string.h>
+
+#include "plan/buffers.h"
+
+void svo_i_plan_buffers_reset(svo_plan *plan)
+{
+    plan->buffer_count = 0;
+    plan->live_bytes = 0;
+    plan->peak_bytes = 0;
+}
+
+/* What the table of stages says of a buffer: a stage that runs, or any other. NULL: it is not in the table. */
+static const svo_i_buffer_kind *kind_of(const svo_plan *plan, const char *name)
+{
+    const svo_i_buffer_kind *found = NULL;
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_buffer_kind *kinds = plan->stages[i].buffers;
+        for (size_t k = 0; k < SVO_I_STAGE_BUFFERS_MAX && kinds[k].name != NULL; ++k) {
+            if (strcmp(kinds[k].name, name) == 0) {
+                found = &kinds[k];
+                if (plan->stages[i].runs(plan)) {
+                    return found;
+                }
+            }
+        }
+    }
+    return found;
+}
+
+static svo_certainty certainty_of(const svo_plan *plan, const svo_i_buffer_kind *kind, uint64_t bytes)
+{
+    const bool one_value = kind->persistent && kind->basis == SVO_I_OF_NODES && bytes <= 6;
+    if (kind->basis == SVO_I_OF_MESH || one_value || plan->built) {
+        return SVO_BYTES_EXACT;
+    }
+    if (!plan->counted || kind->basis == SVO_I_OF_NODES) {
+        return SVO_BYTES_ESTIMATE;
+    }
+    return kind->basis == SVO_I_OF_FRAGMENTS ? SVO_BYTES_EXACT : SVO_BYTES_BOUND;
+}
+
+void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
+{
+    plan->live_bytes += bytes;
+    plan->peak_bytes = plan->live_bytes > plan->peak_bytes ? plan->live_bytes : plan->peak_bytes;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        if (strcmp(plan->buffers[i].name, name) == 0) {
+            plan->buffers[i].bytes += bytes;
+            ++plan->buffers[i].count;
+            return;
+        }
+    }
+    const svo_i_buffer_kind *kind = kind_of(plan, name);
+    if (plan->buffer_count < SVO_I_BUFFERS_MAX) {
+        svo_buffer_info *buffer = &plan->buffers[plan->buffer_count++];
+        *buffer = (svo_buffer_info){.name = name, .bytes = bytes, .count = 1};
+        buffer->certainty = kind != NULL ? certainty_of(plan, kind, bytes) : SVO_BYTES_ESTIMATE;
+        buffer->persistent = kind != NULL && kind->persistent;
+    }
+}
+
+void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
+{
+    plan->live_bytes -= bytes;
+}

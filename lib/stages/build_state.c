@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* What several stages do to a build in progress. */
+#include "stages/build_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan/buffers.h"
+#include "plan/estimate.h"
+#include "stages/surface.h"
+
+svo_status svo_i_build_fail_damaged(svo_i_build *build)
+{
+    return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
+                             "svo_build: %s made a fragment outside the grid or of no triangle", build->frontend->name);
+}
+
+svo_status svo_i_build_alloc_cursors(svo_i_build *build)
+{
+    build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
+    if (build->cursors == NULL) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
+                                 build->list.chunk_count);
+    }
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        SVO_I_TRY(
+            svo_i_commands_alloc(&build->commands, "cursors", build->list.chunks[i].needed * 4, &build->cursors[i]));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX])
+{
+    build->host_state =
+        (svo_build_state){.triangle_count = build->commands.plan->triangle_count, .fragment_limit = UINT32_MAX};
+    memcpy(build->host_state.level_begin, level_begin, sizeof build->host_state.level_begin);
+    return build->state == NULL
+               ? svo_i_commands_upload(&build->commands, "state", &build->host_state, sizeof build->host_state,
+                                       &build->state)
+               : svo_i_commands_write(&build->commands, build->state, &build->host_state, sizeof build->host_state);
+}
+
+static void take_counts(svo_i_build *build, const svo_build_state *state)
+{
+    svo_tree_info *info = &build->tree->info;
+    for (uint32_t level = 0; level <= info->depth + 1; ++level) {
+        info->level_begin[level] = state->level_begin[level];
+    }
+    info->inner_count = info->level_begin[info->depth];
+    info->node_count = info->level_begin[info->depth + 1];
+    info->leaf_count = info->node_count - info->inner_count;
+}
+
+svo_status svo_i_build_take_state(svo_i_build *build, const svo_build_state *state, bool *fits)
+{
+    if (state->overflow == SVO_DAMAGED_LIST) {
+        return svo_i_build_fail_damaged(build);
+    }
+    *fits = state->overflow == 0;
+    if (*fits) {
+        take_counts(build, state);
+    } else if (state->level_begin[state->overflow + 1] <= state->level_begin[state->overflow]) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: the tree has more than 2^32 - 1 nodes at level %u; lower the depth",
+                                 state->overflow);
+    }
+    return SVO_OK;
+}
+
+void svo_i_build_release_list(svo_i_build *build)
+{
+    svo_frontend *frontend = build->frontend;
+    if (build->list.chunks == NULL) {
+        return;
+    }
+    if (build->owns_list) { /* by buffers of the build's */
+        for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+            svo_i_commands_free(&build->commands, &build->list.chunks[i].buffer);
+        }
+    } else {
+        for (uint32_t i = 0; frontend->make_tree == NULL && i < build->list.chunk_count; ++i) {
+            svo_i_plan_buffer_remove(build->commands.plan,
+                                     build->list.chunks[i].capacity * svo_i_plan_fragment_bytes(build->commands.plan));
+        }
+        frontend->release(frontend->self, &build->list);
+    }
+    svo_i_commands_free(&build->commands, &build->list.counters);
+    free(build->list.chunks);
+    build->list = (svo_i_fragment_list){0};
+}
+
+void svo_i_build_fill_info(svo_i_build *build)
+{
+    const svo_plan_info *from = &build->commands.plan->info;
+    svo_tree_info *to = &build->tree->info;
+    to->depth = from->depth;
+    to->snap_bits = from->snap_bits;
+    to->coverage = from->coverage;
+    to->need = from->need;
+    to->constant = from->constant;
+    to->weights = build->commands.plan->options.weights;
+    to->payload_level = build->commands.plan->options.payload_level;
+    memcpy(to->origin, from->origin, sizeof to->origin);
+    to->edge = from->edge;
+    to->scale = from->scale;
+    to->snap_error = from->snap_error;
+    to->triangles = from->triangles;
+    to->refused_triangles = from->refused_triangles;
+    to->fragments = build->fragment_count;
+}
+
+/* Of a tree too large to be built: builds refuse it, plans are made of it. */
+static uint32_t limited(uint64_t nodes)
+{
+    return nodes < UINT32_MAX ? (uint32_t)nodes : UINT32_MAX;
+}
+
+void svo_i_build_assume_counts(svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    svo_tree_info *info = &build->tree->info;
+    uint64_t nodes = 0;
+    for (uint32_t level = 0; level < info->depth; ++level) {
+        info->level_begin[level] = limited(nodes);
+        nodes += svo_i_plan_level_nodes(plan, level, build->fragment_count, plan->options.worst_case_nodes != 0);
+    }
+    info->level_begin[info->depth] = limited(nodes);
+    info->inner_count = nodes;
+    info->leaf_count = build->fragment_count;
+    info->node_count = nodes + build->fragment_count;
+    info->level_begin[info->depth + 1] = limited(info->node_count);
+    info->fragments = build->fragment_count;
+}
+
+void svo_i_build_release_scratch(svo_i_build *build)
+{
+    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
+        svo_i_commands_free(&build->commands, &build->cursors[i]);
+    }
+    free(build->cursors);
+    svo_i_surface_free(build);
+    svo_i_commands_free(&build->commands, &build->state);
+    svo_i_commands_free(&build->commands, &build->partials);
+    svo_i_build_release_list(build);
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* Sums over the counts of lists and of digits. The sums over child masks are part of subdivide.c, level by level. */
+#include "stages/scan.h"
+
+svo_status svo_i_scan_alloc(svo_i_build *build)
+{
+    return build->partials != NULL ? SVO_OK
+                                   : svo_i_commands_alloc(&build->commands, "partials",
+                                                          SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
+}
+
+svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
+                            svo_filter_params params)
+{
+    svo_i_commands *commands = &build->commands;
+    cl_program kernels = build->programs[program];
+    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(state),
+                                     SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(state),
+                                       SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(sums),
+                                  SVO_I_ARGUMENT(state),   SVO_I_ARGUMENT(params),          scratch};
+    SVO_I_TRY(svo_i_commands_run(commands, kernels, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
+    SVO_I_TRY(
+        svo_i_commands_run(commands, kernels, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
+    return svo_i_commands_run(commands, kernels, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT */
+/* Radix sort of the fragment list, least significant digit first, between two buffers of its size. */
+#include "stages/sort.h"
+
+#include <stdlib.h>
+
+#include "plan/estimate.h"
+#include "stages/scan.h"
+
+typedef struct sorter {
+    svo_i_build *build;
+    cl_mem spare; /* as large as the list */
+    cl_mem counts, before; /* digits by blocks, and their exclusive sums */
+} sorter;
+
+static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
+{
+    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
+                              argument_count, (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS);
+}
+
+/* One pass over a digit; the list and the spare change places. */
+static svo_status sort_pass(sorter *s, svo_sort_params params)
+{
+    cl_mem *list = &s->build->list.chunks[0].buffer;
+    const svo_filter_params cells = {.leaf_count = (cl_uint)SVO_SORT_DIGITS * SVO_SORT_BLOCKS};
+    const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
+    const svo_i_argument count[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->counts), SVO_I_ARGUMENT(params), digits};
+    const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
+                                      SVO_I_ARGUMENT(params), digits};
+    SVO_I_TRY(launch(s, "svo_k_sort_count", SVO_I_ARGUMENTS(count)));
+    SVO_I_TRY(svo_i_scan_lists(s->build, SVO_I_PROGRAM_SORT, s->counts, s->before, NULL, cells));
+    SVO_I_TRY(launch(s, "svo_k_sort_scatter", SVO_I_ARGUMENTS(scatter)));
+    cl_mem sorted = s->spare;
+    s->spare = *list;
+    *list = sorted;
+    return SVO_OK;
+}
+
+/* Passes over the low bits of a key. */
+static svo_status sort_by(sorter *s, bool by_triangle, uint32_t bits)
+{
+    svo_sort_params params = {.fragment_count = (cl_uint)s->build->fragment_count, .by_triangle = by_triangle ? 1 : 0};
+    for (; params.shift < bits; params.shift += SVO_SORT_BITS) {
+        SVO_I_TRY(sort_pass(s, params));
+    }
+    return SVO_OK;
+}
+
+static svo_status sort_list(sorter *s)
+{
+    const svo_plan *plan = s->build->commands.plan;
+    const uint64_t cells = (uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS;
+    uint32_t triangle_bits = 0;
+    while (triangle_bits < 32 && (plan->triangle_count - 1) >> triangle_bits != 0) {
+        ++triangle_bits;
+    }
+    SVO_I_TRY(svo_i_commands_alloc(&s->build->commands, "sort_counts", cells * 4, &s->counts));
+    SVO_I_TRY(svo_i_commands_alloc(&s->build->commands, "sort_counts", (cells + 1) * 4, &s->before));
+    if (plan->work.lists) {
+        SVO_I_TRY(sort_by(s, true, triangle_bits));
+    }
+    return sort_by(s, false, 3 * plan->info.depth);
+}
+
+/* All chunks into one buffer, whose place in the list the caller gives it. */
+static svo_status join_chunks(sorter *s, cl_mem whole)
+{
+    svo_i_build *build = s->build;
+    const uint64_t fragment_bytes = svo_i_plan_fragment_bytes(build->commands.plan);
+    uint64_t offset = 0;
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        const uint64_t bytes = build->list.chunks[i].needed * fragment_bytes;
+        SVO_I_TRY(svo_i_commands_copy(&build->commands, build->list.chunks[i].buffer, whole, offset, bytes));
+        offset += bytes;
+    }
+    return SVO_OK;
+}
+
+/* The list in one buffer of the build's own. */
+static svo_status take_list(sorter *s, uint64_t bytes)
+{
+    svo_status status = SVO_OK;
+    svo_i_build *build = s->build;
+    cl_mem whole = NULL;
+    svo_i_fragments *chunk = calloc(1, sizeof *chunk);
+    if (chunk == NULL) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for a chunk");
+    }
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(&build->commands, "sorted", bytes, &whole));
+    SVO_I_TRY_CLEANUP(join_chunks(s, whole));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(&build->commands));
+    svo_i_build_release_list(build);
+    *chunk = (svo_i_fragments){.buffer = whole, .needed = build->fragment_count, .capacity = build->fragment_count};
+    build->list = (svo_i_fragment_list){.chunks = chunk, .chunk_count = 1};
+    build->owns_list = true;
+    return SVO_OK;
+cleanup:
+    svo_i_commands_free(&build->commands, &whole);
+    free(chunk);
+    return status;
+}
+
+static svo_status run(sorter *s)
+{
+    svo_i_build *build = s->build;
+    const svo_device *device = build->commands.device;
+    const uint64_t bytes = build->fragment_count * svo_i_plan_fragment_bytes(build->commands.plan);
+    if (bytes > device->max_allocation_bytes) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "svo_build: builder sorted needs the list's %llu bytes in one buffer, above the "
+                                 "device's %llu",
+                                 (unsigned long long)bytes, (unsigned long long)device->max_allocation_bytes);
+    }
+    SVO_I_TRY(svo_i_scan_alloc(build));
+    SVO_I_TRY(take_list(s, bytes));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "sorted", bytes, &s->spare));
+    return build->fragment_count > 0 ? sort_list(s) : SVO_OK;
+}
+
+svo_status svo_i_sort(svo_i_build *build)
+{
+    sorter s = {.build = build};
+    svo_i_stage_begin(&build->commands);
+    const svo_status status = run(&s);
+    svo_i_commands_free(&build->commands, &s.spare);
+    svo_i_commands_free(&build->commands, &s.counts);
+    svo_i_commands_free(&build->commands, &s.before);
+    SVO_I_TRY(status);
+    return svo_i_stage_end(&build->commands, SVO_STAGE_SUBDIVIDE);
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Tables of two older systems, measured again: a master's thesis on an octree-building library for the GPU (2020) and
+ * one on voxel cone tracing (2016). Their scenes and hardware are not available, so the scenes here have the same
+ * number of triangles or the same kind of content. The published values give the scale and name their hardware.
+ */
+#include "bench/thesis_tables.h"
+
+#include <math.h>
+
+#include "bench/series.h"
+#include "bench/sizes.h"
+
+/* ---- thesis-2020: structures at small depths ---- */
+
+static const char structure_id[] = "thesis-2020";
+
+static const char structure_note[] =
+    "svocl: terrains with the same numbers of triangles, front end and builder cl, colors and normals. Structure: "
+    "subdivide, link, pack and filter. Transfer: the mesh to the device, counts back. Total: with grid and voxelize. "
+    "Published for these numbers of triangles at depth 6: structure built in 163 to 1,182 s on a GTX 960; the time of "
+    "each scene is not known.";
+
+static int begin_structure(suite *all)
+{
+    result_table *table =
+        suite_add_table(all, structure_id, "Octree-building thesis (2020): scenes of 3,538, 2,243 and 26,220 triangles",
+                        structure_note);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "leaves", "");
+    spread_add_columns(table, "voxelize", "ms");
+    spread_add_columns(table, "structure", "ms");
+    spread_add_columns(table, "transfer", "ms");
+    spread_add_columns(table, "total", "ms");
+    result_add_column(table, "published structure, least", "ms");
+    result_add_column(table, "published structure, most", "ms");
+    result_add_column(table, "published on", "");
+    return PROGRAM_DONE;
+}
+
+static void add_structure(result_table *table, const input *source, unsigned depth, const series_method *method,
+                          const series_method *first)
+{
+    (void)first;
+    const bool published = depth == 6;
+    result_add_text(table, "%s", suite_scene_name(source));
+    result_add_number(table, (double)source->mesh->triangle_count);
+    result_add_number(table, depth);
+    result_add_number(table, (double)method->info.leaf_count);
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_VOXELIZE)));
+    spread_add(table, series_ms(method, SERIES_TREE));
+    spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_TRANSFER)));
+    spread_add(table, series_ms(method, SERIES_BUILD));
+    result_add_number(table, published ? 163e3 : (double)NAN);
+    result_add_number(table, published ? 1182e3 : (double)NAN);
+    result_add_text(table, "%s", published ? "GTX 960" : "");
+}
+
+static int run_structure(suite *all, const input *source, unsigned depth)
+{
+    series_method method = {.name = "cl", .plan = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}};
+    series_use_cl(all, &method);
+    return series_run(all, structure_id, source, depth, &method, 1, add_structure);
+}
+
+const suite_subject bench_thesis_2020 = {
+    .name = "thesis-2020",
+    .group = "all",
+    .summary = "a thesis on octree building: scenes of 3,538, 2,243 and 26,220 triangles",
+    .full = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {3, 4, 5, 6}},
+    .quick = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {3, 4, 5, 6}},
+    .fixed = true,
+    .begin = begin_structure,
+    .run = run_structure,
+};
+
+/* ---- thesis-2016: memory at three resolutions ---- */
+
+static const char memory_id[] = "thesis-2016";
+
+/* At 512^3, on a Radeon HD 5850. */
+static const struct {
+    double voxelize_ms, first_build_ms, second_build_ms, list_kib, full_kib, sparse_kib;
+} published = {110, 1944, 111, 51035, 599186, 4576};
+
+static const char memory_note[] =
+    "svocl: another atrium, front end and builder cl, occupancy only. Build: subdivide, link, pack and filter. First "
+    "build: the warm-up run, with compilation. Second build: the runs after it. Sparse octree: OpenCL buffers. Full "
+    "octree: 4 bytes for each node of a complete octree, computed. Published: an atrium at 512^3 on a Radeon HD 5850, "
+    "with 36 bytes per fragment; the names of the two builds are the thesis's.";
+
+static int begin_memory(suite *all)
+{
+    result_table *table = suite_add_table(
+        all, memory_id, "Voxel cone tracing thesis (2016): memory and build times at 128^3, 256^3 and 512^3",
+        memory_note);
+    result_add_column(table, "system", "");
+    result_add_column(table, "hardware", "");
+    result_add_column(table, "voxels per axis", "");
+    result_add_column(table, "fragments", "");
+    result_add_column(table, "fragment list", "KiB");
+    result_add_column(table, "full octree", "KiB");
+    result_add_column(table, "sparse octree", "KiB");
+    result_add_column(table, "voxelize", "ms");
+    result_add_column(table, "first build", "ms");
+    result_add_column(table, "second build", "ms");
+    return PROGRAM_DONE;
+}
+
+static void add_published(result_table *table)
+{
+    result_add_text(table, "published");
+    result_add_text(table, "Radeon HD 5850");
+    result_add_number(table, 512);
+    result_add_absent(table);
+    result_add_number(table, published.list_kib);
+    result_add_number(table, published.full_kib);
+    result_add_number(table, published.sparse_kib);
+    result_add_number(table, published.voxelize_ms);
+    result_add_number(table, published.first_build_ms);
+    result_add_number(table, published.second_build_ms);
+}
+
+static void add_memory(result_table *table, const input *source, unsigned depth, const series_method *method,
+                       const series_method *first)
+{
+    const unsigned compile = SERIES_BIT(SVO_STAGE_COMPILE);
+    (void)source;
+    (void)first;
+    result_add_text(table, "svocl");
+    result_add_text(table, "%s", table->owner->machine.device);
+    result_add_number(table, (double)(1u << depth));
+    result_add_number(table, (double)method->report.fragments);
+    result_add_number(table, (double)method->list_bytes / 1024.0);
+    result_add_number(table, bench_full_octree_bytes(depth) / 1024.0);
+    result_add_number(table, (double)method->tree_bytes / 1024.0);
+    result_add_number(table, series_ms(method, SERIES_BIT(SVO_STAGE_VOXELIZE)).median);
+    result_add_number(table, series_first_ms(method, SERIES_TREE | compile));
+    result_add_number(table, series_ms(method, SERIES_TREE).median);
+    if (depth == 9) {
+        add_published(table);
+    }
+}
+
+static int run_memory(suite *all, const input *source, unsigned depth)
+{
+    series_method method = {.name = "cl", .plan = {.need = SVO_NEED_NONE}};
+    series_use_cl(all, &method);
+    return series_run(all, memory_id, source, depth, &method, 1, add_memory);
+}
+
+const suite_subject bench_thesis_2016 = {
+    .name = "thesis-2016",
+    .group = "all",
+    .summary = "a thesis on voxel cone tracing: memory and times at 128^3, 256^3 and 512^3",
+    .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
+    .quick = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
+    .fixed = true,
+    .begin = begin_memory,
+    .run = run_memory,
+};

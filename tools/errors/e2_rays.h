@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+/* E2: rays. Table "e2-rays". */
+#ifndef SVOCL_TOOLS_ERRORS_E2_RAYS_H
+#define SVOCL_TOOLS_ERRORS_E2_RAYS_H
+
+#include "measure/suite.h"
+
+extern const suite_subject errors_rays;
+
+#endif

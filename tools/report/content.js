@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: MIT */
+/* What the page shows: its sections, which charts are made from which table, and the colors of methods. */
+"use strict";
+
+/* A table without a section gets one at the end. group: a heading above the section. */
+const sections = [
+  {
+    group: "Accuracy and run time",
+    table: "e1-voxelization",
+    heading: "E1: voxelization",
+    lead: "Which voxels does a triangle touch? Rasterizers and float32 overlap tests give approximate answers. svocl " +
+      "decides in integers, and every front end returns the same set."
+  },
+  {
+    table: "e2-rays",
+    heading: "E2: rays",
+    lead: "Random rays rarely find the gaps of an intersection test. Rays aimed at vertices, at edges and along " +
+      "surfaces do."
+  },
+  {
+    table: "e3-attributes",
+    heading: "E3: attributes",
+    lead: "A voxel's color and normal represent all of the surface inside it. Running averages in 8 bits drift and " +
+      "depend on the order of the samples; integer sums do not."
+  },
+  {
+    table: "e4-detail",
+    heading: "E4: level of detail",
+    lead: "The error of a tree that stops at a depth: distance from voxel centers to the surface, surface area, and " +
+      "enclosed volume."
+  },
+  {
+    table: "e5-conditioning",
+    heading: "E5: ill-conditioned meshes",
+    lead: "Float32 methods fail on thin triangles, on coordinates far from the origin, and on large ratios of sizes."
+  },
+  {
+    group: "Front ends and builders",
+    table: "voxelize",
+    heading: "Front ends",
+    lead: "The same fragments from OpenCL alone and from OpenGL's rasterizer."
+  },
+  {
+    table: "builders",
+    heading: "Builders",
+    lead: "The same octree, bit for bit: top-down (cl), bottom-up (sorted), and with OpenGL compute shaders " +
+      "(gl-compute)."
+  },
+  {table: "share", heading: "Interop", lead: "The cost of moving OpenGL's fragment list to OpenCL."},
+  {table: "filter", heading: "Attributes", lead: "Colors, normals, materials and fill under each weighting."},
+  {
+    table: "startup",
+    heading: "Start-up",
+    lead: "From the start of the process to its end, with cold and with warm driver caches."
+  },
+  {
+    group: "Cost of each request",
+    table: "e6-leaving-out",
+    heading: "E6: needs",
+    lead: "svocl omits every buffer, pass and kernel that a request does not use. The table shows what each costs."
+  },
+  {table: "scene-sizes", heading: "Scene sizes", lead: "From an empty mesh to a million triangles."},
+  {
+    table: "memory",
+    heading: "Memory",
+    lead: "Device memory of an occupancy-only octree, compared with methods that store every node or fragment."
+  },
+  {
+    group: "Comparison with older systems",
+    table: "thesis-2020",
+    heading: "Octree building (thesis, 2020)",
+    lead: "Similar scenes of the same size, next to the figures published in a master's thesis on an octree-building " +
+      "library for the GPU."
+  },
+  {
+    table: "thesis-2016",
+    heading: "Voxel cone tracing (thesis, 2016)",
+    lead: "The same grids and measures, next to the figures published in a master's thesis on voxel cone tracing."
+  },
+  {
+    group: "Comparison with other libraries",
+    table: "rays",
+    heading: "Ray tracing: Embree",
+    lead: "The same rays against the same triangles."
+  },
+  {
+    table: "peer-embree",
+    heading: "Build time and memory: Embree",
+    lead: "The octree with its BVH, and Embree's BVH, of the same triangles."
+  },
+  {
+    table: "peer-openvdb",
+    heading: "Volumes: OpenVDB",
+    lead: "The octree and an OpenVDB grid of the same resolution."
+  }
+];
+
+const absence = {
+  file: "The file of results has no such table.",
+  run: "This program or machine cannot measure it."
+};
+
+const origins = {
+  file: "The results were measured earlier and read from a file.",
+  quick: "A quick run, with smaller scenes and fewer repetitions than the full run.",
+  full: "The full run."
+};
+
+/*
+ * A figure has one panel for each text in its panel column, and all panels share their axes.
+ *   table, name: where the values come from; the charts' ids begin with the name
+ *   only: [column, text]: rows with that text; without: curves whose names begin so are left out
+ *   curves: the column that names the curve or, without x, the bar; none: each of ys is a curve
+ *   front: "all": the Pareto front of points with equal `size`; "each": one per curve
+ *   apart: each of ys has panels of its own
+ */
+const figures = [
+  {
+    table: "e1-voxelization",
+    name: "e1",
+    caption: "Wrong voxels against time. Each point is one grid, with half the voxel size of the one before. Rings " +
+      "mark the Pareto front of each grid.",
+    panels: "scene",
+    curves: "method",
+    x: "time",
+    ys: ["error"],
+    xLabel: "time, ms",
+    yLabel: "false negatives and positives, %",
+    front: "all",
+    size: "grid edge"
+  },
+  {
+    table: "e2-rays",
+    name: "e2",
+    caption: "Wrong rays against time. Each point is one mesh; rings mark its Pareto front. Voxels alone report no " +
+      "triangle and appear in the next figure only.",
+    without: "voxels alone",
+    panels: "rays",
+    curves: "method",
+    x: "time",
+    ys: ["error"],
+    xLabel: "time, ns per ray",
+    yLabel: "missed and wrong rays, %",
+    front: "all",
+    size: "triangles"
+  },
+  {
+    table: "e2-rays",
+    name: "e2t",
+    caption: "Mean relative error of t over rays with a correct hit.",
+    panels: "rays",
+    curves: "method",
+    x: "time",
+    ys: ["error of t, mean"],
+    xLabel: "time, ns per ray",
+    yLabel: "|t − exact| / exact, mean",
+    front: "all",
+    size: "triangles"
+  },
+  {
+    table: "e3-attributes",
+    name: "e3",
+    caption: "Mean error of a voxel's attribute against time. Each point is one depth; rings mark its Pareto front.",
+    panels: "attribute",
+    curves: "method",
+    x: "time",
+    ys: ["error, mean"],
+    xLabel: "time, ms",
+    yLabel: "mean error",
+    front: "all",
+    size: "depth"
+  },
+  {
+    table: "e3-attributes",
+    name: "e3o",
+    caption: "The largest difference between two orders of the same samples.",
+    panels: "attribute",
+    curves: "method",
+    x: "time",
+    ys: ["order, largest"],
+    xLabel: "time, ms",
+    yLabel: "largest difference",
+    front: "all",
+    size: "depth"
+  },
+  {
+    table: "e4-detail",
+    name: "e4",
+    caption: "Error of each depth against build time. Each point is one depth; rings mark the Pareto front of each " +
+      "measure.",
+    panels: "scene",
+    x: "time",
+    ys: ["distance of centers", "area by faces, error", "volume, error", "area by fill, error"],
+    xLabel: "time, ms",
+    yLabel: "error, %",
+    front: "each"
+  },
+  {
+    table: "e5-conditioning",
+    name: "e5v",
+    caption: "Voxelization as the condition of the triangles worsens: a method fails where its curve rises.",
+    only: ["problem", "voxelization"],
+    panels: "conditioning",
+    curves: "method",
+    x: "value",
+    ys: ["error"],
+    xLabel: "conditioning",
+    yLabel: "false negatives and positives, %"
+  },
+  {
+    table: "e5-conditioning",
+    name: "e5r",
+    caption: "Rays as the condition of the mesh worsens.",
+    only: ["problem", "rays"],
+    panels: "conditioning",
+    curves: "method",
+    x: "value",
+    ys: ["error"],
+    xLabel: "conditioning",
+    yLabel: "missed and wrong rays, %"
+  },
+  {
+    table: "e5-conditioning",
+    name: "e5vt",
+    caption: "Error of the same voxelizations against time. Rings mark the Pareto front of each mesh.",
+    only: ["problem", "voxelization"],
+    panels: "conditioning",
+    curves: "method",
+    x: "time",
+    ys: ["error"],
+    xLabel: "time, ms",
+    yLabel: "false negatives and positives, %",
+    front: "all",
+    size: "value"
+  },
+  {
+    table: "e5-conditioning",
+    name: "e5rt",
+    caption: "Error of the same rays against time. Rings mark the Pareto front of each mesh.",
+    only: ["problem", "rays"],
+    panels: "conditioning",
+    curves: "method",
+    x: "time",
+    ys: ["error"],
+    xLabel: "time, ms",
+    yLabel: "missed and wrong rays, %",
+    front: "all",
+    size: "value"
+  },
+  {
+    table: "builders",
+    name: "builders",
+    caption: "Time per stage: subdividing nodes level by level, packing sorted leaf lists, filtering attributes from " +
+      "the leaves to the root, and all stages from the fragment list to the finished tree.",
+    panels: "scene",
+    curves: "builder",
+    x: "depth",
+    ys: ["subdivide", "pack", "filter", "list to tree"],
+    xLabel: "depth",
+    apart: true
+  },
+  {
+    table: "e6-leaving-out",
+    name: "e6",
+    caption: "For each request: time from the mesh to the finished tree, peak device memory, and the size of the tree.",
+    panels: "scene",
+    curves: "need",
+    ys: ["build", "peak", "tree"],
+    apart: true
+  },
+  {
+    table: "memory",
+    name: "memory",
+    caption: "Device memory by depth.",
+    x: "depth",
+    ys: ["full octree", "list of 36 bytes", "fragment list", "peak", "tree"],
+    xLabel: "depth",
+    yLabel: "bytes"
+  }
+];
+
+/*
+ * Color and marker of known methods. The colors are --method-NAME in page.css: Okabe and Ito, "Color Universal Design",
+ * 2008. svocl's own methods are blue in every chart.
+ */
+const methodStyles = {
+  "exact integers, cl": ["blue", "circle"],
+  "exact integers, gl-expand": ["sky", "circle"],
+  "exact integers, gl-hw": ["sky", "diamond"],
+  "float32 test, box-centered": ["green", "square"],
+  "float32 test, world coordinates": ["orange", "diamond"],
+  "expansion alone": ["purple", "up"],
+  "4x multisampling": ["vermillion", "down"],
+  "plain rasterization": ["gray", "square"],
+  "svocl": ["blue", "circle"],
+  "Möller-Trumbore, float32": ["vermillion", "down"],
+  "watertight, float32": ["green", "square"],
+  "Embree, fast": ["orange", "diamond"],
+  "Embree, robust": ["purple", "up"],
+  "voxels alone, coarse": ["gray", "circle"],
+  "voxels alone, medium": ["gray", "diamond"],
+  "voxels alone, fine": ["gray", "square"],
+  "RGBA8 running average": ["vermillion", "down"],
+  "float atomics": ["orange", "diamond"],
+  "integers, uniform": ["sky", "square"],
+  "integers, at the center": ["green", "up"],
+  "integers, by area": ["blue", "circle"],
+  "distance of centers": ["vermillion", "down"],
+  "area by fill, error": ["blue", "circle"],
+  "area by faces, error": ["orange", "diamond"],
+  "volume, error": ["green", "square"],
+  "cl": ["blue", "circle"],
+  "sorted": ["green", "square"],
+  "gl-compute": ["orange", "diamond"]
+};
+
+const colorOrder = ["blue", "sky", "green", "orange", "vermillion", "purple", "yellow", "gray"];
+const markerOrder = ["circle", "square", "up", "diamond", "down"];
+
+/* Unknown methods get a style by their position among the curves. */
+function styleOf(method, position) {
+  const [color, marker] = Object.hasOwn(methodStyles, method) ? methodStyles[method]
+    : [colorOrder[position % colorOrder.length], markerOrder[position % markerOrder.length]];
+  return {color: `var(--method-${color})`, marker};
+}

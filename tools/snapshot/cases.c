@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/* The tables of cases. Names are spelled here, so that a name that changes in the library does not change a case's. */
+#include "cases.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "digest.h"
+
+const method methods[METHOD_COUNT] = {
+    {"cl cl none blocking", SVO_BUILDER_CL, FRONT_CL, MODE_BLOCKING},
+    {"sorted cl none blocking", SVO_BUILDER_SORTED, FRONT_CL, MODE_BLOCKING},
+    {"cl gl-expand host blocking", SVO_BUILDER_CL, FRONT_GL_HOST, MODE_BLOCKING},
+    {"cl cl none enqueued trimmed", SVO_BUILDER_CL, FRONT_CL, MODE_TRIMMED},
+    {"gl-compute gl-expand host blocking", SVO_BUILDER_CL, FRONT_GL_HOST, MODE_GL_COMPUTE},
+    {"cl gl-expand copy blocking", SVO_BUILDER_CL, FRONT_GL_COPY, MODE_BLOCKING},
+    {"cl cl none enqueued", SVO_BUILDER_CL, FRONT_CL, MODE_ENQUEUED},
+    {"cl cl none enqueued twice", SVO_BUILDER_CL, FRONT_CL, MODE_TWICE},
+    {"cl cl none counted", SVO_BUILDER_CL, FRONT_CL, MODE_COUNTED},
+    {"cl gl-expand host enqueued", SVO_BUILDER_CL, FRONT_GL_HOST, MODE_ENQUEUED},
+    {"cl gl-expand copy enqueued trimmed", SVO_BUILDER_CL, FRONT_GL_COPY, MODE_TRIMMED},
+    {"sorted gl-expand copy blocking", SVO_BUILDER_SORTED, FRONT_GL_COPY, MODE_BLOCKING},
+    {"cl gl-expand copy counted", SVO_BUILDER_CL, FRONT_GL_COPY, MODE_COUNTED},
+};
+
+/* The first methods[] are one of each kind. */
+#define ONE     0x0001u /* OpenCL alone, blocking */
+#define BY_CL   0x000bu /* without OpenGL */
+#define EACH    0x001fu /* one of each kind */
+#define DRAWN   0x000fu /* the same without compute shaders, which are slow on a processor */
+#define WIDE    0x1fefu /* all without compute shaders */
+#define ALL     0x1fffu
+#define COUNTED 0x0e1fu /* those whose calls are counted */
+
+#define NO_FILL (SVO_NEED_ALL & ~(unsigned)SVO_NEED_FILL)
+#define CLOSED  .coverage = SVO_COVERAGE_CLOSED
+#define THIN    .coverage = SVO_COVERAGE_THIN
+#define UNIFORM .weights = SVO_WEIGHTS_UNIFORM
+#define CENTER  .weights = SVO_WEIGHTS_CENTER
+
+const request requests[] = {
+    /* Every scene by every method. */
+    {"atrium:3000", .depth = 6, .methods = WIDE},
+    {"atrium:3000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"statue:2000", .depth = 7, .methods = WIDE},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", .depth = 7, .methods = WIDE},
+    {"terrain:2000", .depth = 7, .methods = WIDE},
+    {"terrain:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"needles:200", .depth = 8, .methods = WIDE},
+    {"needles:200", .depth = 6, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 8, .methods = WIDE},
+    {"dust:2000", .depth = 6, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cornell:500", .depth = 6, .methods = WIDE},
+    {"cornell:500", .depth = 4, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cube:12", .depth = 6, .methods = WIDE},
+    {"cube:12", .depth = 4, .need = SVO_NEED_ALL, .methods = EACH},
+    /* Coverages. */
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = ALL},
+    {"knot:2000", .depth = 5, CLOSED, .need = SVO_NEED_ALL, .methods = ALL},
+    {"knot:2000", .depth = 5, THIN, .need = SVO_NEED_ALL, .methods = ALL},
+    {"needles:200", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
+    {"needles:200", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = EACH},
+    {"atrium:3000", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = ONE},
+    {"atrium:3000", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = ONE},
+    /* Needs and weights. */
+    {"statue:2000", .depth = 5, .need = SVO_NEED_NONE, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_COLOR, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_NORMAL, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_RAYS, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_MATERIAL, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = SVO_NEED_FILL, .methods = EACH},
+    {"statue:2000", .depth = 5, UNIFORM, .need = SVO_NEED_COLOR, .methods = EACH},
+    {"statue:2000", .depth = 5, UNIFORM, .need = SVO_NEED_NORMAL, .methods = EACH},
+    {"statue:2000", .depth = 5, CENTER, .need = SVO_NEED_COLOR, .methods = EACH},
+    {"statue:2000", .depth = 5, CENTER, .need = SVO_NEED_NORMAL, .methods = EACH},
+    {"cornell:500", .depth = 5, .need = SVO_NEED_MATERIAL, .methods = EACH},
+    {"cornell:500", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cornell:500", .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
+    {"cornell:500", .depth = 5, CENTER, .need = NO_FILL, .methods = EACH},
+    {"knot:2000", .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
+    {"knot:2000", .depth = 5, CENTER, .need = NO_FILL, .methods = EACH},
+    {"needles:200", .depth = 7, UNIFORM, .need = NO_FILL, .methods = BY_CL},
+    {"needles:200", .depth = 7, CENTER, .need = NO_FILL, .methods = BY_CL},
+    /* Payload levels. */
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .payload_level = 3, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .payload_level = 5, .methods = EACH},
+    {"cornell:500", .depth = 5, UNIFORM, .need = NO_FILL, .payload_level = 5, .methods = EACH},
+    /* Depths. */
+    {"cube:12", .depth = 1, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", .depth = 4, .need = SVO_NEED_ALL, .methods = ALL},
+    {"dust:2000", .depth = 11, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 13, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 16, .need = SVO_NEED_ALL, .methods = ONE},
+    {"needles:20", .depth = 11, .methods = EACH},
+    {"needles:20", .depth = 13, CLOSED, .methods = BY_CL},
+    /* Callers' grids: around, across, and one that the mesh misses. */
+    {"knot:2000", .depth = 11, .origin = {-20, -20, -20}, .edge = 80, .need = SVO_NEED_ALL, .methods = DRAWN},
+    {"knot:2000", .depth = 5, .origin = {0, 0, -0.5}, .edge = 1, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cube:12", .depth = 6, .origin = {-0.25, -0.25, -0.25}, .edge = 1, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cube:12", .depth = 5, .origin = {3, 3, 3}, .edge = 1, .need = SVO_NEED_ALL, .methods = EACH},
+    /* Meshes in other forms. */
+    {"knot:2000", MESH_BARE, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_BARE, .depth = 5, .methods = EACH},
+    {"knot:2000", MESH_TEXTURED, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_TEXTURED, .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
+    {"knot:2000", MESH_TEXTURED, .depth = 5, CENTER, .need = SVO_NEED_COLOR, .methods = EACH},
+    {"knot:2000", MESH_BROKEN, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_DOUBLES, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    /* Chunks and capacities, large enough and too small. */
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .methods = ALL},
+    {"dust:2000", .depth = 12, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .fragment_capacity = 1000, .methods = ALL},
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .fragment_capacity = 100000, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .worst_case_nodes = 1, .methods = ALL},
+};
+const size_t request_count = sizeof requests / sizeof requests[0];
+
+const request counted_requests[] = {
+    {"knot:500", .depth = 5, .methods = COUNTED},
+    {"knot:500", .depth = 5, .need = SVO_NEED_NONE, .methods = COUNTED},
+    {"knot:500", .depth = 5, .need = SVO_NEED_ALL, .methods = COUNTED},
+    {"knot:500", .depth = 5, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .fragment_capacity = 1000, .methods = BY_CL},
+};
+const size_t counted_request_count = sizeof counted_requests / sizeof counted_requests[0];
+
+const request query_requests[] = {
+    {"knot:2000", .depth = 6, .need = SVO_NEED_ALL},
+    {"atrium:3000", .depth = 7, CLOSED, .need = SVO_NEED_ALL},
+    {"dust:2000", .depth = 8, .need = SVO_NEED_RAYS},
+    {"needles:200", .depth = 13, .need = SVO_NEED_RAYS | SVO_NEED_COLOR},
+    {"cornell:500", .depth = 6, THIN},
+    {"statue:2000", .depth = 6, .need = SVO_NEED_ALL, .payload_level = 6},
+    {"knot:2000", .depth = 7, .origin = {0, 0, -0.5}, .edge = 1, .need = SVO_NEED_ALL},
+};
+const size_t query_request_count = sizeof query_requests / sizeof query_requests[0];
+
+static void add_needs(line_text *line, uint32_t need)
+{
+    static const char *const names[] = {"color", "normal", "rays", "material", "fill"};
+    if (need == SVO_NEED_DEFAULT || need == SVO_NEED_NONE || need == SVO_NEED_ALL) {
+        line_text_add(line, " %s", need == SVO_NEED_DEFAULT ? "default" : need == SVO_NEED_NONE ? "none" : "all");
+        return;
+    }
+    const char *separator = " ";
+    for (unsigned bit = 0; bit < sizeof names / sizeof names[0]; ++bit) {
+        if ((need >> bit & 1u) != 0) {
+            line_text_add(line, "%s%s", separator, names[bit]);
+            separator = ",";
+        }
+    }
+}
+
+void request_name(const request *asked, char *name, size_t name_bytes)
+{
+    static const char *const variants[] = {"", " bare", " textured", " broken", " doubles"};
+    static const char *const coverages[] = {"half-open", "closed", "thin"};
+    static const char *const weights[] = {"area", "uniform", "center"};
+    line_text line = {.used = 0};
+    line_text_add(&line, "%s%s d%u %s %s", asked->scene, variants[asked->variant], asked->depth,
+                  coverages[asked->coverage], weights[asked->weights]);
+    add_needs(&line, asked->need);
+    if (asked->payload_level > 0) {
+        line_text_add(&line, " level %u", (unsigned)asked->payload_level);
+    }
+    if (asked->edge > 0) {
+        line_text_add(&line, " grid %g,%g,%g+%g", asked->origin[0], asked->origin[1], asked->origin[2], asked->edge);
+    }
+    if (asked->chunk_bytes > 0) {
+        line_text_add(&line, " chunks %lu", (unsigned long)asked->chunk_bytes);
+    }
+    if (asked->fragment_capacity > 0) {
+        line_text_add(&line, " capacity %lu", (unsigned long)asked->fragment_capacity);
+    }
+    if (asked->worst_case_nodes != 0) {
+        line_text_add(&line, " worst-case nodes");
+    }
+    (void)snprintf(name, name_bytes, "%s", line.text);
+}
+
+svo_plan_options request_options(const request *asked, svo_builder builder)
+{
+    svo_plan_options options = {.struct_size = sizeof options,
+                                .need = asked->need,
+                                .coverage = asked->coverage,
+                                .weights = asked->weights,
+                                .builder = builder,
+                                .payload_level = asked->payload_level,
+                                .edge = asked->edge,
+                                .fragment_capacity = asked->fragment_capacity,
+                                .worst_case_nodes = asked->worst_case_nodes,
+                                .chunk_bytes = asked->chunk_bytes};
+    memcpy(options.origin, asked->origin, sizeof options.origin);
+    return options;
+}

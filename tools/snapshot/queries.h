@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures, rays and nearest points as lines. */
+#ifndef SVOCL_TOOLS_SNAPSHOT_QUERIES_H
+#define SVOCL_TOOLS_SNAPSHOT_QUERIES_H
+
+#include "builds.h"
+
+/* Of a finished, downloaded tree on the session's device. What a tree cannot be asked prints its status. */
+void describe_queries(const char *name, const opened *session, svo_tree *tree);
+
+#endif

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Prints digests of all that svocl makes of a table of cases, NAME<TAB>VALUE a line: trees, files, reports, plans, pictures,
+ * hits, calls of OpenCL. `tools/dev snapshot` sorts and compares them: a refactoring changes none.
+ *
+ * Times and names of devices are left out, so that the lines are the same in each run on one machine.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "builds.h"
+#include "cases.h"
+#include "describe.h"
+#include "digest.h"
+#include "meshes.h"
+#include "queries.h"
+
+typedef struct run {
+    opened session;
+    case_mesh mesh;
+    const char *folder; /* for .svo files */
+} run;
+
+static int fail(const char *what, const char *why)
+{
+    (void)fprintf(stderr, "svocl_snapshot: %s: %s\n", what, why);
+    return EXIT_FAILURE;
+}
+
+static void build_case(run *state, const svo_mesh *mesh, const request *asked, const method *by)
+{
+    char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
+    build made;
+    request_name(asked, title, sizeof title);
+    (void)snprintf(name, sizeof name, "%.180s %s", title, by->name);
+    const svo_status status = build_run(&state->session, mesh, asked, by, &made);
+    if (status == SVO_OK) {
+        describe_build(name, &state->session, &made, state->folder);
+        if (by == &methods[0]) {
+            describe_files(name, made.tree, state->folder);
+        }
+    } else {
+        line_text line = {.used = 0};
+        line_text_add(&line, "status %d fragments %llu inner %llu", (int)status,
+                      (unsigned long long)made.report.fragments, (unsigned long long)made.report.inner_nodes);
+        line_print(name, "tree", line.text);
+    }
+    build_release(&made);
+}
+
+/* A plan for each builder, as it is before any build. */
+static void plan_case(run *state, const svo_mesh *mesh, const request *asked, svo_builder builder)
+{
+    char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
+    svo_plan *plan = NULL;
+    request_name(asked, title, sizeof title);
+    (void)snprintf(name, sizeof name, "%.180s %s", title, builder == SVO_BUILDER_SORTED ? "sorted" : "cl");
+    const svo_plan_options options = request_options(asked, builder);
+    const svo_status status = svo_plan_create(state->session.device, mesh, asked->depth, &options, &plan);
+    if (status == SVO_OK) {
+        describe_plan(name, plan);
+        if (builder == SVO_BUILDER_CL) { /* the one that workspaces are made for */
+            describe_room(name, plan, state->session.cl);
+        }
+    } else {
+        line_print_status(name, "plan", status);
+    }
+    svo_plan_destroy(&plan);
+}
+
+static int run_requests(run *state)
+{
+    for (size_t i = 0; i < request_count; ++i) {
+        svo_message message = {""};
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, &requests[i], &message);
+        if (mesh == NULL) {
+            return fail(requests[i].scene, message.text);
+        }
+        plan_case(state, mesh, &requests[i], SVO_BUILDER_CL);
+        plan_case(state, mesh, &requests[i], SVO_BUILDER_SORTED);
+        for (size_t m = 0; m < METHOD_COUNT; ++m) {
+            if ((requests[i].methods >> m & 1u) != 0) {
+                build_case(state, mesh, &requests[i], &methods[m]);
+            }
+        }
+    }
+    return EXIT_SUCCESS;
+}
+
+static int run_queries(run *state)
+{
+    for (size_t i = 0; i < query_request_count; ++i) {
+        char name[LINE_NAME_BYTES];
+        svo_message message = {""};
+        build made;
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, &query_requests[i], &message);
+        if (mesh == NULL) {
+            return fail(query_requests[i].scene, message.text);
+        }
+        request_name(&query_requests[i], name, sizeof name);
+        svo_status status = build_run(&state->session, mesh, &query_requests[i], &methods[0], &made);
+        if (status == SVO_OK) {
+            status = svo_tree_download(made.tree, state->session.queue);
+        }
+        if (status == SVO_OK) {
+            describe_queries(name, &state->session, made.tree);
+        } else {
+            line_print_status(name, "queries", status);
+        }
+        build_release(&made);
+    }
+    return EXIT_SUCCESS;
+}
+
+/* On a device handle of its own, which has compiled nothing yet: the first build compiles, the second does not. */
+static int count_case(const svo_mesh *mesh, const request *asked, const method *by)
+{
+    char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
+    svo_message message = {""};
+    opened session;
+    request_name(asked, title, sizeof title);
+    if (opened_create(&session, &message) != SVO_OK) {
+        return fail(title, message.text);
+    }
+    for (int i = 0; i < 2; ++i) {
+        build made;
+        (void)snprintf(name, sizeof name, "%.170s %s %s", title, by->name, i == 0 ? "first" : "second");
+        const svo_status status = build_run(&session, mesh, asked, by, &made);
+        line_print_status(name, "build", status);
+        describe_calls(name, &made);
+        build_release(&made);
+    }
+    opened_release(&session);
+    return EXIT_SUCCESS;
+}
+
+static int run_counts(run *state)
+{
+    for (size_t i = 0; i < counted_request_count; ++i) {
+        svo_message message = {""};
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, &counted_requests[i], &message);
+        if (mesh == NULL) {
+            return fail(counted_requests[i].scene, message.text);
+        }
+        for (size_t m = 0; m < METHOD_COUNT; ++m) {
+            const unsigned chosen = counted_requests[i].methods >> m & 1u;
+            if (chosen != 0 && count_case(mesh, &counted_requests[i], &methods[m]) != EXIT_SUCCESS) {
+                return EXIT_FAILURE;
+            }
+        }
+    }
+    return EXIT_SUCCESS;
+}
+
+static int run_all(run *state)
+{
+    int result = run_requests(state);
+    if (result != EXIT_SUCCESS) {
+        return result;
+    }
+    result = run_queries(state);
+    if (result != EXIT_SUCCESS) {
+        return result;
+    }
+    result = run_counts(state);
+    if (result != EXIT_SUCCESS) {
+        return result;
+    }
+    return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_SUCCESS : fail("standard output", "cannot be written");
+}
+
+int main(int argc, char **argv)
+{
+    svo_message message = {""};
+    if (argc != 2) {
+        return fail("usage", "svocl_snapshot FOLDER, which is for files that it makes and removes");
+    }
+    run state = {.folder = argv[1]};
+    if (opened_create(&state.session, &message) != SVO_OK) {
+        return fail("no device", message.text);
+    }
+    const int result = run_all(&state);
+    case_mesh_release(&state.mesh);
+    opened_release(&state.session);
+    return result;
+}

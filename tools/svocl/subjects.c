@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* The list of all measurements: a new subject is named here. */
+#include "svocl/subjects.h"
+
+#include "bench/builders.h"
+#include "bench/filter.h"
+#include "bench/leaving_out.h"
+#include "bench/peers.h"
+#include "bench/rays.h"
+#include "bench/sizes.h"
+#include "bench/startup.h"
+#include "bench/thesis_tables.h"
+#include "bench/voxelize.h"
+#include "errors/e1_voxelization.h"
+#include "errors/e2_rays.h"
+#include "errors/e3_attributes.h"
+#include "errors/e4_detail.h"
+#include "errors/e5_conditioning.h"
+
+const suite_subject *const subjects[] = {
+    &bench_voxelize,      &bench_builders,      &bench_filter,
+    &bench_startup,       &bench_rays,          &bench_leaving_out,
+    &bench_scene_sizes,   &bench_memory,        &bench_thesis_2020,
+    &bench_thesis_2016,   &bench_peer_embree,   &bench_peer_openvdb,
+    &errors_voxelization, &errors_rays,         &errors_attributes,
+    &errors_detail,       &errors_conditioning, NULL,
+};
+
+bool subjects_know(const char *wanted)
+{
+    for (size_t i = 0; subjects[i] != NULL; ++i) {
+        if (suite_is_wanted(subjects[i], wanted)) {
+            return true;
+        }
+    }
+    return false;
+}
