@@ -79,9 +79,9 @@ static void corner_parts(const payload_pair *pair, unsigned axis, seen_point poi
     parts[1] = area_from(pair, 2, 0, axis, point);
     parts[2] = area_from(pair, 0, 1, axis, point);
     const int64_t area = parts[0] + parts[1] + parts[2];
-    const int64_t interleaved_method = area < 0 ? -1 : area > 0 ? 1 : 0;
+    const int64_t turn = area < 0 ? -1 : area > 0 ? 1 : 0;
     for (unsigned k = 0; k < 3; ++k) {
-        parts[k] = parts[k] * interleaved_method > 0 ? parts[k] * interleaved_method : 0;
+        parts[k] = parts[k] * turn > 0 ? parts[k] * turn : 0;
     }
 }
 

@@ -51,9 +51,9 @@ static void put_vertex(sheet_mesh *sheet, size_t i)
     static const size_t speck_square = 5 * SHEET_SQUARES + 4;
     /* The square around the speck is the same all over: its means are whole numbers, which a speck cannot tip over. */
     const size_t k = i / 6 == speck_square ? speck_square * 6 : i;
-    const double interleaved_method = (double)k * 0.1;
-    sheet->normals[i * 3] = (float)cos(interleaved_method);
-    sheet->normals[i * 3 + 1] = (float)sin(interleaved_method);
+    const double turn = (double)k * 0.1;
+    sheet->normals[i * 3] = (float)cos(turn);
+    sheet->normals[i * 3 + 1] = (float)sin(turn);
     sheet->normals[i * 3 + 2] = 2.0F;
     sheet->uvs[i * 2] = (float)sheet->positions[k * 3];
     sheet->uvs[i * 2 + 1] = (float)sheet->positions[k * 3 + 1];

@@ -226,10 +226,10 @@ static void t12_a_long_ray_between_cells_of_16(void **state)
         owned.positions[i] += (random_unit(&random) - 0.5) * 200;
     }
     build_for_rays(opened, &owned.mesh, 7, corner, 2048, &tree); /* 128 cells of 16 */
-    for (int interleaved_method = 0; interleaved_method < 64; ++interleaved_method) {
+    for (int turn = 0; turn < 64; ++turn) {
         svo_ray ray = {{-668, -340, 77}, {404 + 668, -64 + 340, -784 - 77}, 0, 1};
         svo_hit hit;
-        ray.origin[interleaved_method % 3] += (float)interleaved_method / 8;
+        ray.origin[turn % 3] += (float)turn / 8;
         trace_rays(opened, &tree, &ray, 1, SVO_TRACE_CLOSEST, &hit);
         assert_is_closest("cells of 16", &tree, &ray, &hit);
         assert_in_range(hit.count, 1, 3 * 128 + 1);

@@ -413,8 +413,8 @@ static void scratch_may_be_the_callers(void **state)
                                     (size_t)(offset + info.scratch_bytes), NULL, NULL);
     assert_non_null(scratch);
     svo_workspace_options options = {.struct_size = sizeof options, .scratch = scratch};
-    for (int interleaved_method = 0; interleaved_method < 2; ++interleaved_method) {
-        options.offset_bytes = interleaved_method == 0 ? 0 : offset;
+    for (int turn = 0; turn < 2; ++turn) {
+        options.offset_bytes = turn == 0 ? 0 : offset;
         svo_workspace *workspace = NULL;
         succeed(&opened, svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace));
         svo_tree *tree = make_tree(&opened, workspace);
