@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a mesh out of somebody's buffers: what is the same for OpenCL's (mesh.c) and OpenGL's
-   (glinterop/mesh_read.c). */
+/* Reading a mesh from buffers: what OpenCL (mesh.c) and OpenGL (glinterop/raster/mesh_read.c) have in common. */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 
@@ -13,7 +12,7 @@ typedef struct svo_i_mesh_reader {
     const char *function; /* for messages */
     void *self;
     bool (*has)(const svo_mesh_view *view); /* whether the view names a buffer */
-    /* How many bytes the buffer holds. */
+    /* The size of the buffer. */
     svo_status (*size)(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message);
     svo_status (*read)(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
                        svo_message *message);
