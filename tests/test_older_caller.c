@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Callers that were compiled against other headers: an older caller's structs are shorter, a newer caller's longer. Each
- * struct lies before bytes that must not change.
+ * Callers that were compiled against other headers: an older caller's structs are shorter, a newer caller's longer.
+ * Behind each struct lie bytes that must not change.
  */
 #include <setjmp.h>
 #include <stdarg.h>

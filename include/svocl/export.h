@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Symbol visibility. The library is built with hidden visibility; only what carries SVO_API is exported. */
+/** \file
+ * Symbol visibility. The library is built with hidden visibility; only what carries SVO_API is exported.
+ */
 #ifndef SVOCL_EXPORT_H
 #define SVOCL_EXPORT_H
 
+/** Marks an exported function. */
 #if defined(_WIN32)
 #define SVO_API
 #else

@@ -1,45 +1,45 @@
 /* SPDX-License-Identifier: MIT */
-/*
+/** \file
  * Files (svocl::io): trees as .svo, meshes through assimp.
  *
- * The .svo format, version 1. All numbers are little-endian, all offsets are bytes from the start of the file.
+ * The .svo format, version 1. All numbers are little-endian; offsets are bytes from the start of the file.
  *
- *   offset bytes
- *   0      8     magic: 89 53 56 4F 0D 0A 1A 0A  ("\x89SVO\r\n\x1a\n")
- *   8      4     u32 version: 1
- *   12     4     u32 header_bytes: offset of the first byte after the chunk table
- *   16     8     u64 file_bytes: length of the whole file
- *   24     8     u64 XXH3-64 over bytes 32 .. header_bytes
- *   32     4     u32 chunk_count
- *   36     4     u32 depth
- *   40     4     u32 snap_bits
- *   44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
- *   48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
- *   50     2     u16 constant: of those bits, color, normal and material that are the same in all nodes: one element
- *   52     2     u16 weights: 0 area, 1 uniform, 2 center
- *   54     2     u16 payload_level: 0 .. depth
- *   56     24    f64 origin[3]
- *   80     8     f64 edge
- *   88     8     f64 scale
- *   96     8     f64 snap_error
- *   104    8     u64 triangles
- *   112    8     u64 refused_triangles
- *   120    8     u64 fragments
- *   128    72    u32 level_begin[18], entries after depth + 1 are 0
- *   200    40 *  chunk table: one entry per chunk
+ *     offset bytes
+ *     0      8     magic: 89 53 56 4F 0D 0A 1A 0A  ("\x89SVO\r\n\x1a\n")
+ *     8      4     u32 version: 1
+ *     12     4     u32 header_bytes: offset of the first byte after the chunk table
+ *     16     8     u64 file_bytes: length of the whole file
+ *     24     8     u64 XXH3-64 over bytes 32 .. header_bytes
+ *     32     4     u32 chunk_count
+ *     36     4     u32 depth
+ *     40     4     u32 snap_bits
+ *     44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
+ *     48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
+ *     50     2     u16 constant: of those bits, color, normal and material that are the same in all nodes: one element
+ *     52     2     u16 weights: 0 area, 1 uniform, 2 center
+ *     54     2     u16 payload_level: 0 .. depth
+ *     56     24    f64 origin[3]
+ *     80     8     f64 edge
+ *     88     8     f64 scale
+ *     96     8     f64 snap_error
+ *     104    8     u64 triangles
+ *     112    8     u64 refused_triangles
+ *     120    8     u64 fragments
+ *     128    72    u32 level_begin[18], entries after depth + 1 are 0
+ *     200    40 *  chunk table: one entry per chunk
  *
- *   chunk entry
- *   0      4     u32 kind: svo_tree_buffer's value
- *   4      4     u32 codec: 0 stored, 1 zstd frame
- *   8      8     u64 offset
- *   16     8     u64 stored_bytes
- *   24     8     u64 plain_bytes
- *   32     8     u64 XXH3-64 over the uncompressed bytes
+ *     chunk entry
+ *     0      4     u32 kind: svo_tree_buffer's value
+ *     4      4     u32 codec: 0 stored, 1 zstd frame
+ *     8      8     u64 offset
+ *     16     8     u64 stored_bytes
+ *     24     8     u64 plain_bytes
+ *     32     8     u64 XXH3-64 over the uncompressed bytes
  *
- * Chunks hold the arrays of svo_tree_arrays, in ascending kind, back to back, the first at header_bytes; plain_bytes
- * follows from the header's counts and the array's element size, or for list, vertices and indices gives their count.
- * child_mask and first_child are always there; every node's first_child is set, also that of the empty tree's root (1).
- * A zstd chunk is at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
+ * Chunks hold the arrays of svo_tree_arrays in ascending kind, back to back, the first at header_bytes. plain_bytes
+ * follows from the header's counts and the array's element size; that of list, vertices and indices gives their count.
+ * child_mask and first_child are always present. Every node's first_child is set, also that of the empty tree's root
+ * (1). A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H
@@ -55,60 +55,93 @@
 extern "C" {
 #endif
 
+/** Options of a saved tree. */
 typedef struct svo_save_options {
-    size_t struct_size; /* sizeof(svo_save_options) */
-    uint32_t compress; /* not 0: zstd per chunk where that makes it smaller */
+    size_t struct_size; /**< sizeof(svo_save_options) */
+    uint32_t compress; /**< not 0: zstd for each chunk that becomes smaller */
 } svo_save_options;
+
+/** All defaults. */
 #define SVO_SAVE_OPTIONS_INIT SVO_STRUCT_INIT(svo_save_options)
 
-/*
- * Writes a .svo file: to a temporary name beside path, flushed, then renamed; on failure nothing is left and an old
- * file stays as it was. The tree needs its host arrays (svo_tree_download). options: NULL means stored. message: NULL
- * allowed.
- * Returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY.
- */
+/** Writes a .svo file. The bytes go to a temporary file beside path, which is flushed and renamed; on failure nothing
+ *  is left behind and an existing file stays as it was.
+ *
+ * \param tree with host arrays (svo_tree_download)
+ * \param path of the file
+ * \param options NULL means all defaults: not compressed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options,
                                  svo_message *message);
 
-/*
- * Reads a .svo file into host arrays, after checking lengths, checksums and every index: a tree that loads is well
- * formed. Nothing larger than the file is allocated before the header was checked.
- * Returns SVO_FILE_ERROR (cannot be read) or SVO_FILE_DAMAGED with what is wrong and where in message.
- */
+/** Reads a .svo file into host arrays. Lengths, checksums and every index are checked: a tree that loads is well
+ *  formed. Nothing larger than the file is allocated before the header is checked.
+ *
+ * \param path of the file
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message);
-/* The same from memory. name: what to call it in messages. */
+
+/** svo_tree_load from memory.
+ *
+ * \param bytes contents of a .svo file
+ * \param byte_count their number
+ * \param name stands for the path in messages
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                         svo_message *message);
 
+/** Options of an import. */
 typedef struct svo_import_options {
-    size_t struct_size; /* sizeof(svo_import_options) */
-    uint64_t memory_limit_bytes; /* address space of the child process; 0: 8 GiB */
-    uint32_t time_limit_seconds; /* wall clock; 0: 120 */
-    /* Path of a program that calls svo_import_child_main() first thing in main(); NULL: /proc/self/exe. */
-    const char *child_program;
+    size_t struct_size; /**< sizeof(svo_import_options) */
+    uint64_t memory_limit_bytes; /**< address space of the child process; 0: 8 GiB */
+    uint32_t time_limit_seconds; /**< wall clock; 0: 120 */
+    const char *child_program; /**< a program that calls svo_import_child_main first; NULL: /proc/self/exe */
 } svo_import_options;
+
+/** All defaults. */
 #define SVO_IMPORT_OPTIONS_INIT SVO_STRUCT_INIT(svo_import_options)
 
-/* A mesh read from a file, its arrays owned by the handle. */
+/** A mesh from a file, with its arrays. */
 typedef struct svo_import svo_import;
 
-/*
- * Reads a mesh file (OBJ+MTL, PLY, STL, glTF and what else assimp knows) in a child process with memory and time
- * limits: a reader that crashes or hangs ends in an error here. Node transforms are applied, polygons triangulated;
- * points and lines become degenerate triangles only if the file says they are faces. Textures that cannot be read are
- * reported to log and replaced by white.
- * Returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, crashed, out of memory
- * or time) with one line in message.
- */
+/** Reads a mesh file (OBJ with MTL, PLY, STL, glTF and what else assimp knows) in a child process with limits on memory
+ *  and time, so that a reader that crashes or hangs ends in an error. Node transforms are applied and polygons
+ *  triangulated. Points and lines become degenerate triangles if the file lists them as faces. Textures that cannot be
+ *  read are logged and replaced by white.
+ *
+ * \param path of the file
+ * \param options NULL means all defaults
+ * \param log receives warnings; NULL allowed
+ * \param log_user passed to log
+ * \param out receives the mesh
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit) or
+ *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log,
                                    void *log_user, svo_import **out, svo_message *message);
-SVO_API const svo_mesh *svo_import_mesh(const svo_import *import); /* lives as long as the handle */
+
+/** The mesh of an import.
+ *
+ * \param import not NULL
+ * \returns the mesh; lives as long as import. */
+SVO_API const svo_mesh *svo_import_mesh(const svo_import *import);
+
+/** Frees a mesh.
+ *
+ * \param import set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_import_destroy(svo_import **import);
 
-/*
- * To be called first thing in main() of a program that imports through itself: if the process was started as an import
- * child it does the work and returns the exit code through *exit_code and 1; otherwise it returns 0 and does nothing.
- */
+/** Does the work of an import's child process. A program that imports through itself calls this first in main().
+ *
+ * \param argc of main
+ * \param argv of main
+ * \param exit_code receives the code to exit with
+ * \returns 1 when the process is such a child, whose work is done now; 0 when it is not, and nothing happened. */
 SVO_API int svo_import_child_main(int argc, char **argv, int *exit_code);
 
 #ifdef __cplusplus

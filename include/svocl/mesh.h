@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A triangle mesh as the caller hands it over: borrowed arrays, read during svo_plan_create and not touched later.
- * Arrays that lie in a device's buffers are read back first, since vertices are snapped on the host.
+/** \file
+ * Triangle meshes. svo_plan_create reads the caller's arrays and does not need them afterwards. Vertices are snapped on
+ * the host, so arrays in device buffers are read back first (svo_mesh_read).
  *
- * Any values are allowed in the arrays: triangles with an index out of range or a vertex that is not finite are refused
- * and counted, never undefined. Degenerate triangles (segments, points) are geometry and touch what they touch.
+ * The arrays may hold any values. A triangle with an index out of range or a vertex that is not finite is refused and
+ * counted. Degenerate triangles (segments, points) are geometry and occupy the voxels that they touch.
  */
 #ifndef SVOCL_MESH_H
 #define SVOCL_MESH_H
@@ -18,88 +18,103 @@
 extern "C" {
 #endif
 
-/* How texture coordinates outside [0, 1) are read. */
-typedef enum svo_wrap { SVO_WRAP_REPEAT = 0, SVO_WRAP_CLAMP = 1, SVO_WRAP_MIRROR = 2 } svo_wrap;
+/** How texture coordinates outside [0, 1) are mapped into it. */
+typedef enum svo_wrap {
+    SVO_WRAP_REPEAT = 0, /**< the fractional part */
+    SVO_WRAP_CLAMP = 1, /**< the nearest texel */
+    SVO_WRAP_MIRROR = 2 /**< every second repetition is mirrored */
+} svo_wrap;
 
-/* RGBA8 texels, 4 bytes each, rows top to bottom without padding; v = 0 is the first row. Sampled bilinearly in fixed
-   point, the same on every device. width and height: 1 .. 16384. */
+/** An RGBA8 image, sampled bilinearly in fixed point with the same result on every device. */
 typedef struct svo_texture {
-    const uint8_t *rgba;
-    uint32_t width, height;
-    svo_wrap wrap_u, wrap_v;
+    const uint8_t
+        *rgba; /**< height rows of width texels of 4 bytes, top to bottom, no padding; v = 0 is the first row */
+    uint32_t width; /**< texels, 1 .. 16384 */
+    uint32_t height; /**< texels, 1 .. 16384 */
+    svo_wrap wrap_u; /**< along a row */
+    svo_wrap wrap_v; /**< along a column */
 } svo_texture;
 
-#define SVO_NO_TEXTURE UINT32_MAX
+#define SVO_NO_TEXTURE UINT32_MAX /**< svo_material.texture_index without a texture */
 
-/* A triangle's color is vertex color * base color * texel, each in [0, 255] / 255, rounded half up. */
+/** A material. A triangle's color is vertex color * base color * texel, each in [0, 255] / 255, rounded half up. */
 typedef struct svo_material {
-    uint8_t rgba[4]; /* base color */
-    uint32_t texture_index; /* into svo_mesh.textures; SVO_NO_TEXTURE, or any other value out of range: none */
+    uint8_t rgba[4]; /**< base color */
+    uint32_t texture_index; /**< into svo_mesh.textures; SVO_NO_TEXTURE or any other value out of range: no texture */
 } svo_material;
 
+/** A mesh in host memory. The arrays are borrowed. */
 typedef struct svo_mesh {
-    size_t struct_size; /* sizeof(svo_mesh) */
-
-    /* Exactly one of the two, unless vertex_count is 0: x, y, z per vertex, any unit. */
-    const float *positions;
-    const double *positions_double;
-    size_t vertex_count; /* below 2^32 - 1 */
-
-    const uint32_t *indices; /* three per triangle; NULL: vertices 3t, 3t + 1, 3t + 2 */
-    size_t triangle_count; /* below 2^32 - 1; the triangle ids of fragments and lists are positions in this array */
-
-    /* Optional attributes, NULL where absent. */
-    const float *normals; /* three per vertex, any length; not finite or zero: the triangle's own normal */
-    const uint8_t *colors; /* RGBA8 per vertex */
-    const float *uvs; /* two per vertex; not finite: 0; limited to -32767 .. 32767 */
-    const uint16_t *triangle_materials; /* per triangle, below material_count; NULL: material 0 */
-    const svo_material *materials;
-    size_t material_count; /* 0: white, no texture; at most 65535 */
-    const svo_texture *textures;
-    size_t texture_count;
+    size_t struct_size; /**< sizeof(svo_mesh) */
+    const float *positions; /**< vertex_count * 3: x, y, z in any unit. Either this or positions_double is NULL */
+    const double *positions_double; /**< vertex_count * 3: the same in double precision */
+    size_t vertex_count; /**< below 2^32 - 1 */
+    const uint32_t *indices; /**< triangle_count * 3; NULL: triangle t has the vertices 3t, 3t + 1, 3t + 2 */
+    size_t triangle_count; /**< below 2^32 - 1. Results name triangles by their position in indices */
+    const float *normals; /**< vertex_count * 3, any length; zero or not finite: the triangle's own. NULL: none */
+    const uint8_t *colors; /**< vertex_count * 4: RGBA8. NULL: none */
+    const float *uvs; /**< vertex_count * 2, clamped to -32767 .. 32767; not finite: 0. NULL: none */
+    const uint16_t *triangle_materials; /**< triangle_count, below material_count; NULL: all 0 */
+    const svo_material *materials; /**< material_count; NULL when that is 0 */
+    size_t material_count; /**< at most 65535; 0: white without a texture */
+    const svo_texture *textures; /**< texture_count; NULL when that is 0 */
+    size_t texture_count; /**< any */
 } svo_mesh;
+
+/** No vertices, no triangles. */
 #define SVO_MESH_INIT SVO_STRUCT_INIT(svo_mesh)
 
-/* Where one array of a mesh lies: in an OpenCL buffer for svo_mesh_read, in an OpenGL buffer for svo_gl_mesh_read. The
-   other of the two is not looked at. All zero: the mesh has no such array. */
+/** One array of a mesh in a buffer. All zero: the mesh has no such array. */
 typedef struct svo_mesh_view {
-    cl_mem memory;
-    uint32_t gl_buffer; /* OpenGL's name */
-    size_t offset_bytes; /* of the first element */
-    size_t stride_bytes; /* from one element to the next; 0: they follow each other */
+    cl_mem memory; /**< OpenCL buffer, for svo_mesh_read */
+    uint32_t gl_buffer; /**< name of an OpenGL buffer, for svo_gl_mesh_read */
+    size_t offset_bytes; /**< of the first element */
+    size_t stride_bytes; /**< between the starts of elements; 0: they are packed */
 } svo_mesh_view;
 
-/* A mesh in buffers; elements as in svo_mesh. */
+/** A mesh in buffers. Elements are those of svo_mesh. */
 typedef struct svo_mesh_buffers {
-    size_t struct_size; /* sizeof(svo_mesh_buffers) */
-    size_t vertex_count, triangle_count; /* below 2^32 - 1 */
-    svo_mesh_view positions; /* 3 floats per vertex */
-    svo_mesh_view indices; /* 3 per triangle */
-    uint32_t index_bytes; /* 0 or 4: indices are uint32_t; 2: uint16_t */
-    svo_mesh_view normals, colors, uvs; /* per vertex: 3 floats, RGBA8, 2 floats */
-    svo_mesh_view triangle_materials; /* per triangle: uint16_t */
+    size_t struct_size; /**< sizeof(svo_mesh_buffers) */
+    size_t vertex_count; /**< below 2^32 - 1 */
+    size_t triangle_count; /**< below 2^32 - 1 */
+    svo_mesh_view positions; /**< 3 floats per vertex */
+    svo_mesh_view indices; /**< 3 per triangle */
+    uint32_t index_bytes; /**< 0 or 4: indices are uint32_t; 2: uint16_t */
+    svo_mesh_view normals; /**< 3 floats per vertex */
+    svo_mesh_view colors; /**< RGBA8 per vertex */
+    svo_mesh_view uvs; /**< 2 floats per vertex */
+    svo_mesh_view triangle_materials; /**< uint16_t per triangle */
 } svo_mesh_buffers;
+
+/** No arrays. */
 #define SVO_MESH_BUFFERS_INIT SVO_STRUCT_INIT(svo_mesh_buffers)
 
-/* Arrays on the host, owned. Thread-safety: reading is safe from several threads. */
+/** A mesh that owns its host arrays. Thread-safety: several threads may read it. */
 typedef struct svo_mesh_copy svo_mesh_copy;
 
-/*
- * Reads a mesh out of OpenCL buffers and waits for it. The buffers are not needed afterwards.
+/** Reads a mesh from OpenCL buffers and waits for it. The buffers are not needed afterwards.
  *
- * buffers, out: not NULL. queue: on the buffers' context, in-order or out-of-order.
- * num_wait, wait: events to be complete before anything is read; 0 and NULL: none.
- * message: receives the reason on failure; NULL allowed.
- * Returns SVO_INVALID_ARGUMENT (no positions, a stride below an element, an array that ends behind its buffer),
- * SVO_CL_ERROR (one of the events failed, for example) or SVO_OUT_OF_HOST_MEMORY.
- */
+ * \param buffers where the arrays are
+ * \param queue on the buffers' context, in-order or out-of-order
+ * \param num_wait number of events in wait
+ * \param wait events to wait for first; NULL when num_wait is 0
+ * \param out receives the mesh
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (no positions, a stride below an element, an array beyond the end of its buffer),
+ *          SVO_CL_ERROR (a failed event, for example) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
                                  const cl_event *wait, svo_mesh_copy **out, svo_message *message);
-/* The mesh, for svo_plan_create; it lives as long as the copy. Materials and textures are added to a copy of the
-   struct. */
+
+/** The mesh that was read, for svo_plan_create. To add materials and textures, copy the struct.
+ *
+ * \param copy not NULL
+ * \returns the mesh; lives as long as copy. */
 SVO_API const svo_mesh *svo_mesh_copy_get(const svo_mesh_copy *copy);
-SVO_API void
-svo_mesh_copy_destroy(svo_mesh_copy **copy); /* sets *copy to NULL; NULL and a pointer to NULL are allowed */
+
+/** Frees a mesh that was read.
+ *
+ * \param copy set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_mesh_copy_destroy(svo_mesh_copy **copy);
 
 #ifdef __cplusplus
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A plan: what one build of one mesh will do, decided before anything is allocated on the device.
+/** \file
+ * The plan: what a build of one mesh will do, decided before anything is allocated on the device.
  *
- * Making a plan reads the mesh once: it validates the triangles, sets up the grid, snaps the vertices to integers,
- * sorts triangles into classes by the arithmetic their overlap test needs, and predicts the sizes of all buffers by the
- * fragment estimate (for a triangle with bounding widths w, area A and unit normal n on voxels of edge h, over random
- * offsets, E[voxels] = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2).
+ * svo_plan_create reads the mesh once. It validates the triangles, places the grid, snaps the vertices to integers,
+ * classifies the triangles by the arithmetic that their overlap test needs, and predicts the size of every buffer with
+ * the fragment estimate: a triangle with bounding widths w, area A and unit normal n touches, on voxels of edge h and
+ * averaged over random offsets, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2 voxels.
  */
 #ifndef SVOCL_PLAN_H
 #define SVOCL_PLAN_H
@@ -20,182 +20,266 @@
 extern "C" {
 #endif
 
-#define SVO_DEPTH_MIN 1
-#define SVO_DEPTH_MAX 16
+#define SVO_DEPTH_MIN 1 /**< smallest depth */
+#define SVO_DEPTH_MAX 16 /**< largest depth */
 
+/** A plan for one mesh on one device. */
 typedef struct svo_plan svo_plan;
 
-/* What will be read from the tree besides its occupancy. */
+/** What a tree holds besides its occupancy. */
 typedef enum svo_need {
-    SVO_NEED_DEFAULT = 0, /* the colors and normals that the mesh has */
-    SVO_NEED_COLOR = 1, /* RGBA8 per node; white if the mesh has neither colors nor materials */
-    SVO_NEED_NORMAL = 2, /* 3 x int16 per node; the triangles' own normals if the mesh has none */
-    SVO_NEED_RAYS = 4, /* leaf lists, snapped vertices and indices; trace.h makes the rest when it is asked for */
-    SVO_NEED_MATERIAL = 8, /* 16 bits per node: the material that weighs most in it; of equals the smaller */
-    SVO_NEED_FILL = 16, /* 16 bits per node: area of the surface in it, 4096 = one of its faces, 65535 at most */
-    SVO_NEED_NONE = 0x40000000 /* occupancy alone */
+    SVO_NEED_DEFAULT = 0, /**< the colors and normals that the mesh has */
+    SVO_NEED_COLOR = 1, /**< RGBA8 per node; white if the mesh has neither colors nor materials */
+    SVO_NEED_NORMAL = 2, /**< 3 x int16 per node; the triangles' own normals if the mesh has none */
+    SVO_NEED_RAYS = 4, /**< leaf lists, snapped vertices and indices, from which trace.h makes a BVH */
+    SVO_NEED_MATERIAL = 8, /**< 16 bits per node: the material with the largest weight; the smaller index on ties */
+    SVO_NEED_FILL = 16, /**< 16 bits per node: surface area inside, 4096 = a face of the node, at most 65535 */
+    SVO_NEED_NONE = 0x40000000 /**< occupancy alone */
 } svo_need;
-#define SVO_NEED_ALL 0x1f /* every bit of the above */
-/* Of one bit: "color", "normal", "rays", "material", "fill"; else "none". Static string. */
+
+#define SVO_NEED_ALL 0x1f /**< everything */
+
+/** Name of one svo_need bit.
+ *
+ * \param bit one bit
+ * \returns "color", "normal", "rays", "material", "fill"; else "none". Static string. */
 SVO_API const char *svo_need_name(svo_need bit);
 
-/* Which voxels a triangle touches; the triangle is closed, and a voxel covers w grid units. */
+/** Which voxels a triangle occupies. The triangle is closed; a voxel is w grid units wide. */
 typedef enum svo_coverage {
-    /* [x, x + 1)^3: every surface point lies in exactly one voxel. 6-separating. */
-    SVO_COVERAGE_HALF_OPEN = 0,
-    /* [x, x + 1]^3: a superset, 26-separating. */
-    SVO_COVERAGE_CLOSED = 1,
-    /* 6-separating and never more than half-open: the separating axis test with a reach of w / 2 * max |n_i| around the
-       voxel's center on each axis n, after Laine, "A Topological Approach to Voxelization", 2013. Upper levels are the
-       ancestors of the leaves. */
+    SVO_COVERAGE_HALF_OPEN = 0, /**< voxels [x, x + 1)^3: each surface point lies in one voxel. 6-separating */
+    SVO_COVERAGE_CLOSED = 1, /**< voxels [x, x + 1]^3: a superset. 26-separating */
+    /** 6-separating and never more than half-open: the separating axis test with a reach of w / 2 * max |n_i| around
+     *  the voxel's center on each axis n. Laine, "A Topological Approach to Voxelization", 2013. Inner nodes are the
+     *  ancestors of the leaves. */
     SVO_COVERAGE_THIN = 2
 } svo_coverage;
-SVO_API const char *svo_coverage_name(svo_coverage coverage); /* "half-open", "closed", "thin"; static string */
 
-/* What a (voxel, triangle) pair weighs in the means of its voxel and of all nodes above, and where on the triangle its
-   attributes are taken. All in integers: the same bytes everywhere. */
+/** Name of a coverage.
+ *
+ * \param coverage any value
+ * \returns "half-open", "closed", "thin"; static string. */
+SVO_API const char *svo_coverage_name(svo_coverage coverage);
+
+/** The weight of a (voxel, triangle) pair in the means of its voxel and of all nodes above, and the point of the
+ *  triangle at which attributes are sampled. Computed in integers, with the same result everywhere. */
 typedef enum svo_weights {
-    /* The area of the part of the triangle inside the voxel, at its centroid. What has no area there, such as segments,
-       points, and triangles that only touch, weighs one unit, 2^-31 of the heaviest pair or (in large scenes) somewhat
-       more. */
+    /** The area of the triangle inside the voxel; sampled at that part's centroid. A pair without area (a segment, a
+     *  point, a touch) has a weight of one unit: 2^-31 of the heaviest pair, or somewhat more in large scenes. */
     SVO_WEIGHTS_AREA = 0,
-    SVO_WEIGHTS_UNIFORM = 1, /* 1; at the triangle's own centroid, whatever the voxel. The cheapest */
-    /* 1; at the point of the triangle that the voxel's middle has in front of it along the triangle's dominant axis, or
-       at the triangle's rim if that misses it. */
+    SVO_WEIGHTS_UNIFORM = 1, /**< 1; sampled at the triangle's centroid, whatever the voxel. The fastest */
+    /** 1; sampled at the projection of the voxel's center onto the triangle along the triangle's dominant axis, clamped
+     *  to the triangle. */
     SVO_WEIGHTS_CENTER = 2
 } svo_weights;
-SVO_API const char *svo_weights_name(svo_weights weights); /* "area", "uniform", "center"; static string */
 
-/* How the tree is made of the fragment list; the tree is the same, bit for bit. */
+/** Name of a kind of weights.
+ *
+ * \param weights any value
+ * \returns "area", "uniform", "center"; static string. */
+SVO_API const char *svo_weights_name(svo_weights weights);
+
+/** How nodes are made from the fragment list. The tree is the same, bit for bit. */
 typedef enum svo_builder {
-    SVO_BUILDER_CL = 0, /* "cl": from the root down, level by level; the list stays as it is, in chunks */
-    /* "sorted": the list is sorted by Morton code, and the levels follow from the leaves up. Asks for the list in one
-       buffer, and for as much again to sort it. */
+    SVO_BUILDER_CL = 0, /**< "cl": top-down, level by level; the list stays in chunks and in any order */
+    /** "sorted": bottom-up from the list sorted by Morton code. Needs the list in one buffer, and that much again to
+     *  sort it. */
     SVO_BUILDER_SORTED = 1
 } svo_builder;
-SVO_API const char *svo_builder_name(svo_builder builder); /* "cl", "sorted"; static string */
 
+/** Name of a builder.
+ *
+ * \param builder any value
+ * \returns "cl", "sorted"; static string. */
+SVO_API const char *svo_builder_name(svo_builder builder);
+
+/** Options of a plan. */
 typedef struct svo_plan_options {
-    size_t struct_size; /* sizeof(svo_plan_options) */
-    uint32_t need; /* svo_need bits */
-    svo_coverage coverage;
-    svo_weights weights; /* of the payload; SVO_NEED_FILL asks for SVO_WEIGHTS_AREA */
-    svo_builder builder;
-    /* The first level whose payload is read, 0 .. depth: 0 for all of them, depth for the leaves alone. Nodes above
-       have none, and nothing is summed up for them. */
+    size_t struct_size; /**< sizeof(svo_plan_options) */
+    uint32_t need; /**< svo_need bits */
+    svo_coverage coverage; /**< which voxels are occupied */
+    svo_weights weights; /**< of the payload; SVO_NEED_FILL requires SVO_WEIGHTS_AREA */
+    svo_builder builder; /**< how nodes are made */
+    /** The first level with payload, 0 .. depth: 0 for all levels, depth for the leaves alone. */
     uint32_t payload_level;
-    /* The caller's grid: the cube [origin, origin + edge). edge = 0: fitted to the accepted triangles. Otherwise edge
-       is finite and above 0, origin finite. Triangles outside touch nothing; vertices may lie less than 2^29 grid units
-       away (512 edges;
-       32 at depth 16). */
+    /** Minimum corner of the caller's grid [origin, origin + edge)^3; finite. Unused when edge is 0. */
     double origin[3];
+    /** Width of the caller's grid, finite and above 0; or 0 for a grid fitted to the accepted triangles. Triangles
+     *  outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth 16. */
     double edge;
-    /* Fragments the list has room for at first, at most 2^32 - 65537; 0: by the fragment estimate. The blocking build
-       grows it when it was too small. */
+    /** Fragments the list has room for at first, at most 2^32 - 65537; 0: by the fragment estimate. svo_build grows it
+     *  when it is too small. */
     uint64_t fragment_capacity;
-    /* Not 0: room for as many inner nodes as the fragments could possibly make, in place of as many as the fragment
-       estimate expects with an eighth to spare. */
+    /** Not 0: room for as many inner nodes as the fragments could require, instead of the fragment estimate plus an
+     *  eighth. */
     uint32_t worst_case_nodes;
-    /* Upper limit in bytes for one chunk of the list, at least 16384; 0: what the device and the front end allow. */
+    /** Upper limit in bytes for a chunk of the list, at least 16384; 0: the limit of device and front end. */
     uint64_t chunk_bytes;
 } svo_plan_options;
+
+/** All defaults. */
 #define SVO_PLAN_OPTIONS_INIT SVO_STRUCT_INIT(svo_plan_options)
 
+/** What a plan found out. */
 typedef struct svo_plan_info {
-    size_t struct_size; /* sizeof(svo_plan_info) */
-    uint32_t depth;
-    uint32_t snap_bits; /* G: the grid is 2^G units wide; 20 up to depth 12, depth + 8 above */
-    uint32_t coverage; /* svo_coverage */
-    uint32_t need; /* resolved: never SVO_NEED_DEFAULT; 0 means occupancy alone */
-    uint32_t constant; /* of those, the payload that is the same in every node: it is stored once */
-    uint64_t triangles; /* given */
-    uint64_t refused_triangles; /* of those: an index out of range, not finite, or 2^29 units and more from the grid */
-    uint64_t outside_triangles; /* of those: accepted, but their bounds miss the caller's grid */
-    double origin[3]; /* world */
-    double edge; /* world */
-    double scale; /* grid units per world unit */
-    double snap_error; /* world: the largest |q / scale + origin - v| over accepted vertices' coordinates */
-    double expected_fragments; /* fragment estimate, before any slack */
-    uint64_t fragments; /* their number, once svo_plan_count has found it; 0 before */
-    double grid_ms; /* wall clock spent in validating, snapping and classifying */
+    size_t struct_size; /**< sizeof(svo_plan_info) */
+    uint32_t depth; /**< the grid has 2^depth voxels per axis */
+    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide: 20 up to depth 12, depth + 8 above */
+    uint32_t coverage; /**< svo_coverage */
+    uint32_t need; /**< svo_need bits, resolved: 0 means occupancy alone */
+    uint32_t constant; /**< of those, payload that is the same in every node and stored once */
+    uint64_t triangles; /**< of the mesh */
+    uint64_t refused_triangles; /**< index out of range, not finite, or 2^29 units and more from the grid */
+    uint64_t outside_triangles; /**< accepted, but with bounds that miss the caller's grid */
+    double origin[3]; /**< minimum corner of the grid, world */
+    double edge; /**< width of the grid, world */
+    double scale; /**< grid units per world unit */
+    double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
+    double expected_fragments; /**< the fragment estimate, without slack */
+    uint64_t fragments; /**< the exact number after svo_plan_count; 0 before */
+    double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds */
 } svo_plan_info;
+
+/** An empty output. */
 #define SVO_PLAN_INFO_INIT SVO_STRUCT_INIT(svo_plan_info)
 
-/* How well the bytes of a buffer are known before a build. */
+/** How certain the bytes of a buffer are before a build. */
 typedef enum svo_certainty {
-    SVO_BYTES_EXACT = 0, /* these */
-    SVO_BYTES_BOUND = 1, /* these at most */
-    SVO_BYTES_ESTIMATE = 2 /* by the fragment estimate, with an eighth and some to spare: rarely more, usually fewer */
+    SVO_BYTES_EXACT = 0, /**< exactly these */
+    SVO_BYTES_BOUND = 1, /**< at most these */
+    SVO_BYTES_ESTIMATE = 2 /**< the fragment estimate plus an eighth: rarely more, usually less */
 } svo_certainty;
-SVO_API const char *svo_certainty_name(svo_certainty certainty); /* "exact", "bound", "estimate"; static string */
 
+/** Name of a certainty.
+ *
+ * \param certainty any value
+ * \returns "exact", "bound", "estimate"; static string. */
+SVO_API const char *svo_certainty_name(svo_certainty certainty);
+
+/** A buffer that a build allocates. */
 typedef struct svo_buffer_info {
-    size_t struct_size; /* sizeof(svo_buffer_info) */
-    const char *name; /* static string */
-    uint64_t bytes;
-    uint64_t count; /* cl_mems it is split into */
-    svo_certainty certainty; /* SVO_BYTES_EXACT after a build */
-    int persistent; /* not 0: part of the tree; 0: scratch, released before the build ends */
+    size_t struct_size; /**< sizeof(svo_buffer_info) */
+    const char *name; /**< static string */
+    uint64_t bytes; /**< of all its cl_mems */
+    uint64_t count; /**< cl_mems it is split into */
+    svo_certainty certainty; /**< SVO_BYTES_EXACT after a build */
+    int persistent; /**< not 0: part of the tree; 0: scratch that is released before the build ends */
 } svo_buffer_info;
+
+/** An empty output. */
 #define SVO_BUFFER_INFO_INIT SVO_STRUCT_INIT(svo_buffer_info)
 
-/* A program of kernels that a build of the plan compiles, unless the device has it already. */
+/** A program of kernels that a build compiles, unless the device handle has it already. */
 typedef struct svo_kernels_info {
-    size_t struct_size; /* sizeof(svo_kernels_info) */
-    const char *name; /* "build", "voxelize", "sort"; static string */
-    const char
-        *defines; /* " -DSVO_COLOR -DSVO_WEIGHTS_AREA": which parts and variants of them; lives as long as the plan */
+    size_t struct_size; /**< sizeof(svo_kernels_info) */
+    const char *name; /**< "build", "voxelize", "sort"; static string */
+    const char *defines; /**< " -DSVO_COLOR -DSVO_WEIGHTS_AREA", ...; lives as long as the plan */
 } svo_kernels_info;
+
+/** An empty output. */
 #define SVO_KERNELS_INFO_INIT SVO_STRUCT_INIT(svo_kernels_info)
 
-/* Something that a build of the plan does without. */
+/** Something that a build does without. */
 typedef struct svo_left_out {
-    size_t struct_size; /* sizeof(svo_left_out) */
-    const char *what; /* "leaf lists", "color per node"; static string */
-    const char *reason; /* one line; lives as long as the plan */
+    size_t struct_size; /**< sizeof(svo_left_out) */
+    const char *what; /**< "leaf lists", "color per node", ...; static string */
+    const char *reason; /**< one line; lives as long as the plan */
 } svo_left_out;
+
+/** An empty output. */
 #define SVO_LEFT_OUT_INIT SVO_STRUCT_INIT(svo_left_out)
 
-/*
- * Makes a plan. The mesh's arrays are not needed afterwards.
+/** Makes a plan. The mesh's arrays are not needed afterwards.
  *
- * depth: SVO_DEPTH_MIN .. SVO_DEPTH_MAX; the grid has 2^depth voxels per axis.
- * options: NULL means all defaults.
- * Returns SVO_INVALID_ARGUMENT (depth, options, arrays missing, a grid that cannot be scaled),
- * SVO_OUT_OF_DEVICE_MEMORY (2^32 texels and more), SVO_OUT_OF_HOST_MEMORY.
- */
+ * \param device must outlive the plan
+ * \param mesh what to voxelize
+ * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
+ * \param options NULL means all defaults
+ * \param out receives the plan
+ * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled),
+ *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
+
+/** Destroys a plan.
+ *
+ * \param plan set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_plan_destroy(svo_plan **plan);
 
+/** Describes a plan.
+ *
+ * \param plan not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
-/* The depth that suits a tree whose triangles are asked for, 1 .. 12, whatever the plan's own depth: the deepest where
-   the fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and
-   lists stay short. Neither which triangle a ray meets nor how quickly depends on the depth. */
+/** The depth that suits rays against the mesh's triangles, whatever the plan's own depth: the largest at which the
+ *  fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and lists
+ *  stay short. Neither the hits nor the speed of svo_tree_trace depend on the depth.
+ *
+ * \param plan not NULL
+ * \returns 1 .. 12. */
 SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
 
-/* The OpenCL buffers a build of this plan allocates, in order of allocation: predicted before a build, with the front
-   end of OpenCL alone; exact after one, attempts that were too small included. With a front end of OpenGL,
-   mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are not among them: OpenGL's memory (the mesh; with
-   share "copy" its side of the list) is apart, and so are the buffers that kernels are tried on when they are compiled,
-   which are released before the build allocates. svo_workspace_create makes it what a workspace and a tree hold.
-   Returns their number; *info receives entry index, which must be below it; info may be NULL. */
+/** Number of OpenCL buffers that a build allocates.
+ *
+ * \param plan not NULL
+ * \returns the entries of svo_plan_get_buffer. */
 SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
+
+/** An OpenCL buffer that a build allocates, in order of allocation.
+ *
+ * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
+ * were too small included. svo_workspace_create makes it the list of a workspace and a tree. With a front end of
+ * OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
+ * memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when they are
+ * compiled, before the build allocates, are not listed.
+ *
+ * \param plan not NULL
+ * \param index below svo_plan_buffer_count
+ * \param info receives the entry
+ * \returns SVO_INVALID_ARGUMENT when index is too large, info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
-/* The largest sum of bytes that is allocated at one time, and what of it stays in the tree. */
+
+/** The most device memory that is allocated at one time.
+ *
+ * \param plan not NULL
+ * \returns bytes. */
 SVO_API uint64_t svo_plan_peak_bytes(const svo_plan *plan);
+
+/** The device memory of the finished tree.
+ *
+ * \param plan not NULL
+ * \returns bytes. */
 SVO_API uint64_t svo_plan_tree_bytes(const svo_plan *plan);
 
-/* The programs of kernels, with the front end of OpenCL alone. Returns their number; *info receives entry index, which
-   must be below it; info may be NULL. */
+/** Number of programs that a build with the front end of OpenCL alone compiles.
+ *
+ * \param plan not NULL
+ * \returns the entries of svo_plan_get_kernels. */
 SVO_API size_t svo_plan_kernels_count(const svo_plan *plan);
+
+/** A program that a build with the front end of OpenCL alone compiles.
+ *
+ * \param plan not NULL
+ * \param index below svo_plan_kernels_count
+ * \param info receives the entry
+ * \returns SVO_INVALID_ARGUMENT when index is too large, info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info);
 
-/* What this mesh and this request have no use for: stages that do not run, buffers that do not exist, kernels and
-   variants of them that are not compiled. Returns their number; *entry receives entry index, which must be below it;
-   entry may be NULL. What was asked for is the same, bit for bit, as if all of it were done. */
+/** Number of things that a build does without.
+ *
+ * \param plan not NULL
+ * \returns the entries of svo_plan_get_left_out. */
 SVO_API size_t svo_plan_left_out_count(const svo_plan *plan);
+
+/** A stage, buffer or kernel variant that this mesh and this request do not use. The result is the same, bit for bit,
+ *  as if nothing were left out.
+ *
+ * \param plan not NULL
+ * \param index below svo_plan_left_out_count
+ * \param entry receives the entry
+ * \returns SVO_INVALID_ARGUMENT when index is too large, entry is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry);
 
 #ifdef __cplusplus

@@ -1,14 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Status codes, messages and the log callback.
+/** \file
+ * Status codes, messages, the log callback, and the rule for structs that may grow.
  *
- * Every function that can fail returns an svo_status and leaves its outputs untouched when it is not SVO_OK (reports of
- * times excepted). SVO_INVALID_ARGUMENT and SVO_OUT_OF_HOST_MEMORY may come from any of them. The words
- * that go with it ("svo_plan_create: depth 17 is not in 1 .. 16") are kept by the handle that was used, or written to
- * the svo_message of functions that have no handle yet. The library never prints, exits or aborts.
+ * Every function that can fail returns an svo_status. Unless it is SVO_OK, outputs are left untouched (a build's report
+ * excepted), and one line says what was wrong: function, argument, value and limit, as in "svo_plan_create: depth 17 is
+ * not in 1 .. 16". The handle that was used keeps the line (svo_device_message); functions without a handle write it to
+ * an svo_message. Any function may return SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY. The library never prints,
+ * exits or aborts.
+ *
+ * Structs that may grow begin with "size_t struct_size", which the caller sets to sizeof. Each has a macro SVO_..._INIT
+ * that does so and makes everything else zero, which is the default. Inputs may be smaller than today's struct, down to
+ * the size of the first release; a larger one is refused with SVO_INVALID_ARGUMENT. Outputs are filled as far as the
+ * caller's struct reaches; the rest of a larger one becomes zero.
  */
 #ifndef SVOCL_STATUS_H
 #define SVOCL_STATUS_H
+
+#include <stddef.h>
 
 #include "svocl/export.h"
 
@@ -16,10 +24,7 @@
 extern "C" {
 #endif
 
-/*
- * Structs that may grow begin with size_t struct_size, which says how much of the struct the caller knows. Each has a
- * macro SVO_..._INIT, which sets it and makes everything else zero.
- */
+/** Initializer of a struct with struct_size. */
 #if defined(__cplusplus) && __cplusplus < 202002L
 #define SVO_STRUCT_INIT(type) \
     {                         \
@@ -32,7 +37,7 @@ extern "C" {
     }
 #endif
 
-/* X(enumerator, value, text): the one list of status codes. Values are stable. */
+/** X(enumerator, value, text): the one list of status codes. Values are stable. */
 #define SVO_STATUS_LIST(X)                                                              \
     X(SVO_OK, 0, "ok")                                                                  \
     X(SVO_INVALID_ARGUMENT, 1, "an argument is outside its documented range")           \
@@ -50,26 +55,42 @@ extern "C" {
     X(SVO_IMPORT_FAILED, 13, "a mesh file cannot be read")                              \
     X(SVO_INTERNAL, 14, "an invariant of the library does not hold")
 
+/** \cond the enumerators are those of SVO_STATUS_LIST */
 typedef enum svo_status {
 #define SVO_STATUS_ENUM(name, value, text) name = (value),
     SVO_STATUS_LIST(SVO_STATUS_ENUM)
 #undef SVO_STATUS_ENUM
 } svo_status;
+/** \endcond */
 
-/* "SVO_OK", ...; "unknown status" for other values. Static string. */
+/** Name of a status.
+ *
+ * \param status any value
+ * \returns "SVO_OK", ...; "unknown status" for other values. Static string. */
 SVO_API const char *svo_status_name(svo_status status);
-/* The text of the list above. Static string. */
+
+/** Meaning of a status.
+ *
+ * \param status any value
+ * \returns the text in SVO_STATUS_LIST. Static string. */
 SVO_API const char *svo_status_text(svo_status status);
 
-/* One line of text without a newline, always terminated; longer messages are cut, build logs go to the log callback. */
-#define SVO_MESSAGE_BYTES 1024
+#define SVO_MESSAGE_BYTES 1024 /**< longest message, its terminator included */
+
+/** One line of text without a newline, always terminated. Longer messages are cut; build logs go to the log callback.
+ *  */
 typedef struct svo_message {
-    char text[SVO_MESSAGE_BYTES];
+    char text[SVO_MESSAGE_BYTES]; /**< the line */
 } svo_message;
 
-typedef enum svo_log_level { SVO_LOG_ERROR = 0, SVO_LOG_WARNING = 1, SVO_LOG_INFO = 2 } svo_log_level;
+/** Severity of a logged text. */
+typedef enum svo_log_level {
+    SVO_LOG_ERROR = 0, /**< a call fails */
+    SVO_LOG_WARNING = 1, /**< something is replaced or left out */
+    SVO_LOG_INFO = 2 /**< worth knowing */
+} svo_log_level;
 
-/* Receives terminated text of any length, valid during the call. Called on the thread that called the library. */
+/** Receives terminated text of any length, valid during the call, on the thread that called the library. */
 typedef void (*svo_log_callback)(void *user, svo_log_level level, const char *text);
 
 #ifdef __cplusplus

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * svocl: exact sparse voxel octrees of triangle meshes with OpenCL. This header brings in everything that svocl::svocl
- * (OpenCL alone) has; gl.h (svocl::gl) and io.h (svocl::io) are separate.
+/** \file
+ * svocl: exact sparse voxel octrees of triangle meshes with OpenCL. This header includes all of svocl::svocl, which
+ * needs OpenCL alone; gl.h (svocl::gl) and io.h (svocl::io) are separate.
  *
- *   svo_device  a context and a device           device.h
- *   svo_mesh    borrowed arrays of triangles      mesh.h
- *   svo_plan    what a build will do              plan.h
- *   svo_build   plan + front end + queue -> tree  build.h
- *   svo_tree    the result: buffers, hash         tree.h
- *   rays        triangles, voxels, pictures       trace.h
+ *     svo_device  a context and a device           device.h
+ *     svo_mesh    arrays of triangles              mesh.h
+ *     svo_plan    what a build will do             plan.h
+ *     svo_build   plan + front end + queue -> tree build.h
+ *     svo_tree    the result: buffers, hash        tree.h
+ *     rays        triangles, voxels, pictures      trace.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Rays through a tree on the device: pictures of its voxels, batches of rays against its triangles, the nearest
- * triangle to points, and the same in a kernel of one's own.
+/** \file
+ * Rays on the device: pictures of a tree's voxels, batches of rays against its triangles, nearest triangles to points,
+ * and all of that in kernels of the caller's own.
+ *
+ * Rays traverse an 8-wide BVH that references each triangle once. The BVH is separate from the octree: it is no part of
+ * a build nor of the plan's buffers. The first function that needs it makes it, on the host, from vertices and indices
+ * that it reads back unless they are there, and keeps it with the tree. Such functions take a tree that is not const
+ * and need exclusive use of it. svo_tree_prepare_rays makes the BVH at a time of the caller's choosing.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -15,142 +20,183 @@
 extern "C" {
 #endif
 
-/* A pinhole camera in world coordinates. */
+/** A pinhole camera in world coordinates. */
 typedef struct svo_camera {
-    float eye[3];
-    float target[3];
-    float up[3]; /* not parallel to target - eye */
-    float vertical_fov; /* radians, above 0 and below pi */
+    float eye[3]; /**< position */
+    float target[3]; /**< a point in the middle of the picture */
+    float up[3]; /**< not parallel to target - eye */
+    float vertical_fov; /**< radians, above 0 and below pi */
 } svo_camera;
 
-/* A camera that looks at the occupied part of the tree from the front, a little to the right and above, and frames it.
-   aspect: width / height, above 0; anything else counts as 1. Needs the host arrays (svo_tree_download). */
+/** Frames the occupied part of a tree from the front, a little from the right and from above.
+ *
+ * \param tree with host arrays; without them the whole grid is framed
+ * \param aspect width / height, above 0; anything else counts as 1
+ * \param camera receives the camera */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
 
-/* What a picture shows. */
+/** What a picture shows. */
 typedef enum svo_render_view {
-    SVO_VIEW_SHADED = 0, /* light, shadows, colors */
-    SVO_VIEW_NORMAL = 1, /* x, y, z as red, green, blue: the voxel's own, else its face's */
-    SVO_VIEW_DEPTH = 2, /* near ones bright */
-    SVO_VIEW_STEPS = 3, /* cells the ray looked into, from blue to red at 64 */
-    SVO_VIEW_LEVEL = 4, /* a color for the level of the node it stopped at */
-    SVO_VIEW_TRIANGLES = 5 /* a color for each triangle; needs SVO_NEED_RAYS */
+    SVO_VIEW_SHADED = 0, /**< light, shadows, colors */
+    SVO_VIEW_NORMAL = 1, /**< x, y, z as red, green, blue: the voxel's normal, or without one its face's */
+    SVO_VIEW_DEPTH = 2, /**< near is bright */
+    SVO_VIEW_STEPS = 3, /**< cells that the ray visited, from blue to red at 64 */
+    SVO_VIEW_LEVEL = 4, /**< a color for the level of the node that was hit */
+    SVO_VIEW_TRIANGLES = 5 /**< a color for each triangle; needs SVO_NEED_RAYS */
 } svo_render_view;
 
+/** Options of a picture. */
 typedef struct svo_render_options {
-    size_t struct_size; /* sizeof(svo_render_options) */
-    uint32_t width, height; /* pixels, 1 .. 16384 */
-    svo_camera camera;
-    svo_render_view view;
+    size_t struct_size; /**< sizeof(svo_render_options) */
+    uint32_t width; /**< pixels, 1 .. 16384 */
+    uint32_t height; /**< pixels, 1 .. 16384 */
+    svo_camera camera; /**< the view */
+    svo_render_view view; /**< what to show */
 } svo_render_options;
+
+/** Everything zero; width, height and camera have to be set. */
 #define SVO_RENDER_OPTIONS_INIT SVO_STRUCT_INIT(svo_render_options)
 
-/*
- * Draws the tree and waits for it, as options->view says. Shaded: voxels shaded by normal (their own, else the face the
- * ray entered by) and color (their own, else light gray), with soft shadowing from a second ray towards the light.
+/** Draws a picture of the tree and waits for it. SVO_VIEW_SHADED shades voxels by normal (their own, else that of the
+ *  face where the ray entered) and color (their own, else light gray), with soft shadows from a second ray towards the
+ *  light.
  *
- * tree: uploaded or built on device. rgba: height * width * 4 bytes, rows top to bottom, written whole on SVO_OK.
- * Returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY.
- */
+ * \param device the tree's
+ * \param tree on a device. SVO_VIEW_TRIANGLES makes its BVH, see the head of this file
+ * \param options size, camera and view
+ * \param queue on the device's context; NULL: the device's own
+ * \param rgba receives height rows of width * 4 bytes, top to bottom
+ * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
-/*
- * Triangles are found through a BVH beside the octree, with each triangle of its lists once. It is made when
- * triangles are first asked for: by one of the functions below, by svo_tree_set_args, or by a picture of triangles.
- * That call makes it on the host, from vertices and indices that it reads back unless they are there, through a queue
- * of its own, and waits for that; what the caller's queue holds is not waited for. This function makes it at a time and
- * on a queue of one's choosing; later calls do nothing.
+/** Makes the tree's BVH; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves, together about 35
+ *  bytes a triangle (measured: 34 to 53) and at most 208 bytes a triangle and 192.
  *
- * It is no part of a build and of the plan's buffers: two buffers, ray_nodes and ray_leaves, of about 35 bytes a
- * triangle in all (measured: 34 to 53), and never above 208 bytes a triangle and 192.
- *
- * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. queue: on the context of the
- * tree's device.
- * Returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR.
- */
+ * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
-/* Bytes it takes on the device; 0 before it is made. */
+
+/** Device memory of the BVH.
+ *
+ * \param tree NULL allowed
+ * \returns bytes; 0 before it is made. */
 SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
 
-/* What a batch of rays asks for. */
+/** What a batch of rays asks for. */
 typedef enum svo_trace_flags {
-    SVO_TRACE_CLOSEST = 0, /* the first triangle along each ray: by t as reported, then by its position in the mesh */
-    SVO_TRACE_ANY = 1, /* whether there is one: the record is of some triangle that the ray meets */
-    SVO_TRACE_COUNT = 2 /* how many there are, each once; the record is of the first one */
+    SVO_TRACE_CLOSEST =
+        0, /**< the first triangle along each ray: least t as reported, then least position in the mesh */
+    SVO_TRACE_ANY = 1, /**< whether there is a hit; the record is that of some triangle */
+    SVO_TRACE_COUNT = 2 /**< the number of triangles hit, each counted once; the record is that of the first */
 } svo_trace_flags;
 
-#define SVO_TRACE_RAYS_MAX 0x7fffffffu
+#define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
 
-/*
- * Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
+/** Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
  *
- * Which triangle is hit, its t, u and v are decided in double and are the same on every device with cl_khr_fp64,
- * whatever the tree's depth. Closed surfaces have no gaps: a ray through an edge or a corner meets one of the triangles
- * that share it. Without cl_khr_fp64 the decision is made in float, by the same watertight test. A ray with a number
- * that is not finite, no direction or t_min above t_max meets nothing (t_max may be infinite).
+ * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
+ * tree's depth; elsewhere the same watertight test runs in single precision. Closed surfaces have no gaps: a ray
+ * through an edge or a corner hits one of the triangles there. A ray with a number that is not finite (t_max excepted),
+ * without a direction, or with t_min above t_max hits nothing.
  *
- * tree: with SVO_NEED_RAYS, coverage half-open or closed, uploaded or built on device. rays: ray_count records svo_ray
- * (ray_types.h). hits: ray_count records svo_hit, written whole, in the order of the rays. ray_count: at most
- * SVO_TRACE_RAYS_MAX. flags: one of svo_trace_flags. queue: on the context of the tree's device. num_wait, wait, event:
- * as in clEnqueueNDRangeKernel.
+ * The first call of a device handle compiles the kernel; the first call for a tree makes its BVH. Later calls allocate
+ * nothing on the device.
  *
- * The first call of a device handle compiles the kernel, and the first one of a tree makes its boxes
- * (svo_tree_prepare_rays); later ones allocate nothing on the device. Also returns what these two do.
- * Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
- * SVO_CL_ERROR.
- */
+ * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
+ * \param rays ray_count records of svo_ray
+ * \param hits receives ray_count records of svo_hit, in the order of the rays
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param flags one of svo_trace_flags
+ * \param queue on the context of the tree's device
+ * \param num_wait number of events in wait
+ * \param wait events to wait for; NULL when num_wait is 0
+ * \param event receives an event of the batch; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
+ *          SVO_CL_ERROR, or what svo_tree_prepare_rays returns, on failure. */
 SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
                                           cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
                                           cl_event *event);
 
-/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+/** svo_tree_trace_enqueue for host arrays; waits for the result.
+ *
+ * \param tree see svo_tree_trace_enqueue
+ * \param rays ray_count records
+ * \param hits receives ray_count records, in the order of the rays
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param flags one of svo_trace_flags
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_trace_enqueue returns, on failure. */
 SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
                                   cl_command_queue queue);
 
-/*
- * The nearest triangle of the snapped mesh to each point, by the distance as reported, then by its position in the
- * mesh. Distances are measured in double and rounded to float, on devices with cl_khr_fp64. For triangles that lie
- * inside the grid, as all do on a fitted one. A point that is not finite, or with nothing nearer than its farthest, has
- * none.
+/** Finds the nearest triangle of the snapped mesh to each point: least distance as reported, then least position in the
+ *  mesh. Distances are computed in double precision and rounded to float, on devices with cl_khr_fp64. Triangles must
+ *  lie inside the grid, as all do on a fitted one. A point that is not finite, or without a triangle within its
+ *  max_distance, has none.
  *
- * points: point_count records svo_query_point (ray_types.h). results: point_count records svo_nearest, written whole. All
- * else as for svo_tree_trace_enqueue.
- */
+ * \param tree see svo_tree_trace_enqueue
+ * \param points point_count records of svo_query_point
+ * \param results receives point_count records of svo_nearest, in the order of the points
+ * \param point_count at most SVO_TRACE_RAYS_MAX
+ * \param queue on the context of the tree's device
+ * \param num_wait number of events in wait
+ * \param wait events to wait for; NULL when num_wait is 0
+ * \param event receives an event of the batch; NULL allowed
+ * \returns what svo_tree_trace_enqueue returns. */
 SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
                                             cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
                                             cl_event *event);
-/* The same over host arrays, and waits for it. Also returns SVO_OUT_OF_DEVICE_MEMORY. */
+
+/** svo_tree_nearest_enqueue for host arrays; waits for the result.
+ *
+ * \param tree see svo_tree_trace_enqueue
+ * \param points point_count records
+ * \param results receives point_count records, in the order of the points
+ * \param point_count at most SVO_TRACE_RAYS_MAX
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \returns what svo_tree_trace returns. */
 SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results,
                                     size_t point_count, cl_command_queue queue);
 
-/*
- * Rays in a kernel of one's own. The source is a text in OpenCL C 1.2 to put before the kernel's:
- *
- *   clCreateProgramWithSource(context, 2, (const char *[]){svo_tree_kernel_source(), mine}, NULL, &error)
- *   clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL)
- *
- * It declares what kernels need:
- *
- *   SVO_TREE_PARAMETERS    among the kernel's parameters, SVO_TREE_ARGUMENTS of them
- *   SVO_TREE_MAKE(tree)    an svo_tree from these parameters
- *   svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
- *   bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
- *   bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
- *   uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
- *   bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
- *        the first leaf, or a larger node where a pixel of that footprint is larger still; for trees without lists too
- *
- * Other names it declares begin with svo_ or SVO_. Both strings are static.
- */
+/** Number of kernel arguments that SVO_TREE_PARAMETERS declares. */
 #define SVO_TREE_ARGUMENTS 5u
+
+/** Rays in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source.
+ *
+ *     clCreateProgramWithSource(context, 2, (const char *[]){svo_tree_kernel_source(), mine}, NULL, &error)
+ *     clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL)
+ *
+ * It declares
+ *
+ *     SVO_TREE_PARAMETERS    among a kernel's parameters, SVO_TREE_ARGUMENTS of them
+ *     SVO_TREE_MAKE(tree)    an svo_tree from these parameters
+ *     svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
+ *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
+ *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
+ *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
+ *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
+ *
+ * Its other names begin with svo_ or SVO_.
+ *
+ * \returns a static string. */
 SVO_API const char *svo_tree_kernel_source(void);
+
+/** Compiler options for svo_tree_kernel_source.
+ *
+ * \returns a static string. */
 SVO_API const char *svo_tree_kernel_options(void);
 
-/* Sets the kernel's arguments first_index .. first_index + SVO_TREE_ARGUMENTS - 1, where SVO_TREE_PARAMETERS stand. The
-   tree must be on a device and outlive the kernel's launches. Triangles need a tree with SVO_NEED_RAYS, coverage
-   half-open or closed, whose boxes this call makes unless they are there (svo_tree_prepare_rays).
-   Returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR. */
+/** Sets the kernel arguments that SVO_TREE_PARAMETERS declares.
+ *
+ * \param tree on a device; must outlive the kernel's launches. Triangles need SVO_NEED_RAYS and coverage half-open or
+ *        closed; this call then makes the BVH
+ * \param kernel of the caller's
+ * \param first_index of SVO_TREE_ARGUMENTS consecutive arguments
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on
+ *          failure. */
 SVO_API svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 
 #ifdef __cplusplus

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/*
+/** \file
  * The sparse voxel octree.
  *
- * Nodes are stored breadth-first and in Morton order inside each level, so the same occupancy always gives the same
- * bytes. Level 0 is the root, level depth holds the leaves. Node i of an inner level has child_mask[i] (bit o: octant
- * o = x | y << 1 | z << 2 is occupied) and first_child[i], an index into the whole tree; the child in octant o is
- * first_child[i] + popcount(child_mask[i] & ((1 << o) - 1)). Leaves have neither. Payload arrays run parallel to the
- * nodes, leaves included; on the device, payload that is the same in every node is stored once
+ * Nodes are stored breadth-first, in Morton order within each level, so that equal occupancy gives equal bytes. Level 0
+ * is the root; level depth holds the leaves. Inner node i has child_mask[i], where bit o says whether octant
+ * o = x | y << 1 | z << 2 is occupied, and first_child[i], an index into the whole tree. The child in octant o is
+ * first_child[i] + popcount(child_mask[i] & ((1 << o) - 1)). Leaves have neither. Payload arrays are parallel to the
+ * nodes, leaves included. On the device, payload that is the same in every node is stored once
  * (svo_tree_info.constant).
  *
- * Thread-safety: reading is safe from several threads; upload, download, destroy and what trace.h makes when it is
- * first asked for need exclusive use.
+ * Thread-safety: several threads may call functions that take a const tree. All others need exclusive use of the tree
+ * and of its device handle.
  */
 #ifndef SVOCL_TREE_H
 #define SVOCL_TREE_H
@@ -24,95 +24,142 @@
 extern "C" {
 #endif
 
-#define SVO_LEVELS_MAX 18 /* level_begin has depth + 2 entries */
+#define SVO_LEVELS_MAX 18 /**< entries of level_begin: depth + 2 at the largest depth */
 
+/** An octree on a device, on the host, or both. */
 typedef struct svo_tree svo_tree;
 
-/* Header data: plain values. */
+/** What describes a tree besides its arrays. */
 typedef struct svo_tree_info {
-    size_t struct_size; /* sizeof(svo_tree_info) */
-    uint32_t depth;
-    uint32_t snap_bits; /* G */
-    uint32_t coverage; /* svo_coverage */
-    uint32_t need; /* svo_need bits the tree holds */
-    uint32_t constant; /* of those, payload that is the same in every node: one element in device buffers and files */
-    uint32_t weights; /* svo_weights of its payload */
-    uint32_t
-        payload_level; /* the first level whose nodes have payload; the arrays begin with that level's first node */
-    double origin[3], edge, scale; /* world; q = rint((v - origin) * scale) */
-    double snap_error; /* world */
-    uint64_t triangles, refused_triangles, fragments;
-    uint64_t node_count, inner_count, leaf_count; /* node_count = inner_count + leaf_count */
-    uint64_t list_count; /* entries of all leaf lists; 0 without SVO_NEED_RAYS */
-    uint64_t vertex_count, list_triangle_count; /* geometry kept for rays: snapped vertices, accepted triangles */
-    uint32_t level_begin[SVO_LEVELS_MAX]; /* level_begin[l] .. level_begin[l + 1]: nodes of level l */
+    size_t struct_size; /**< sizeof(svo_tree_info) */
+    uint32_t depth; /**< the grid has 2^depth voxels per axis */
+    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
+    uint32_t coverage; /**< svo_coverage */
+    uint32_t need; /**< svo_need bits: what the tree holds */
+    uint32_t constant; /**< of those, payload that is the same in every node: one element in device buffers and files */
+    uint32_t weights; /**< svo_weights of the payload */
+    uint32_t payload_level; /**< first level with payload; payload arrays begin with that level's first node */
+    double origin[3]; /**< minimum corner of the grid, world coordinates */
+    double edge; /**< width of the grid, world units */
+    double scale; /**< grid units per world unit: q = rint((v - origin) * scale) */
+    double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
+    uint64_t triangles; /**< of the mesh */
+    uint64_t refused_triangles; /**< of those, not usable: see svo_plan_info */
+    uint64_t fragments; /**< (voxel, triangle) pairs */
+    uint64_t node_count; /**< inner_count + leaf_count */
+    uint64_t inner_count; /**< nodes above level depth */
+    uint64_t leaf_count; /**< nodes of level depth */
+    uint64_t list_count; /**< entries of all leaf lists; 0 without SVO_NEED_RAYS */
+    uint64_t vertex_count; /**< snapped vertices kept for rays */
+    uint64_t list_triangle_count; /**< accepted triangles kept for rays */
+    uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
 } svo_tree_info;
+
+/** An empty output. */
 #define SVO_TREE_INFO_INIT SVO_STRUCT_INIT(svo_tree_info)
 
-/* Host copies of the arrays; NULL where the tree does not hold them. Owned by the tree. */
+/** Host arrays, owned by the tree; NULL where the tree does not hold them. payload_count is
+ *  node_count - level_begin[payload_level]: all nodes, unless the plan asked for fewer levels. */
 typedef struct svo_tree_arrays {
-    size_t struct_size; /* sizeof(svo_tree_arrays) */
-    const uint8_t *child_mask; /* inner_count */
-    const uint32_t *first_child; /* inner_count */
-    /* Of payload_count = node_count - level_begin[payload_level] nodes, all of them unless that was asked for
-       otherwise: */
-    const uint8_t *colors; /* payload_count * 4: RGBA8 */
-    const int16_t *normals; /* payload_count * 3: mean normal, 32767 = 1; its length is at most 1 */
-    const uint32_t *list_begin; /* leaf_count + 1: leaf k's triangles are list[list_begin[k] .. list_begin[k + 1]) */
-    const uint32_t *list; /* list_count: indices into triangle_ids, ascending inside a leaf */
-    const int32_t *vertices; /* vertex_count * 3: snapped */
-    const uint32_t *indices; /* list_triangle_count * 3 */
-    const uint32_t *triangle_ids; /* list_triangle_count: the mesh's triangle, ascending */
-    const uint16_t *materials; /* payload_count: into the mesh's materials */
-    const uint16_t
-        *fills; /* payload_count: area of the surface inside, 4096 = one face of the node; 65535: that or more */
+    size_t struct_size; /**< sizeof(svo_tree_arrays) */
+    const uint8_t *child_mask; /**< inner_count */
+    const uint32_t *first_child; /**< inner_count */
+    const uint8_t *colors; /**< payload_count * 4: RGBA8 */
+    const int16_t *normals; /**< payload_count * 3: mean normal, 32767 = 1; its length is at most 1 */
+    const uint32_t *list_begin; /**< leaf_count + 1: leaf k has list[list_begin[k]] .. list[list_begin[k + 1] - 1] */
+    const uint32_t *list; /**< list_count: indices into triangle_ids, ascending within a leaf */
+    const int32_t *vertices; /**< vertex_count * 3: snapped, grid units */
+    const uint32_t *indices; /**< list_triangle_count * 3: into vertices */
+    const uint32_t *triangle_ids; /**< list_triangle_count: positions in the mesh's index array, ascending */
+    const uint16_t *materials; /**< payload_count: into the mesh's materials */
+    const uint16_t *fills; /**< payload_count: surface area inside, 4096 = a face of the node; 65535 = that or more */
 } svo_tree_arrays;
+
+/** An empty output. */
 #define SVO_TREE_ARRAYS_INIT SVO_STRUCT_INIT(svo_tree_arrays)
 
+/** The arrays of a tree, with the elements of svo_tree_arrays. */
 typedef enum svo_tree_buffer {
-    SVO_TREE_CHILD_MASK = 0,
-    SVO_TREE_FIRST_CHILD,
-    SVO_TREE_COLORS,
-    SVO_TREE_NORMALS,
-    SVO_TREE_LIST_BEGIN,
-    SVO_TREE_LIST,
-    SVO_TREE_VERTICES,
-    SVO_TREE_INDICES,
-    SVO_TREE_TRIANGLE_IDS,
-    SVO_TREE_MATERIALS,
-    SVO_TREE_FILLS,
-    SVO_TREE_BUFFER_COUNT
+    SVO_TREE_CHILD_MASK = 0, /**< "child_mask" */
+    SVO_TREE_FIRST_CHILD, /**< "first_child" */
+    SVO_TREE_COLORS, /**< "colors" */
+    SVO_TREE_NORMALS, /**< "normals" */
+    SVO_TREE_LIST_BEGIN, /**< "list_begin" */
+    SVO_TREE_LIST, /**< "list" */
+    SVO_TREE_VERTICES, /**< "vertices" */
+    SVO_TREE_INDICES, /**< "indices" */
+    SVO_TREE_TRIANGLE_IDS, /**< "triangle_ids" */
+    SVO_TREE_MATERIALS, /**< "materials" */
+    SVO_TREE_FILLS, /**< "fills" */
+    SVO_TREE_BUFFER_COUNT /**< number of arrays */
 } svo_tree_buffer;
-SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer); /* "child_mask", ...; static string */
 
+/** Name of an array.
+ *
+ * \param buffer any value
+ * \returns "child_mask", ...; static string. */
+SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer);
+
+/** Destroys a tree. A build that is filling it is waited for.
+ *
+ * \param tree set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_tree_destroy(svo_tree **tree);
+
+/** Describes a tree.
+ *
+ * \param tree not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
-/* The device buffer, laid out as the host array of the same name, but with one element where the payload is constant;
-   NULL where the tree does not hold it or was not uploaded. Nothing writes to it any more. It is the tree's;
-   clRetainMemObject makes it yours too, and it then outlives tree and device handle until you release it. */
+/** A device buffer of the tree. Its elements are those of the host array of the same name, but payload that is constant
+ *  has one element. Nothing writes to it any more.
+ *
+ * \param tree not NULL
+ * \param buffer which one
+ * \returns the buffer, which belongs to the tree; NULL where the tree does not hold it or is not on a device. Retain it
+ *          (clRetainMemObject) to keep it longer than the tree and the device handle. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
 
-/* Copies the arrays to the host, once; later calls do nothing. queue: on the context of the tree's device.
-   Returns SVO_CL_ERROR, SVO_OUT_OF_HOST_MEMORY. */
+/** Copies the arrays to the host. The first call copies; later calls do nothing.
+ *
+ * \param tree not NULL
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \returns SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue);
 
-/* Copies the arrays of a tree that came from a file to a device, once. The device must outlive the tree.
-   Returns SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY. */
+/** Copies the arrays of a tree from a file to a device. The first call copies; later calls do nothing.
+ *
+ * \param tree with host arrays
+ * \param device must outlive the tree
+ * \param queue on the device's context; NULL: the device's own
+ * \returns SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue);
 
-/* Host arrays; all NULL before svo_tree_download. */
+/** The host arrays.
+ *
+ * \param tree not NULL
+ * \param arrays receives the pointers; all NULL before svo_tree_download
+ * \returns SVO_INVALID_ARGUMENT when arrays is NULL or its struct_size is too small. */
 SVO_API svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays);
 
-typedef enum svo_hash_scope { SVO_HASH_ALL = 0, SVO_HASH_NODES = 1 } svo_hash_scope;
-#define SVO_HASH_TEXT_BYTES 33 /* 32 hexadecimal digits and a terminator */
+/** What a hash covers. */
+typedef enum svo_hash_scope {
+    SVO_HASH_ALL = 0, /**< nodes, leaf lists and payload */
+    SVO_HASH_NODES = 1 /**< nodes alone */
+} svo_hash_scope;
 
-/*
- * XXH3-128 over depth, coverage, snap_bits, origin, edge, level_begin, child masks and first children, then, for
- * SVO_HASH_ALL, over list_begin, list, colors, normals, materials and fills as far as the tree holds them:
- * little-endian, no device, front end or time. Written as 32 lowercase hexadecimal digits, high half first.
- * Returns SVO_INVALID_ARGUMENT before svo_tree_download.
- */
+#define SVO_HASH_TEXT_BYTES 33 /**< 32 hexadecimal digits and a terminator */
+
+/** Hashes a tree with XXH3-128. The hash does not depend on device, front end or time.
+ *
+ * It covers depth, coverage, snap_bits, origin, edge, level_begin, child masks and first children; with SVO_HASH_ALL
+ * also list_begin, list, colors, normals, materials and fills, as far as the tree holds them; all little-endian.
+ *
+ * \param tree with host arrays
+ * \param scope what to cover
+ * \param text receives 32 lowercase hexadecimal digits, the high half first
+ * \returns SVO_INVALID_ARGUMENT before svo_tree_download. */
 SVO_API svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES]);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle: choosing an OpenCL device, its limits, its messages, its buffers. Stands before the pipeline. */
+/* The device handle: how an OpenCL device is chosen, its limits, messages, buffers and own queue. */
 #define _POSIX_C_SOURCE 200809L
 #include "core/device.h"
 
@@ -158,7 +158,7 @@ void svo_i_device_log(const svo_device *device, svo_log_level level, const char 
     }
 }
 
-/* A string property of a platform or device, in memory of its own; NULL when it cannot be had. */
+/* A string property of a device, by malloc; NULL on failure. */
 static char *device_text(cl_device_id device, cl_device_info property)
 {
     size_t bytes = 0;
@@ -185,7 +185,7 @@ static char *platform_text(cl_platform_id platform)
     return text;
 }
 
-/* "platform: device", owned by the caller; NULL when out of memory. */
+/* "platform: device", by malloc; NULL on failure. */
 static char *full_name(cl_device_id device)
 {
     cl_platform_id platform = NULL;
@@ -231,7 +231,7 @@ static svo_status check_device(cl_device_id device, const char *name, svo_messag
     return SVO_OK;
 }
 
-/* Whether the context has the device, and what the builder must know of it. */
+/* Whether the context has the device; and the limits that the builder depends on. */
 static svo_status query_limits(svo_device *handle, cl_context context, cl_device_id device, svo_message *message)
 {
     cl_device_id devices[64];
@@ -296,7 +296,7 @@ cleanup:
     return status;
 }
 
-/* Whether part occurs in text, letters of either case alike. */
+/* Whether part occurs in text, ignoring the case of letters. */
 static bool contains(const char *text, const char *part)
 {
     const size_t length = strlen(part);
@@ -308,7 +308,7 @@ static bool contains(const char *text, const char *part)
     return length == 0;
 }
 
-/* What svo_device_create_default looks for, and the best it found so far. */
+/* What svo_device_create_default searches for, and the best device so far. */
 typedef struct device_search {
     const char *wanted; /* NULL: anything */
     bool by_index;

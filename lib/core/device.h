@@ -25,14 +25,14 @@ struct svo_device {
 
 SVO_I_SHARED_BEGIN
 
-/* Sets the device's message and returns status. device: NULL allowed (a tree from a file has none). */
+/* Sets the device's message and returns status. device: NULL allowed. */
 svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* "function: clCall failed with CL_NAME (-n)"; out-of-memory errors become SVO_OUT_OF_DEVICE_MEMORY. */
 svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const char *call, cl_int error);
 const char *svo_i_cl_error_name(cl_int error);
 
-/* A buffer of at least one byte, or SVO_OUT_OF_DEVICE_MEMORY naming buffer, bytes and limit. */
+/* Makes a buffer of at least one byte. SVO_OUT_OF_DEVICE_MEMORY names buffer, bytes and limit. */
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
 

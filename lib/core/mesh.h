@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a mesh out of somebody's buffers: what is the same for OpenCL's (mesh.c) and OpenGL's
-   (glinterop/share/mesh_read.c). */
+/* Reading a mesh from buffers: what OpenCL (mesh.c) and OpenGL (glinterop/share/mesh_read.c) have in common. */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 

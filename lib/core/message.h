@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Error messages and checked sizes: what every host file of the library uses. */
+/* Error messages, checked sizes and the clock, for every host file of the library. */
 #ifndef SVO_LIB_CORE_MESSAGE_H
 #define SVO_LIB_CORE_MESSAGE_H
 
@@ -10,7 +10,7 @@
 
 #include "svocl/status.h"
 
-/* Around internal functions that svocl::gl and svocl::io call: exported from a shared svocl, but no part of its API. */
+/* Around internal functions that svocl::gl and svocl::io may call; lib/exports.txt names those that are exported. */
 #define SVO_I_SHARED_BEGIN _Pragma("GCC visibility push(default)")
 #define SVO_I_SHARED_END   _Pragma("GCC visibility pop")
 
@@ -35,19 +35,18 @@
 
 SVO_I_SHARED_BEGIN
 
-/* Writes one line (cut to fit, always terminated) and returns status, so that "return svo_i_fail(...)" reads well.
-   message: NULL allowed. */
+/* Writes one line, cut to fit and always terminated, and returns status. message: NULL allowed. */
 svo_status svo_i_fail(svo_message *message, svo_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 svo_status svo_i_fail_v(svo_message *message, svo_status status, const char *format, va_list arguments);
 
-/* The same without a status, for lines that report no failure. */
+/* Writes a line that reports no failure. */
 void svo_i_message_set(svo_message *message, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Puts the function that was called in place of the one that a failure inside it names. message: NULL allowed. */
+/* Replaces the function at the front of a message, for a public function that calls another. message: NULL allowed. */
 void svo_i_message_rename(svo_message *message, const char *function);
 
-/* *out = a * b or a + b; false, and *out untouched, where it does not fit a size_t. */
+/* *out = a * b or a + b; false, with *out untouched, on overflow. */
 bool svo_i_mul_size(size_t a, size_t b, size_t *out);
 bool svo_i_add_size(size_t a, size_t b, size_t *out);
 

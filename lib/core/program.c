@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compiling the embedded kernels, and keeping them. */
+/* Compiles the embedded kernels; a device handle keeps the programs. */
 #include "core/program.h"
 
 #include <stdio.h>
@@ -106,7 +106,7 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     }
     if (strlen(defines) >= sizeof entry->defines) {
         free(entry);
-        return svo_i_device_fail(device, SVO_INTERNAL, "%s: program keys take %zu bytes, above %d", function,
+        return svo_i_device_fail(device, SVO_INTERNAL, "%s: defines take %zu bytes, above %d", function,
                                  strlen(defines), DEFINES_BYTES - 1);
     }
     const double start_ms = svo_i_now_ms();

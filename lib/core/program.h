@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Compiled kernels of a device. Sources are embedded at build time; a program is compiled once per device handle and
- * set of -D keys, since every further program costs time to open even when the driver has it cached.
+ * Compiled kernels of a device. Sources are embedded in the library. A program is compiled once per device handle and
+ * set of -D options; even a program in the driver's cache takes time to load.
  */
 #ifndef SVO_LIB_CORE_PROGRAM_H
 #define SVO_LIB_CORE_PROGRAM_H
@@ -12,28 +12,28 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
     SVO_I_PROGRAM_CAST, /* cast */
     SVO_I_PROGRAM_VOXELIZE, /* fragment, group, overlap, voxelize */
-    SVO_I_PROGRAM_SORT, /* fragment, group, scan, sort, ascend */
+    SVO_I_PROGRAM_SORT, /* fragment, group, scan, sort, bottom_up */
     SVO_I_PROGRAM_TRACE, /* rays, trace, nearest */
     SVO_I_PROGRAM_VIEW, /* rays, view */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 
 /*
- * The program with these keys (" -DSVO_COLOR -DSVO_NORMAL", a space before each, the same text for the same program),
- * compiled on first use.
- * Owned by the device; not to be released. function: for the message. fresh: whether this call compiled it; NULL
- * allowed.
- * Returns SVO_COMPILE_FAILED with device, options and the first line of the build log in the message; the whole log
- * goes to the log callback.
+ * The program with these defines, compiled on first use and owned by the device.
+ *
+ * function: for the message. defines: " -DSVO_COLOR -DSVO_NORMAL", a space before each; the same text for the same
+ * program. fresh: receives whether this call compiled it; NULL allowed.
+ * Returns SVO_COMPILE_FAILED with device, options and the first error in the message; the log callback receives the
+ * whole build log.
  */
 svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                              cl_program *out, bool *fresh);
 
-/* A kernel of its own for the caller, who releases it. */
+/* A new kernel, which the caller releases. */
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,
                                cl_kernel *out);
 
-/* One argument: its bytes and where they are; a buffer is given by the address of its cl_mem, which may hold NULL. */
+/* A kernel argument as clSetKernelArg takes it; a buffer is the address of its cl_mem, which may be NULL. */
 typedef struct svo_i_argument {
     size_t bytes;
     const void *value; /* NULL: local memory */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The finished tree: its arrays on the device and on the host, its hash. Stands at the end of the pipeline. */
+/* The tree: its arrays on the device and on the host, and its hash. */
 #include "core/tree.h"
 
 #include <stdio.h>
@@ -172,7 +172,7 @@ svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
                               SVO_I_STRUCT_SIZES(svo_tree_arrays, first_child));
 }
 
-/* Bytes of an array the tree holds; 0 where it does not, or where the size does not fit the host. */
+/* Bytes of an array on the device; 0 if the tree does not hold it or the size overflows. */
 static size_t array_bytes(const svo_tree *tree, svo_tree_buffer buffer)
 {
     size_t bytes = 0;
@@ -183,7 +183,7 @@ static size_t array_bytes(const svo_tree *tree, svo_tree_buffer buffer)
     return bytes;
 }
 
-/* The same on the host, where payload has an element for every node. */
+/* Bytes of an array on the host, where payload has an element for every node. */
 static size_t host_bytes(const svo_tree *tree, svo_tree_buffer buffer)
 {
     const size_t bytes = array_bytes(tree, buffer);
@@ -315,7 +315,7 @@ cleanup:
     return status;
 }
 
-/* One array with its length before it, so that no two different trees feed the hash the same bytes. */
+/* One array after its length, so that different trees never feed the hash the same bytes. */
 static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffer buffer)
 {
     const uint64_t bytes = host_bytes(tree, buffer);

@@ -36,16 +36,16 @@ svo_tree_buffer svo_i_tree_buffer_named(const char *name);
 /* Releases the host arrays and all that is derived from the buffers, which are about to change. */
 void svo_i_tree_forget(svo_tree *tree);
 
-/* Whether info says the tree holds the array, whether as one element for all nodes, and its element count and bytes (on
-   the device and in files; on the host there is an element for every node). */
+/* What info says of an array: whether the tree holds it, whether as one element for all nodes, and its element count
+   and bytes. They apply to the device and to files; on the host there is an element for every node. */
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_payload_count(const svo_tree_info *info); /* nodes that have payload */
 bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
 
-/* Repeats the one element of an array by malloc for every node, where that is how the tree holds it. False: no memory;
-   the array is as it was. */
+/* Repeats the element of a constant array, by malloc, for every node. False when out of memory; the array stays as it
+   was. */
 bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array);
 
 SVO_I_SHARED_END

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The BVH that rays walk through, made of a finished octree's geometry; rays.c puts it on the device. */
+/* The 8-wide BVH that rays traverse, built on the host from a finished octree's geometry. */
 #ifndef SVO_LIB_RAYS_BVH_H
 #define SVO_LIB_RAYS_BVH_H
 

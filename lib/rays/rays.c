@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against triangles, the host's side of kernels/rays.clh: the BVH on the device, made when it is first
- * asked for, and the way into svocl's and an integrator's kernels. Reads finished trees; rays_batch.c launches.
+ * The host side of kernels/rays/rays.clh: makes the BVH on first use, and sets the arguments of svocl's and of the
+ * caller's kernels. trace.c and render.c launch.
  */
 #include "rays/rays.h"
 
@@ -44,7 +44,7 @@ static device_bvh find_bvh(const svo_tree *tree)
     return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
 }
 
-/* The largest coordinate there is, at least the width of the grid. */
+/* The largest absolute coordinate, at least the width of the grid. */
 static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
     int32_t reach = (int32_t)(1u << snap_bits);
@@ -55,7 +55,7 @@ static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32
     return reach;
 }
 
-/* Whether a triangle may lie outside the grid, so that only the lists say which ones count. */
+/* Whether a vertex lies outside the grid; then the leaf lists decide which triangles the BVH holds. */
 static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
     bool outside = false;
@@ -65,7 +65,7 @@ static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint
     return outside;
 }
 
-/* An array of the tree on the host: the tree's own, or *copy, read from the device, which the caller frees. */
+/* A host array of the tree: its own, or *copy, read from the device, which the caller frees. */
 static svo_status read_array(const svo_tree *tree, const char *function, cl_command_queue queue, svo_tree_buffer buffer,
                              const void **array, void **copy)
 {
@@ -177,7 +177,7 @@ uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 
 /* ---- kernel arguments ---- */
 
-/* A double as a sum of three floats, exactly; false where floats do not reach that far. */
+/* Splits a double into an exact sum of three floats; false beyond the range of floats. */
 static bool split(double value, float parts[3])
 {
     if (!(fabs(value) < 0x1p120) || (value != 0 && fabs(value) < 0x1p-70)) {
@@ -196,7 +196,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     bool fits = split(info->scale, params->scale);
     for (int axis = 0; axis < 3 && fits; ++axis) {
         float parts[3] = {0};
-        /* A corner next to zero is as good as zero. */
+        /* A corner this close to zero is taken for zero. */
         fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
         for (int part = 0; part < 3; ++part) {
             params->origin[3 * part + axis] = parts[part];
@@ -204,7 +204,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     }
     if (!fits) {
         return svo_i_device_fail(tree->device, SVO_UNSUPPORTED,
-                                 "%s: a grid of edge %g at %g, %g, %g is beyond what rays of floats reach", function,
+                                 "%s: a grid of edge %g at %g, %g, %g is beyond the range of rays in floats", function,
                                  info->edge, info->origin[0], info->origin[1], info->origin[2]);
     }
     params->depth = info->depth;
@@ -252,7 +252,7 @@ svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel 
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
-    /* Voxels can be asked for without triangles. */
+    /* Voxels need no BVH. */
     const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
     if (triangles) {
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));

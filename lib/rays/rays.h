@@ -9,9 +9,9 @@
 
 SVO_I_SHARED_BEGIN
 
-/* Whether the tree can be asked for triangles; function: for the message. */
+/* Whether rays can be traced against the tree's triangles. function: for the message. */
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
-/* Makes the BVH if there is none yet and waits for it. queue: NULL: one of its own. */
+/* Makes the BVH unless it is there, and waits for it. queue: NULL for the device's own. */
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);
 /* Sets the arguments SVO_TREE_PARAMETERS, and any others, from first_index on. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);

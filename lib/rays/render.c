@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cameras and pictures: the host side of the ray caster in kernels/cast.cl. Reads finished trees. */
+/* Cameras and pictures: the host side of kernels/rays/render.cl and view.cl. */
 #include "svocl/trace.h"
 
 #include <math.h>
@@ -54,7 +54,7 @@ static bool normalize(const double a[3], double out[3])
     return true;
 }
 
-/* Where a camera looks: unit and perpendicular to each other. */
+/* An orthonormal camera frame. */
 typedef struct view {
     double forward[3], right[3], up[3];
 } view;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Batches of rays and of points against the triangles of a tree: launches kernels/trace.cl and nearest.cl. */
+/* Batches of rays and points against the triangles of a tree: launches kernels/rays/trace.cl and nearest.cl. */
 #include <string.h>
 
 #include "rays/rays.h"
@@ -31,7 +31,7 @@ static svo_status check_batch(const svo_tree *tree, const batch *asked, const vo
     return svo_i_rays_check(tree, asked->function);
 }
 
-/* A caller's buffer must do for all records. */
+/* Whether a caller's buffer holds all records. */
 static svo_status check_buffer(const svo_tree *tree, const batch *asked, const char *name, cl_mem buffer, size_t bytes)
 {
     size_t held = 0;

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "svocl/gl.h"
 #include "svocl/svocl.h"
 
 #define ROUND  96u /* corners around the ring, and around its tube */
@@ -133,20 +132,16 @@ int main(void)
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
     svo_message message = {""};
     svo_device *device = NULL;
-    svo_gl_context *context = NULL;
-    svo_gl *gl = NULL;
     cl_command_queue queue = NULL;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
 
     make_ring(positions, indices);
-    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK &&
-                svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &message) == SVO_OK &&
-                svo_gl_create(device, context, NULL, &gl) == SVO_OK;
+    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK;
     if (done)
         queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
-    done = done && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
-           svo_build(plan, svo_gl_frontend(gl), queue, &tree, NULL) == SVO_OK && draw(device, tree, queue);
+    done = queue != NULL && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
+           svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK && draw(device, tree, queue);
     if (!done)
         fprintf(stderr, "%s\n", device == NULL || message.text[0] != '\0' ? message.text : svo_device_message(device));
 
@@ -154,8 +149,6 @@ int main(void)
     svo_plan_destroy(&plan);
     if (queue != NULL)
         clReleaseCommandQueue(queue);
-    svo_gl_destroy(&gl);
-    svo_gl_context_destroy(&context);
     svo_device_destroy(&device);
     return done ? 0 : 1;
 }

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "svocl/gl.h"
 #include "svocl/svocl.h"
 
 #define WIDTH  640
@@ -64,22 +63,15 @@ int main(int argument_count, char **arguments)
     const svo_ray ray = ray_of_click(strtod(arguments[1], NULL), strtod(arguments[2], NULL));
     svo_message message = {""};
     svo_device *device = NULL;
-    svo_gl_context *context = NULL;
-    svo_gl *gl = NULL;
-    cl_command_queue queue = NULL;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
     svo_hit hit;
 
-    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK &&
-                svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &message) == SVO_OK &&
-                svo_gl_create(device, context, NULL, &gl) == SVO_OK;
-    if (done)
-        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
-    /* A tool keeps the tree and traces one ray per click; edges between triangles are never slipped through. */
+    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK;
+    /* A tool keeps the tree and traces one ray per click; no ray passes between adjacent triangles. */
     done = done && svo_plan_create(device, &mesh, 4, &options, &plan) == SVO_OK &&
-           svo_build(plan, svo_gl_frontend(gl), queue, &tree, NULL) == SVO_OK &&
-           svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, queue) == SVO_OK;
+           svo_build(plan, NULL, NULL, &tree, NULL) == SVO_OK &&
+           svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL) == SVO_OK;
     if (done)
         report(arguments[1], arguments[2], &ray, &hit);
     else
@@ -87,10 +79,6 @@ int main(int argument_count, char **arguments)
 
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
-    if (queue != NULL)
-        clReleaseCommandQueue(queue);
-    svo_gl_destroy(&gl);
-    svo_gl_context_destroy(&context);
     svo_device_destroy(&device);
     return done ? 0 : 1;
 }
