@@ -230,7 +230,7 @@ static void mapping_that_fails_is_a_status(void **state)
     mend(setup.opened.context);
     setup.opened.context->functions.UnmapBuffer = unmap_lost;
     assert_int_equal(build(&setup), SVO_GL_ERROR);
-    assert_words(&setup, "glUnmapBuffer says that the content was lost");
+    assert_words(&setup, "glUnmapBuffer reports that the content was lost");
     mend(setup.opened.context);
     setup.opened.context->functions.CheckFramebufferStatus = never_complete;
     assert_int_equal(build(&setup), SVO_GL_ERROR);
