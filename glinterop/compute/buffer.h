@@ -9,8 +9,8 @@
 /* SVO_OK, or the first OpenGL error since the last check, with the step in the message. */
 svo_status svo_i_compute_check(svo_i_compute *compute, const char *step);
 
-/* Create a storage block: undefined, all zero, or filled from the host. SVO_UNSUPPORTED naming the block when it is above
-   the context's limit, SVO_OUT_OF_DEVICE_MEMORY when OpenGL has no memory left. */
+/* Create a storage block: undefined, all zero, or filled from the host. SVO_UNSUPPORTED naming the block when it is
+   above the context's limit, SVO_OUT_OF_DEVICE_MEMORY when OpenGL has no memory left. */
 svo_status svo_i_compute_alloc(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out);
 svo_status svo_i_compute_alloc_zero(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out);
 svo_status svo_i_compute_upload(svo_i_compute *compute, const char *name, const void *data, uint64_t bytes,

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs shaders/link.comp and shaders/filter.comp: links the leaves' fragments and sums up their contributions, then sums
- * up children level by level and writes every node's color, normal and fill.
+ * Runs shaders/link.comp and shaders/filter.comp: links the leaves' fragments and sums up their contributions, then
+ * sums up children level by level and writes every node's color, normal and fill.
  *
  * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level. With
- * several chunks, or a voxel with more triangles than an invocation can loop over (shaders/compute.glsl), every fragment
- * is added to the sums of its leaf instead.
+ * several chunks, or a voxel with more triangles than an invocation can loop over (shaders/compute.glsl), every
+ * fragment is added to the sums of its leaf instead.
  */
 #include "compute/filter.h"
 
@@ -86,8 +86,8 @@ static svo_status gather(filterer *f, svo_i_entry entry, uint32_t chunk, GLuint 
     return svo_i_compute_launch(gl_build->compute, &launch);
 }
 
-/* Computes the leaves' payload and the sums of their parents by walking the linked lists. *walked is false when a list is
-   too long for this context; the results are then invalid. */
+/* Computes the leaves' payload and the sums of their parents by walking the linked lists. *walked is false when a list
+   is too long for this context; the results are then invalid. */
 static svo_status walk_leaves(filterer *f, bool *walked)
 {
     const svo_tree_info *info = &f->gl_build->build->tree->info;

@@ -5,8 +5,8 @@
 
 #include "compute/stage.h"
 
-/* Creates masks, first children and level counts, and moves the cursors to the leaves. *fits is false when the inner nodes
-   exceed the build's inner_capacity. */
+/* Creates masks, first children and level counts, and moves the cursors to the leaves. *fits is false when the inner
+   nodes exceed the build's inner_capacity. */
 svo_status svo_i_gl_subdivide(svo_i_gl_build *gl_build, bool *fits);
 
 #endif

@@ -10,8 +10,8 @@ int svo_gl_device_may_share(const svo_device *device)
     return device != NULL && svo_i_interop_is_listed(device, &svo_i_opencl_installed);
 }
 
-/* A second handle of the same device, on an OpenCL context created against the OpenGL context; NULL where the two cannot
-   share. */
+/* A second handle of the same device, on an OpenCL context created against the OpenGL context; NULL where the two
+   cannot share. */
 static svo_device *create_joined(const svo_device *plain, svo_gl_context *context, const svo_device_options *options)
 {
     svo_i_interop interop;

@@ -38,16 +38,16 @@ typedef struct svo_i_interop {
 bool svo_i_interop_is_listed(const svo_device *device, const svo_i_opencl *opencl);
 /*
  * Checks step by step whether the device could share with the context: the device lists the extension, all functions
- * exist, OpenCL can name the context, and clGetGLContextInfoKHR lists the device. Does not check the device's own OpenCL
- * context. Expects the OpenGL context current.
+ * exist, OpenCL can name the context, and clGetGLContextInfoKHR lists the device. Does not check the device's own
+ * OpenCL context. Expects the OpenGL context current.
  *
  * Returns SVO_UNSUPPORTED with the failed step in the message, or SVO_OUT_OF_HOST_MEMORY.
  */
 svo_status svo_i_interop_find(const svo_device *device, const svo_gl_context *context, svo_i_interop *out,
                               svo_message *message);
 
-/* Creates an OpenCL context of the device against the OpenGL context. Call svo_i_interop_find first. The caller releases
-   the result. Expects the OpenGL context current. Returns SVO_UNSUPPORTED. */
+/* Creates an OpenCL context of the device against the OpenGL context. Call svo_i_interop_find first. The caller
+   releases the result. Expects the OpenGL context current. Returns SVO_UNSUPPORTED. */
 svo_status svo_i_interop_create_context(const svo_device *device, const svo_gl_context *context, cl_context *out,
                                         svo_message *message);
 /* Whether the device's own OpenCL context was created against the OpenGL context. */

@@ -7,8 +7,8 @@
 #include "core/device.h"
 
 /*
- * Writes to reason why a share path does not work on this pair, in one line, or "" if it works. `interop` and `host` are
- * tested by a round trip. The device's message stays unchanged.
+ * Writes to reason why a share path does not work on this pair, in one line, or "" if it works. `interop` and `host`
+ * are tested by a round trip. The device's message stays unchanged.
  *
  * share: not AUTO. reason: not NULL, at least one byte; longer reasons are cut.
  */

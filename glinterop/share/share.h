@@ -5,8 +5,8 @@
  * svo_i_share_buffer_to_gl gives a buffer to OpenGL, the rasterizer binds and fills it, and svo_i_share_buffer_to_cl
  * gives its first bytes to OpenCL. The share paths differ in how they do this, never in the bytes.
  *
- * `interop` is one buffer for both APIs by cl_khr_gl_sharing, where probe.c has shown that it works. With `host`, OpenCL
- * uses the memory of a persistently mapped OpenGL buffer in place. `copy` keeps one buffer per API.
+ * `interop` is one buffer for both APIs by cl_khr_gl_sharing, where probe.c has shown that it works. With `host`,
+ * OpenCL uses the memory of a persistently mapped OpenGL buffer in place. `copy` keeps one buffer per API.
  */
 #ifndef SVO_GLINTEROP_SHARE_SHARE_H
 #define SVO_GLINTEROP_SHARE_SHARE_H

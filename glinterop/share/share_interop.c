@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The share path `interop`: an OpenGL buffer that is an OpenCL buffer too. Acquire and release pass it between the APIs.
+ * The share path `interop`: an OpenGL buffer that is an OpenCL buffer too. Acquire and release pass it between the
+ * APIs.
  *
  * OpenCL may touch the buffer only while it is acquired, OpenGL only while it is not (The OpenCL Extension
  * Specification, version 1.2, section 9.7.6). The host waits for the event of either call, so the caller's queue may be
