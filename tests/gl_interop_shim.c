@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cl_khr_gl_sharing over copies. */
+/* cl_khr_gl_sharing by copies. */
 #include "gl_interop_shim.h"
 
 #include <setjmp.h>
@@ -29,7 +29,7 @@ typedef struct joined_context {
 /* The driver's state. */
 static struct {
     svo_gl_context *context;
-    svo_i_gl_functions honest; /* the context's functions as they were */
+    svo_i_gl_functions honest; /* the context's original functions */
     shim_faults faults;
     shim_counts counts;
     bool finished; /* glFinish since the last acquire */
@@ -76,7 +76,7 @@ static cl_int CL_API_CALL get_device_info(cl_device_id device, cl_device_info wh
     return give_bytes(list, strlen(list) + 1, bytes, value, value_bytes);
 }
 
-/* The value of a property, or 0. */
+/* The value of a context property, or 0. */
 static cl_context_properties property_of(const cl_context_properties *properties, cl_context_properties key)
 {
     for (; properties != NULL && *properties != 0; properties += 2) {
@@ -173,7 +173,7 @@ static bool is_joined(cl_context context)
     return false;
 }
 
-/* The call's error, once the spared calls are used up. */
+/* The call's injected error, after the spared calls. */
 static cl_int fault(cl_int error, unsigned earlier_calls)
 {
     return earlier_calls >= shim.faults.spared_calls ? error : CL_SUCCESS;

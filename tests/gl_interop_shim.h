@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A driver that offers cl_khr_gl_sharing, for machines where none does: objects are plain OpenCL buffers, acquiring
- * copies the OpenGL buffer into them and releasing copies them back. It takes the place of the OpenCL calls that one
- * OpenGL context's sharing depends on, fails where it is told to, and counts what callers do against the specification.
+ * A fake driver with cl_khr_gl_sharing, for machines without a real one. Its objects are plain OpenCL buffers:
+ * acquiring copies the OpenGL buffer into them and releasing copies them back. It replaces the OpenCL calls that the
+ * interop of one OpenGL context uses, injects faults on demand, and counts violations of the specification.
  *
- * One at a time: drivers have no user pointer either.
+ * Only one can be installed at a time, since the calls have no user pointer.
  */
 #ifndef SVOCL_TESTS_GL_INTEROP_SHIM_H
 #define SVOCL_TESTS_GL_INTEROP_SHIM_H
@@ -13,21 +13,21 @@
 
 #include "context/context.h"
 
-/* All zero: works, with cl_khr_gl_event. */
+/* All zero: no fault, and cl_khr_gl_event. */
 typedef struct shim_faults {
     const char *extensions; /* what the device lists instead of "cl_khr_gl_sharing cl_khr_gl_event" */
-    const char *missing_function; /* the platform has none of this name */
+    const char *missing_function; /* the platform does not have it */
     cl_int info_error, context_error, create_error, acquire_error, release_error; /* CL_SUCCESS: none */
-    unsigned spared_calls; /* so many of create, acquire and release succeed before theirs fails */
-    bool lists_no_device; /* clGetGLContextInfoKHR finds none */
-    bool corrupts; /* one word of what is acquired is wrong */
-    bool acquires_nothing; /* what was acquired first stays */
+    unsigned spared_calls; /* create, acquire and release succeed this often before they fail */
+    bool lists_no_device; /* by clGetGLContextInfoKHR */
+    bool corrupts; /* acquiring changes one word */
+    bool acquires_nothing; /* later acquires keep the bytes of the first */
 } shim_faults;
 
 typedef struct shim_counts {
     unsigned created, acquired, released; /* calls */
     unsigned objects; /* alive */
-    unsigned violations; /* calls that the specification leaves undefined */
+    unsigned violations; /* calls with undefined behavior */
     const char *last_violation;
 } shim_counts;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Devices, contexts and small launches for tests; every failure is a failure of the running test. */
+/* Devices, contexts and small launches. Every failure fails the running test. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the machine that runs the tests has: an OpenCL device, off-screen OpenGL contexts. And a short way to run one
- * kernel or one compute shader over an array, for tests that ask the same question in several languages.
+ * The OpenCL device and the off-screen OpenGL contexts of the machine that runs the tests, and helpers that run one
+ * kernel or one compute shader over an array, for tests of the same code in several languages.
  *
- * What is not installed is skipped visibly; what is there and fails is a failure.
+ * A missing device or context skips the test visibly. One that exists and fails is a failure.
  */
 #ifndef SVOCL_TESTS_MACHINE_H
 #define SVOCL_TESTS_MACHINE_H
@@ -15,17 +15,17 @@
 #include "context/context.h"
 #include "svocl/svocl.h"
 
-/* The default device; skips the test when there is none. */
+/* The default device. Skips the test when there is none. */
 svo_device *machine_device_or_skip(void);
 
-/* A context of the kind, or NULL with a printed reason when this machine cannot have one. */
+/* A context of the kind, or NULL, with a printed reason, when this machine has none. */
 svo_gl_context *machine_context_or_null(svo_gl_context_kind kind);
-/* The first kind that this machine has; skips the test when there is none. */
+/* A context of the first kind that this machine has. Skips the test when there is none. */
 svo_gl_context *machine_any_context_or_skip(void);
 
 #define MACHINE_GROUP_ITEMS 64
 
-/* item_count work-items read input and write output, which holds zeros at first. */
+/* item_count work-items read input and write output, which starts at zero. */
 typedef struct machine_job {
     const void *input;
     size_t input_bytes;
@@ -38,8 +38,8 @@ typedef struct machine_job {
 void machine_run_kernel(const svo_device *device, const char *source, const char *options, const char *kernel_name,
                         const machine_job *job);
 
-/* Runs a compute shader: storage blocks 0 (input) and 1 (output), uniform uint item_count. prologue: what comes between
-   the version line and the source. */
+/* Runs a compute shader: storage blocks 0 (input) and 1 (output), uniform uint item_count. prologue: text between the
+   version line and the source. */
 void machine_run_shader(svo_gl_context *context, const char *prologue, const char *source, const machine_job *job);
 
 #endif

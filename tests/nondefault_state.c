@@ -163,7 +163,7 @@ static const named capabilities[] = {
     NAMED(GL_CLIP_DISTANCE5),
 };
 
-/* Indexed buffer bindings: the name, where it begins, how long it is. */
+/* Indexed buffer bindings: name, offset and length. */
 static const struct {
     GLenum target;
     named binding, start, size;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An OpenGL context with odd values everywhere, as an integrator's may have, and a record of all of it that can be
- * compared later. Most of them would spoil what svocl draws if they stayed.
+ * Sets non-default OpenGL state, as an application may have it, and records all of it for a later comparison. Most of
+ * the values would corrupt svocl's drawing if they were left in place.
  */
 #ifndef SVOCL_TESTS_NONDEFAULT_STATE_H
 #define SVOCL_TESTS_NONDEFAULT_STATE_H
@@ -11,10 +11,10 @@
 
 typedef struct nondefault_state nondefault_state;
 
-/* Makes objects and sets state in the context that is current; compatibility: it has that profile. */
+/* Creates objects and sets state in the current context. compatibility: the context has the compatibility profile. */
 nondefault_state *nondefault_state_set(bool compatibility);
-/* Fails the running test naming each value that is not as nondefault_state_set left it; after: what was done
-   meanwhile. */
+/* Fails the running test and names each value that differs from what nondefault_state_set left. after: what was done
+   since, for the message. */
 void nondefault_state_assert(const nondefault_state *odd, const char *after);
 void nondefault_state_destroy(nondefault_state **odd);
 

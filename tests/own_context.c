@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* EGL on Mesa's surfaceless platform. */
+/* Uses EGL on Mesa's surfaceless platform. */
 #include "own_context.h"
 
 #include <setjmp.h>

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * OpenGL drivers that lose the context, run out of memory or return nonsense, at every point where svocl could notice:
- * each ends in a status with words, nothing crashes, and the same handles work again when the driver does.
+ * OpenGL drivers that lose the context, run out of memory or return nonsense, at every point where svocl can notice.
+ * Each failure ends in a status with a message, nothing crashes, and the same handles work again after the driver
+ * recovers.
  *
- * A context whose table of functions is changed stands for such a driver.
+ * A context with a modified function table plays such a driver.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,8 @@ enum { TRIANGLES = 60, DEPTH = 6, POINTS_MAX = 1000 };
 
 #define RESET_STATUS 0x8253 /* GL_GUILTY_CONTEXT_RESET */
 
-/* The functions of the context whose driver is bad now, and how bad it is; its functions have no other way to them. */
+/* The original functions of the context with the bad driver, and its faults. The replaced functions have no user
+   pointer, so this is global. */
 static svo_i_gl_functions honest;
 static GLenum error_told;
 static unsigned errors_spared;
@@ -38,7 +40,7 @@ static void mend(svo_gl_context *context)
     context->functions = honest;
 }
 
-/* GL_NO_ERROR so many times, and then the error: for ever, as of a lost context. */
+/* GL_NO_ERROR this many times, then the error forever, like a lost context. */
 static GLenum APIENTRY tell_error(void)
 {
     const GLenum real = honest.GetError();
@@ -55,7 +57,7 @@ static GLenum APIENTRY tell_reset(void)
 }
 
 typedef struct bad_setup {
-    fixture opened; /* gl is NULL where a test makes its own */
+    fixture opened; /* gl is NULL where a test creates its own */
     owned_mesh made;
     svo_plan *plan;
 } bad_setup;
@@ -80,7 +82,7 @@ static svo_status build(const bad_setup *setup)
     return status;
 }
 
-/* Nothing is broken for good. */
+/* Checks that the handles still work. */
 static void close_setup(bad_setup *setup)
 {
     if (build(setup) != SVO_OK) {
@@ -95,11 +97,11 @@ static void assert_words(const bad_setup *setup, const char *words)
 {
     const char *message = svo_device_message(setup->opened.device);
     if (strstr(message, words) == NULL) {
-        fail_msg("'%s' does not say '%s'", message, words);
+        fail_msg("'%s' does not contain '%s'", message, words);
     }
 }
 
-/* Builds with the error at every point in turn, until a build comes through without having asked so often. */
+/* Builds with the error at each point in succession, until a build succeeds before it reaches the point. */
 static void fail_everywhere(svo_gl_share share, GLenum error, svo_status expected, const char *words)
 {
     bad_setup setup;
@@ -154,7 +156,7 @@ static void reset_is_noticed(void **state)
     close_setup(&setup);
 }
 
-/* The first making of objects and shaders on a context that fails. */
+/* The first creation of objects and shaders fails. */
 static void failure_while_starting_is_a_status(void **state)
 {
     (void)state;
@@ -230,7 +232,7 @@ static void mapping_that_fails_is_a_status(void **state)
     mend(setup.opened.context);
     setup.opened.context->functions.UnmapBuffer = unmap_lost;
     assert_int_equal(build(&setup), SVO_GL_ERROR);
-    assert_words(&setup, "glUnmapBuffer says that the content was lost");
+    assert_words(&setup, "glUnmapBuffer reports that the content was lost");
     mend(setup.opened.context);
     setup.opened.context->functions.CheckFramebufferStatus = never_complete;
     assert_int_equal(build(&setup), SVO_GL_ERROR);
@@ -239,7 +241,7 @@ static void mapping_that_fails_is_a_status(void **state)
     close_setup(&setup);
 }
 
-/* The list as it arrives through the host. */
+/* Damages the list on its way through the host. */
 static uint32_t list[1 << 20];
 
 static void *APIENTRY map_list(GLenum target, GLintptr offset, GLsizeiptr bytes, GLbitfield access)
@@ -262,7 +264,7 @@ static void spoil_list_for_cl(svo_i_gl_functions *functions)
     functions->UnmapBuffer = unmap_nothing;
 }
 
-/* The list as the first shader finds it that reads it. */
+/* Damages the list before the first shader reads it. */
 static bool list_spoilt;
 
 static void APIENTRY dispatch_on_list(GLuint columns, GLuint rows, GLuint layers)
@@ -294,7 +296,7 @@ static svo_status build_in_gl(const bad_setup *setup)
     return status;
 }
 
-/* A builder, and how it comes by a damaged list. */
+/* A builder, and the function that damages its list. */
 typedef struct method {
     svo_builder builder;
     const char *function;
@@ -302,7 +304,7 @@ typedef struct method {
     void (*spoil_list)(svo_i_gl_functions *functions);
 } method;
 
-/* Fragments of no triangle, or outside the grid, alone or among good ones: nothing is read or written by them. */
+/* Fragments without a triangle or outside the grid, alone or among valid ones: no read or write follows them. */
 static void expect_nonsense_noticed(const method *by)
 {
     static const uint32_t values[] = {0xffffffffu, 0x80000000u, TRIANGLES};
@@ -322,7 +324,7 @@ static void expect_nonsense_noticed(const method *by)
         by->spoil_list(&setup.opened.context->functions);
         const svo_status status = by->build(&setup);
         mend(setup.opened.context);
-        if (i == 4) { /* a code that lies in the grid */
+        if (i == 4) { /* a code inside the grid */
             assert_int_equal(status, SVO_OK);
             continue;
         }
@@ -341,7 +343,7 @@ static void nonsense_fragments_are_a_status(void **state)
     expect_nonsense_noticed(&(method){SVO_BUILDER_CL, "svo_gl_build: ", build_in_gl, spoil_list_in_gl});
 }
 
-/* Counters no scene could reach: the list cannot be made so large. */
+/* Counters that no scene can reach: a list of that size is impossible. */
 static void nonsense_counters_are_a_status(void **state)
 {
     (void)state;
@@ -432,8 +434,7 @@ static void compilers_that_fail_are_a_status(void **state)
     close_setup(&setup);
 }
 
-/*
- * Strings and counts that are none.
+/* Strings that are NULL and counts that are nonsense.
  */
 
 static const GLubyte *APIENTRY say_nothing(GLenum name)
@@ -457,7 +458,7 @@ static void APIENTRY count_nonsense(GLenum name, GLint *value)
     }
 }
 
-/* A loader in front of the context's own. */
+/* Wraps the context's own loader. */
 typedef struct changed_loader {
     svo_gl_context *context;
     bool says_nothing;

@@ -2,7 +2,7 @@
 /*
  * Off-screen OpenGL contexts, their function tables, and the buffers shared with OpenCL.
  *
- * A kind of context whose library is not installed is skipped visibly; a kind that is there and fails is a failure.
+ * A kind of context whose library is not installed is skipped visibly. A kind that exists and fails is a failure.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -39,7 +39,7 @@ static void make_current(svo_gl_context *context)
     }
 }
 
-/* Whether a buffer can be made, cleared to value and read back; expects the context current. */
+/* Creates a buffer, clears it to value and reads it back. Expects the context current. */
 static bool buffer_works(const svo_gl_context *context, GLuint value)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
@@ -73,7 +73,7 @@ static void check_kind(svo_gl_context_kind kind)
 
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     assert_true(gl->version >= SVO_I_GL_MINIMUM_VERSION);
-    assert_true(gl->limits.storage_block_bytes >= 1 << 24); /* OpenGL 4.3's own minimum */
+    assert_true(gl->limits.storage_block_bytes >= 1 << 24); /* the minimum of OpenGL 4.3 */
     assert_true(gl->limits.fragment_storage_blocks >= 8);
     assert_true(gl->limits.framebuffer_width >= 16384);
     assert_true(gl->limits.viewport_width >= 1024);
@@ -116,7 +116,7 @@ static void wrong_device_index_is_refused(void **state)
     }
 }
 
-/* A part of the renderer's name, in other letters. */
+/* A part of the renderer's name, in the other case. */
 static void part_of_name(const char *renderer, char part[9])
 {
     for (int i = 0; i < 8; ++i) {
@@ -150,14 +150,14 @@ static void egl_devices_are_found_by_name(void **state)
         svo_gl_context_destroy(&context);
     }
     assert_int_equal(svo_gl_context_create_named("no such renderer", &context, &message), SVO_NO_GL);
-    assert_non_null(strstr(message.text, "no EGL device is \"no such renderer\"; there is 0: "));
+    assert_non_null(strstr(message.text, "no EGL device matches \"no such renderer\"; found: 0: "));
     assert_int_equal(svo_gl_context_create_named("4000000", &context, &message), SVO_NO_GL);
     assert_int_equal(svo_gl_context_create_named("", &context, &message), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_gl_context_create_named("gpu", NULL, &message), SVO_INVALID_ARGUMENT);
     assert_null(context);
 }
 
-/* "gpu" finds one or says what there is; it never finds a software renderer. */
+/* "gpu" finds a GPU or lists what exists. It never selects a software renderer. */
 static void gpu_is_never_a_processor(void **state)
 {
     (void)state;
@@ -173,7 +173,7 @@ static void gpu_is_never_a_processor(void **state)
     }
     print_message("%s\n", message.text);
     assert_int_equal(status, SVO_NO_GL);
-    assert_non_null(strstr(message.text, "no EGL device is \"GPU\""));
+    assert_non_null(strstr(message.text, "no EGL device matches \"GPU\""));
 }
 
 static bool promise(void *native)
@@ -182,7 +182,7 @@ static bool promise(void *native)
     return true;
 }
 
-/* What Mesa does for a GPU whose device node cannot be opened. */
+/* Simulates Mesa with a GPU whose device node cannot be opened. */
 static void software_in_place_of_a_gpu_is_refused(void **state)
 {
     (void)state;
@@ -218,7 +218,7 @@ static void wrong_arguments_are_refused(void **state)
     svo_gl_context_destroy(NULL);
 }
 
-/* Calls test for every ordered pair of kinds that this machine has, with two different contexts. */
+/* Calls test for every ordered pair of kinds on this machine, with two different contexts. */
 static void for_each_pair(void (*test)(svo_gl_context **first, svo_gl_context **second))
 {
     int pair_count = 0;
@@ -260,7 +260,7 @@ static GLint bound_buffer(const svo_gl_context *context)
     return name;
 }
 
-/* Leaves the last of count new buffers bound, so that contexts can be told apart by its name. */
+/* Leaves the last of count new buffers bound: its name tells contexts apart. */
 static void bind_nth_buffer(const svo_gl_context *context, GLint count)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
@@ -280,7 +280,7 @@ static void nest_second_in_first(svo_gl_context **first, svo_gl_context **second
     GLint second_name = bound_buffer(*second);
     assert_int_not_equal(first_name, second_name);
 
-    make_current(*first); /* out of turn */
+    make_current(*first); /* not in nesting order */
     assert_int_equal(bound_buffer(*first), first_name);
     make_current(*first); /* already current */
     svo_i_gl_context_release_current(*first);
@@ -320,7 +320,7 @@ static void nesting_has_a_limit(void **state)
     svo_gl_context_destroy(&context);
 }
 
-/* One thread's work: cmocka's asserts belong to the main thread, so the outcome is counted. */
+/* One thread's work. cmocka's asserts work in the main thread only, so this counts failures. */
 typedef struct worker {
     svo_gl_context_kind kind;
     int rounds_done;
@@ -380,7 +380,7 @@ static void extensions_are_compared_as_whole_words(void **state)
     assert_false(svo_i_list_has_token(NULL, "cl_khr_gl_sharing"));
 }
 
-/* A loader in front of a real context's: one function replaced, by NULL or by another. */
+/* Wraps a real context's loader and replaces one function by NULL or another function. */
 typedef struct changed_loader {
     svo_gl_context *context;
     const char *name;
@@ -446,7 +446,7 @@ static void old_version_is_refused(void **state)
     svo_gl_context_destroy(&context);
 }
 
-/* The loader has the functions, or says so, but neither version nor extensions promise them. */
+/* The loader returns the functions, but neither version nor extensions promise them. */
 static void optional_functions_need_a_promise(void **state)
 {
     (void)state;
@@ -483,7 +483,7 @@ static void errors_are_named_once(void **state)
     svo_gl_context_destroy(&context);
 }
 
-/* A pair of device and context with a queue, for the tests of shared buffers. */
+/* A device, a context and a queue, for the tests of shared buffers. */
 typedef struct pair {
     svo_device *device;
     svo_gl_context *context;
@@ -570,7 +570,7 @@ static void host_share_needs_a_cpu_and_buffer_storage(void **state)
     pair_release(&on);
 }
 
-/* A compute program that writes a value made of word index and salt to each word of storage block 0. */
+/* A compute program that writes a value computed from index and salt to each word of storage block 0. */
 static GLuint pattern_program(const svo_i_gl_functions *gl)
 {
     static const char *const source = "#version 430 core\n"

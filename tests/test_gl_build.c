@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The GL compute builder: the tree that svo_build makes, bit for bit, for every scene, need, kind of weights, coverage
- * and depth, however the list is cut; limits of the context refused with figures; the context's bindings as they were.
+ * The builder by compute shaders creates the same tree as svo_build, bit for bit, for every scene, need, kind of
+ * weights, coverage, depth and chunking. It reports the context's limits with figures and restores the context's
+ * bindings.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,11 +21,11 @@
 
 #define NEED_PAYLOAD \
     ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
-/* All but fill, which asks for weights by area. */
+/* All but fill, which requires weights by area. */
 #define NEED_UNIFORM \
     ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_RAYS)
 
-/* Both builders of one mesh; what of the report of the one in OpenGL is of interest goes to *report, NULL allowed. */
+/* Builds one mesh by both builders and compares. report: of the builder in OpenGL; NULL allowed. */
 static void assert_same_tree(const fixture *opened, const svo_mesh *mesh, unsigned depth,
                              const svo_plan_options *options, svo_build_report *report)
 {
@@ -58,7 +59,7 @@ static void every_scene_gives_the_same_tree(void **state)
     }
 }
 
-/* Every attribute there is, odd ones among them, by every kind of weights. */
+/* All attributes, unusual values included, with every kind of weights. */
 static void every_need_and_weight_gives_the_same_payload(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -74,7 +75,7 @@ static void every_need_and_weight_gives_the_same_payload(void **state)
         }
     }
     assert_same_tree(opened, &made.mesh, 5, &(svo_plan_options){.need = SVO_NEED_NONE}, NULL);
-    /* Materials alone, all of one kind: no shader. */
+    /* Materials only, all equal: no shader runs. */
     made.mesh.triangle_materials = NULL;
     assert_same_tree(opened, &made.mesh, 5, &(svo_plan_options){.need = SVO_NEED_MATERIAL}, NULL);
     attributed_mesh_destroy(&made);
@@ -94,7 +95,7 @@ static void every_coverage_and_depth_gives_the_same_tree(void **state)
     owned_mesh_free(&made);
 }
 
-/* Short codes and long ones; triangles that reach outside. */
+/* Codes of both lengths, and triangles that reach outside the grid. */
 static void deep_trees_are_the_same(void **state)
 {
     static const double corner[3] = {0.3, 0.4, 0.5};
@@ -131,7 +132,7 @@ static void cut_lists_give_the_same_tree(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* Triangles that meet many more voxels than the fragment estimate promises: list and nodes need a second try. */
+/* Triangles that touch far more voxels than the fragment estimate: list and nodes need a second attempt. */
 static void nodes_that_do_not_fit_are_made_again(void **state)
 {
     owned_mesh made;
@@ -160,7 +161,7 @@ static void crowds_in_a_voxel_give_the_same_lists(void **state)
     }
 }
 
-/* More loop turns than llvmpipe allows an invocation: of pairs that are clipped, and of long lists. */
+/* More loop iterations than llvmpipe allows an invocation: over clipped pairs and over long lists. */
 static void crowds_beyond_the_limit_of_loops_give_the_same_tree(void **state)
 {
     static const double corner[3] = {0.51, 0.51, 0.51};
@@ -175,7 +176,7 @@ static void crowds_beyond_the_limit_of_loops_give_the_same_tree(void **state)
     owned_mesh_free(&dust);
 }
 
-/* Materials of a voxel are sorted by one invocation, and by several where that takes too many turns. */
+/* One invocation sorts the materials of a voxel; several do where that takes too many iterations. */
 static void materials_of_a_crowd_are_the_same(void **state)
 {
     static const size_t counts[] = {500, 5000, 50000, 200000};
@@ -202,7 +203,7 @@ static void meshes_of_nothing_give_a_root(void **state)
     assert_same_tree(opened, &mesh, 6, &everything, NULL);
 }
 
-/* Out of order, without profiling; stages name their clock. */
+/* An out-of-order queue without profiling. Stages name their clock. */
 static void any_queue_will_do(void **state)
 {
     (void)state;
@@ -222,7 +223,7 @@ static void any_queue_will_do(void **state)
     fixture_close(&opened);
 }
 
-/* Builds, which must be refused; the status, and what the message says. */
+/* Expects that a build is rejected with this message. */
 static void assert_refused(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint32_t need,
                            const char *words)
 {
@@ -233,7 +234,7 @@ static void assert_refused(const fixture *opened, const svo_mesh *mesh, unsigned
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, NULL), SVO_UNSUPPORTED);
     assert_null(tree);
     if (strstr(svo_device_message(opened->device), words) == NULL) {
-        fail_msg("'%s' does not say '%s'", svo_device_message(opened->device), words);
+        fail_msg("'%s' does not contain '%s'", svo_device_message(opened->device), words);
     }
     svo_plan_destroy(&plan);
 }
@@ -253,7 +254,7 @@ static void without_64_bit_integers_payload_is_refused(void **state)
     fixture_close(&opened);
 }
 
-/* A wall of depth 15 has a billion pairs: no storage block holds the lists, and no drawing is tried. */
+/* A wall at depth 15 has a billion pairs: no storage block holds the lists, and nothing is drawn. */
 static void what_does_not_fit_a_storage_block_is_refused(void **state)
 {
     static const double wall[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.01, 0.0, 1.0, 0.02};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The share path `sharing` on a driver made of copies: the whole path gives the same tree, and each step that fails is
- * refused with a reason of its own; `auto` then takes another path to the same tree, and forcing it is an error.
+ * The share path `interop` on a fake driver: the whole path gives the same tree, and each failing step is reported with
+ * a reason of its own. `auto` then takes another path to the same tree, and forcing `interop` is an error.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ enum { DEPTH = 7, TRIANGLES = 300, REASON_BYTES = 512 };
 
 static const svo_plan_options everything = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS};
 
-/* An OpenGL context with the driver of copies, a device made for it, and what the tree must be. */
+/* An OpenGL context with the fake driver, a device created for it, and the expected tree. */
 typedef struct shared_pair {
     fixture opened; /* gl is NULL at first */
     owned_mesh mesh;
@@ -62,7 +62,7 @@ static void build_hash(const shared_pair *pair, const svo_plan_options *options,
     built_destroy(&finished);
 }
 
-/* The device and the queue on an OpenCL context of the device's. */
+/* Opens the device and a queue on the device's OpenCL context. */
 static void take_device(fixture *opened, svo_device *device, cl_command_queue_properties properties)
 {
     cl_int error = CL_SUCCESS;
@@ -88,7 +88,7 @@ static void open_pair(const shim_faults *faults, cl_command_queue_properties pro
     build_hash(out, &everything, "copy", out->hash);
 }
 
-/* Nothing was done against the specification, and nothing is left behind. */
+/* Checks that no call violated the specification and that all objects are released. */
 static void close_pair(shared_pair *pair)
 {
     shim_counts counts;
@@ -141,11 +141,11 @@ static void without_gl_event_opengl_is_finished_first(void **state)
     check_whole_path("cl_khr_gl_sharing", CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
 }
 
-/* One step that fails, and what its reason says. */
+/* A failing step and its reason. */
 typedef struct failing_step {
     shim_faults faults;
     const char *reason; /* part of it */
-    unsigned creations; /* of shared buffers, at most: what is not proven is not called */
+    unsigned creations; /* the most shared buffers created: nothing unproven is called */
 } failing_step;
 
 static const failing_step failing_steps[] = {
@@ -179,9 +179,9 @@ static void check_step(const failing_step *step)
     (void)snprintf(reason, sizeof reason, "%s", svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP));
     print_message("%s\n", reason);
     if (strstr(reason, step->reason) == NULL) {
-        fail_msg("'%s' does not say '%s'", reason, step->reason);
+        fail_msg("'%s' does not contain '%s'", reason, step->reason);
     }
-    /* Programs that ask the device first, before they start OpenGL, are told the same. */
+    /* The answer for programs that ask the device before they start OpenGL is the same. */
     assert_int_equal(svo_i_interop_is_listed(pair.opened.device, pair.opened.context->opencl),
                      strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
     const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
@@ -206,7 +206,7 @@ static void each_failing_step_has_its_reason_and_the_same_tree(void **state)
     }
 }
 
-/* What the probe has proven may still fail later: in a build it ends in a status, and the next build works. */
+/* A call may fail after a successful probe: the build returns a status, and the next build works. */
 static void failure_during_a_build_ends_in_a_status(void **state)
 {
     (void)state;
@@ -236,7 +236,7 @@ static void failure_during_a_build_ends_in_a_status(void **state)
     close_pair(&pair);
 }
 
-/* A device that is chosen already gets a second handle that shares. */
+/* A device that is already chosen gets a second handle that can share. */
 static void chosen_device_is_joined(void **state)
 {
     (void)state;
@@ -256,7 +256,7 @@ static void chosen_device_is_joined(void **state)
     close_pair(&pair);
 }
 
-/* An OpenCL context that knows nothing of the OpenGL one works by another path, and the reason says what would help. */
+/* An OpenCL context not created against the OpenGL context uses another path, and the reason says what would help. */
 static void plain_opencl_context_is_told_apart(void **state)
 {
     (void)state;
@@ -273,7 +273,7 @@ static void plain_opencl_context_is_told_apart(void **state)
     close_pair(&pair);
 }
 
-/* The integrator's own: made against the OpenGL context by the integrator, given to svo_device_create. */
+/* An OpenCL context that the application created against the OpenGL context and gives to svo_device_create. */
 static void integrators_opencl_context_is_shared(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes in an integrator's buffers, of OpenCL and of OpenGL: packed or interleaved, with either width of indices,
- * written by commands that have not run yet; and the tree's buffers, given back to the integrator.
+ * Meshes in an application's buffers, of OpenCL and of OpenGL: packed or interleaved, with either width of indices,
+ * written by commands that have not yet run. And the tree's buffers in the hands of the application.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +28,7 @@ static const float positions[CUBE_VERTICES * 3] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1,
 static const uint32_t indices[CUBE_TRIANGLES * 3] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
 
-/* An interleaved vertex, as renderers like them. */
+/* An interleaved vertex, as renderers use it. */
 typedef struct vertex {
     float position[3];
     float normal[3];
@@ -215,7 +215,7 @@ static void wrong_buffers_are_refused(void **state)
         assert_int_equal(svo_mesh_read(&cases[i].buffers, opened->queue, 0, NULL, &copy, &message),
                          SVO_INVALID_ARGUMENT);
         if (strstr(message.text, cases[i].words) == NULL || strstr(message.text, "svo_mesh_read: ") != message.text) {
-            fail_msg("'%s' does not say '%s'", message.text, cases[i].words);
+            fail_msg("'%s' does not contain '%s'", message.text, cases[i].words);
         }
     }
     assert_int_equal(svo_mesh_read(&right, NULL, 0, NULL, &copy, &message), SVO_INVALID_ARGUMENT);
@@ -224,7 +224,7 @@ static void wrong_buffers_are_refused(void **state)
     clReleaseMemObject(right.indices.memory);
 }
 
-/* Sets events one after the other, later. */
+/* Completes events one after the other, after a delay. */
 typedef struct releaser {
     cl_event events[2];
     unsigned count;
@@ -290,7 +290,7 @@ static void forget_cube(delayed_cube *cube)
     clReleaseMemObject(cube->buffers.indices.memory);
 }
 
-/* On an out-of-order queue nothing but the wait list orders the reads behind the writes. */
+/* On an out-of-order queue, only the wait list orders the reads after the writes. */
 static void inputs_that_come_late_are_waited_for(void **state)
 {
     (void)state;
@@ -298,7 +298,7 @@ static void inputs_that_come_late_are_waited_for(void **state)
     delayed_cube cube;
     svo_mesh_copy *copy = NULL;
     fixture_open(&(fixture_options){.queue_properties = CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}, &opened);
-    for (int swapped = 0; swapped < 2; ++swapped) { /* either input is the later one */
+    for (int swapped = 0; swapped < 2; ++swapped) { /* either input completes last */
         built finished;
         delay_cube(opened.device, opened.queue, &cube);
         if (swapped) {
@@ -344,7 +344,7 @@ static void opengl_waits_for_events_of_opencl(void **state)
     svo_i_gl_context_release_current(context);
 }
 
-/* An input that will never come is a status. */
+/* An input event that fails ends in a status. */
 static void failed_events_are_a_status(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -360,7 +360,7 @@ static void failed_events_are_a_status(void **state)
     clReleaseEvent(failed);
 }
 
-/* clRetainMemObject makes a tree's buffer the integrator's: it outlives tree, plan, front end and device handle. */
+/* A tree's buffer that the application retains outlives tree, plan, front end and device handle. */
 static void retained_buffers_outlive_the_tree(void **state)
 {
     (void)state;

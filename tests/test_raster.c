@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The raster front end's choices: which hardware way a context offers, whether the self-test tells a driver that keeps
- * its word from one that does not, that forced choices are kept or refused with the reason, and that the shaders' kind
- * of integers leaves no trace in the tree.
+ * The choices of the raster front end: which hardware method a context has, whether the self-test detects a driver that
+ * breaks its promise, whether forced choices are kept or rejected with a reason, and whether both kinds of integers in
+ * the shaders give the same tree.
  *
- * No software rasterizer has the hardware extensions. A context whose table of functions is changed stands for a driver
- * that lists one, accepts all calls that belong to it, and rasterizes as ever.
+ * No software rasterizer has the hardware extensions. A context with a modified function table plays a driver that
+ * lists an extension, accepts all its calls, and rasterizes as before.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -74,7 +74,7 @@ static void hardware_method_follows_from_extensions(void **state)
     }
 }
 
-/* What the self-test says about a way of rasterizing. */
+/* The self-test's reason for a method of rasterization. */
 static void selftest_reason(svo_device *device, svo_gl_context *context, svo_i_conservative method, bool no_int64,
                             char reason[REASON_BYTES])
 {
@@ -108,11 +108,10 @@ static void expansion_passes_the_selftest_everywhere(void **state)
     }
 }
 
-/*
- * The lying driver.
+/* A driver that lists extensions it does not implement.
  */
 
-/* The functions of the context that lies now; its wrappers have no other way to them. */
+/* The original functions of that context. Its wrappers have no user pointer, so this is global. */
 static svo_i_gl_functions honest;
 
 static bool is_conservative_capability(GLenum capability)
@@ -135,7 +134,7 @@ static void APIENTRY disable_honest(GLenum capability)
     }
 }
 
-/* The context lists the extensions from now on, and does nothing about them. */
+/* Makes the context list the extensions without implementing them. */
 static void start_lying(svo_gl_context *context, const char *extensions)
 {
     honest = context->functions;
@@ -204,7 +203,7 @@ static void lying_driver_is_not_used(void **state)
     svo_device_destroy(&device);
 }
 
-/* What an integrator may have set of the extensions; a driver that keeps it in variables. */
+/* Extension state that an application may have set, kept in variables by the fake driver. */
 static GLboolean conservative_on;
 static GLint conservative_mode;
 
@@ -293,7 +292,7 @@ static double random_between(uint64_t *random, double low, double high)
     return low + (high - low) * random_unit(random);
 }
 
-/* Needles from far outside through the grid to far outside. */
+/* Needles that cross the grid and extend far outside on both sides. */
 static void make_needle(uint64_t *random, double *corners)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -305,7 +304,7 @@ static void make_needle(uint64_t *random, double *corners)
     }
 }
 
-/* In turn: below a voxel, narrow, regular, and across a face of the grid. */
+/* A cycle of four: smaller than a voxel, narrow, regular, and across a face of the grid. */
 static void make_mixed(uint64_t seed, mixed_mesh *out)
 {
     static const double widths[4] = {0.0001, 0.01, 0.08, 0.05};
@@ -385,7 +384,7 @@ static void shaders_of_every_way_compile(void **state)
  * Forced choices.
  */
 
-/* Where a choice does not work, asking for it is refused with the reason; where it works, it is what runs. */
+/* A forced choice that does not work is rejected with the reason. One that works is used. */
 static void check_forced(svo_device *device, svo_gl_context *context, const svo_gl_options *forced, const char *reason)
 {
     svo_gl *gl = NULL;
@@ -394,7 +393,7 @@ static void check_forced(svo_device *device, svo_gl_context *context, const svo_
         assert_int_equal(status, SVO_UNSUPPORTED);
         assert_null(gl);
         if (strstr(svo_device_message(device), reason) == NULL) {
-            fail_msg("'%s' does not say '%s'", svo_device_message(device), reason);
+            fail_msg("'%s' does not contain '%s'", svo_device_message(device), reason);
         }
         return;
     }
@@ -440,11 +439,10 @@ static void hardware_without_the_extension_is_refused(void **state)
     svo_device_destroy(&device);
 }
 
-/*
- * 64-bit integers of the language or of two words.
+/* 64-bit integers of GLSL, or of two words.
  */
 
-/* Builds with a front end of its own; the tree is the exact one. */
+/* Builds with a front end of its own and compares with the exact tree. */
 static void check_mixed(uint32_t no_int64, const mixed_mesh *mixed, unsigned depth, char hash[SVO_HASH_TEXT_BYTES])
 {
     fixture opened;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An integrator's own OpenGL context: whatever state it is in, the tree is the same and the state stays; it is used
- * only while it is current; meshes are read out of its buffers.
+ * An application's own OpenGL context: the tree does not depend on its state, the state stays unchanged, the context is
+ * used only while it is current, and meshes are read from its buffers.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,7 +40,7 @@ static svo_gl_context *wrap(void)
     return context;
 }
 
-/* The same by a context of svocl's. */
+/* The same tree by a context that svocl created. */
 static void expected_hash(const svo_mesh *mesh, unsigned depth, char hash[SVO_HASH_TEXT_BYTES])
 {
     fixture opened;
@@ -95,7 +95,7 @@ static void check_state_stays(bool compatibility, svo_gl_share share)
     own_context_make_or_skip(compatibility, &own);
     nondefault_state *odd = nondefault_state_set(compatibility);
     open_wrapped(share, &opened);
-    if (opened.device->is_cpu) { /* its self-test works in any state, too */
+    if (opened.device->is_cpu) { /* the self-test works in any state too */
         assert_string_equal(svo_gl_share_reason(opened.gl, SVO_GL_SHARE_HOST), "");
     }
     nondefault_state_assert(odd, "svo_gl_create");
@@ -197,7 +197,7 @@ static void context_must_be_current(void **state)
     assert_int_equal(pthread_join(thread, &result), 0);
     assert_int_equal(*(svo_status *)result, SVO_NO_GL);
 
-    /* A context of svocl's that is current instead is not mistaken for it. */
+    /* A context of svocl that is current is not mistaken for the application's. */
     svo_gl_context *other = machine_any_context_or_skip();
     own_context_bind(&own, false);
     assert_int_equal(svo_i_gl_context_make_current(other, NULL), SVO_OK);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Creates, fills, reads and frees storage blocks, below the stages of the builder by compute shaders. */
+/* Creates, fills, reads and frees storage blocks for the stages. */
 #include "compute/buffer.h"
 
-/* Nothing in svocl draws from this binding point. */
+/* svocl draws nothing from this binding point. */
 #define WORK_TARGET GL_COPY_READ_BUFFER
 
 svo_status svo_i_compute_check(svo_i_compute *compute, const char *step)
@@ -13,7 +13,7 @@ svo_status svo_i_compute_check(svo_i_compute *compute, const char *step)
 static svo_status alloc(svo_i_compute *compute, const char *name, uint64_t bytes, const void *data, GLuint *out)
 {
     const svo_i_gl_functions *gl = compute->gl;
-    /* Whole words, and one more: shaders look at words beside the last one. */
+    /* Whole words plus one: shaders read one word past the last. */
     const uint64_t padded = (bytes + 3) / 4 * 4 + 4;
     if (padded > (uint64_t)gl->limits.storage_block_bytes) {
         return svo_i_device_fail(compute->device, SVO_UNSUPPORTED,
@@ -38,11 +38,9 @@ svo_status svo_i_compute_alloc(svo_i_compute *compute, const char *name, uint64_
 
 svo_status svo_i_compute_alloc_zero(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out)
 {
-    const svo_status status = alloc(compute, name, bytes, NULL, out);
-    if (status == SVO_OK) {
-        svo_i_compute_fill_zero(compute, *out);
-    }
-    return status;
+    SVO_I_TRY(alloc(compute, name, bytes, NULL, out));
+    svo_i_compute_fill_zero(compute, *out);
+    return SVO_OK;
 }
 
 svo_status svo_i_compute_upload(svo_i_compute *compute, const char *name, const void *data, uint64_t bytes, GLuint *out)
@@ -77,6 +75,26 @@ svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, s
     return svo_i_compute_check(compute, "reading a buffer");
 }
 
+/* Expects the buffer bound to WORK_TARGET. */
+static svo_status copy_bound_to_cl(svo_i_compute *compute, svo_i_build *build, const char *name, uint64_t offset,
+                                   uint64_t bytes, cl_mem *out)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    const void *mapped = gl->MapBufferRange(WORK_TARGET, (GLintptr)offset, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
+    SVO_I_TRY(svo_i_compute_check(compute, "glMapBufferRange"));
+    if (mapped == NULL) {
+        return svo_i_device_fail(compute->device, SVO_GL_ERROR, SVO_I_GL_BUILD ": glMapBufferRange returned NULL");
+    }
+    const svo_status status = svo_i_build_upload(build, name, mapped, bytes, out);
+    const bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
+    SVO_I_TRY(status);
+    if (!intact) {
+        return svo_i_device_fail(compute->device, SVO_GL_ERROR,
+                                 SVO_I_GL_BUILD ": glUnmapBuffer reports that the content of %s was lost", name);
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuint buffer, const char *name,
                                uint64_t offset, uint64_t bytes, cl_mem *out)
 {
@@ -86,18 +104,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
     }
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(WORK_TARGET, buffer);
-    const void *mapped = gl->MapBufferRange(WORK_TARGET, (GLintptr)offset, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
-    svo_status status = svo_i_compute_check(compute, "glMapBufferRange");
-    if (status == SVO_OK && mapped == NULL) {
-        status = svo_i_device_fail(compute->device, SVO_GL_ERROR, SVO_I_GL_BUILD ": glMapBufferRange returned NULL");
-    }
-    if (status == SVO_OK) {
-        status = svo_i_commands_upload(&build->commands, name, mapped, bytes, out);
-        if (gl->UnmapBuffer(WORK_TARGET) != GL_TRUE && status == SVO_OK) {
-            status = svo_i_device_fail(compute->device, SVO_GL_ERROR,
-                                       SVO_I_GL_BUILD ": glUnmapBuffer says that %s was lost", name);
-        }
-    }
+    const svo_status status = copy_bound_to_cl(compute, build, name, offset, bytes, out);
     gl->BindBuffer(WORK_TARGET, 0);
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The GL compute builder: the tree of a fragment list that never leaves OpenGL, by compute shaders, in the order of
- * lib/build.c, which draws the list and calls svo_i_gl_make_tree. At the end the tree's arrays are copied to OpenCL.
+ * Builds the tree by compute shaders from a fragment list that stays in OpenGL. svo_build makes the list and calls
+ * svo_i_gl_make_tree, which runs the stages in the same order as the OpenCL builder and copies the arrays to OpenCL.
  */
 #include "compute/build.h"
 
@@ -33,14 +33,14 @@ static svo_status check_array(svo_i_compute *compute, const char *name, double b
 svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan)
 {
     const double fragments = plan->info.expected_fragments;
-    svo_status status = check_array(compute, "triangle records", (double)plan->triangle_count * 16);
-    if (status == SVO_OK && plan->work.lists) {
-        status = check_array(compute, "leaf lists", fragments * 4);
+    SVO_I_TRY(check_array(compute, "triangle records", (double)plan->triangle_count * 16));
+    if (plan->work.lists) {
+        SVO_I_TRY(check_array(compute, "leaf lists", fragments * 4));
     }
-    if (status == SVO_OK && (plan->work.made & SVO_NEED_MATERIAL) != 0) {
-        status = check_array(compute, "material entries", fragments * 8);
+    if ((plan->work.made & SVO_NEED_MATERIAL) != 0) {
+        SVO_I_TRY(check_array(compute, "material entries", fragments * 8));
     }
-    return status == SVO_OK ? check_array(compute, "texels", (double)plan->texel_count * 4) : status;
+    return check_array(compute, "texels", (double)plan->texel_count * 4);
 }
 
 static svo_status alloc_cursors(svo_i_gl_build *gl_build)
@@ -51,14 +51,14 @@ static svo_status alloc_cursors(svo_i_gl_build *gl_build)
         return svo_i_device_fail(gl_build->build->commands.device, SVO_OUT_OF_HOST_MEMORY,
                                  SVO_I_GL_BUILD ": no memory for %u chunks", list->chunk_count);
     }
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < list->chunk_count && status == SVO_OK; ++i) {
-        status = svo_i_compute_alloc(gl_build->compute, "cursors", list->chunks[i].needed * 4, &gl_build->cursors[i]);
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        const uint64_t bytes = list->chunks[i].needed * 4;
+        SVO_I_TRY(svo_i_compute_alloc(gl_build->compute, "cursors", bytes, &gl_build->cursors[i]));
     }
-    return status;
+    return SVO_OK;
 }
 
-/* One attempt with room for that many inner nodes. */
+/* One attempt with room for inner_capacity inner nodes. */
 static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, bool *fits)
 {
     svo_i_compute *compute = gl_build->compute;
@@ -67,14 +67,12 @@ static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, b
     gl_build->build->inner_capacity = inner_capacity;
     svo_i_compute_free(compute, masks);
     svo_i_compute_free(compute, first_child);
-    svo_status status = svo_i_compute_alloc(compute, "child_mask_pool", inner_capacity, masks);
-    if (status == SVO_OK) {
-        status = svo_i_compute_alloc(compute, "first_child_pool", inner_capacity * 4, first_child);
-    }
-    return status == SVO_OK ? svo_i_gl_subdivide(gl_build, fits) : status;
+    SVO_I_TRY(svo_i_compute_alloc(compute, "child_mask_pool", inner_capacity, masks));
+    SVO_I_TRY(svo_i_compute_alloc(compute, "first_child_pool", inner_capacity * 4, first_child));
+    return svo_i_gl_subdivide(gl_build, fits);
 }
 
-/* Masks and first children, rerun once with room for certain when the fragment estimate misjudged the scene. */
+/* Creates masks and first children. Reruns once with room for the worst case when the estimate was too low. */
 static svo_status make_nodes(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
@@ -83,12 +81,9 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     bool fits = false;
     uint64_t wanted = 0;
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
-        wanted = svo_i_plan_inner_nodes(build->commands.plan, build->fragment_count, attempt > 0);
-        const svo_status status = try_nodes(gl_build, wanted < most ? wanted : most, &fits);
-        if (status != SVO_OK) {
-            return status;
-        }
-        build->commands.report->reruns += fits ? 0 : 1;
+        wanted = svo_i_plan_inner_nodes(build->plan, build->fragment_count, attempt > 0);
+        SVO_I_TRY(try_nodes(gl_build, wanted < most ? wanted : most, &fits));
+        build->report->reruns += fits ? 0 : 1;
     }
     if (!fits && wanted > most) {
         return svo_i_device_fail(build->commands.device, SVO_UNSUPPORTED,
@@ -104,78 +99,87 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     return SVO_OK;
 }
 
-/* What is made of the mesh's attributes. Ranges of entries that only the materials need do not stay. */
-static svo_status make_payload(svo_i_gl_build *gl_build)
+/* The materials of the nodes. Frees ranges of entries that nothing else needs. */
+static svo_status make_materials(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
 {
     svo_i_build *build = gl_build->build;
     const svo_i_work *work = &build->commands.plan->work;
     const bool has_leaves = build->tree->info.leaf_count > 0;
     const bool own_ranges = has_leaves && work->ranges && !work->lists;
-    svo_i_gl_surface surface = {0};
-    svo_status status = svo_i_gl_surface_upload(gl_build, &surface);
-    if (status == SVO_OK && own_ranges) {
-        status = svo_i_gl_pack(gl_build, false);
+    if (own_ranges) {
+        SVO_I_TRY(svo_i_gl_pack(gl_build, false));
     }
-    if (status == SVO_OK && (work->made & SVO_NEED_MATERIAL) != 0) {
-        /* A root alone needs no shader: OpenCL fills its payload. */
-        status = has_leaves ? svo_i_gl_material(gl_build, &surface) : svo_i_material(build);
+    if ((work->made & SVO_NEED_MATERIAL) != 0) {
+        /* A root without leaves needs no shader: OpenCL fills its payload. */
+        SVO_I_TRY(has_leaves ? svo_i_gl_material(gl_build, surface) : svo_i_material(build, NULL));
     }
     if (own_ranges) {
         svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
     }
-    if (status == SVO_OK && work->filter) {
-        status = svo_i_gl_filter(gl_build, &surface);
+    return SVO_OK;
+}
+
+/* The payload, from the mesh's attributes. */
+static svo_status make_payload(svo_i_gl_build *gl_build)
+{
+    svo_status status = SVO_OK;
+    svo_i_gl_surface surface = {0};
+    SVO_I_TRY_CLEANUP(svo_i_gl_surface_upload(gl_build, &surface));
+    SVO_I_TRY_CLEANUP(make_materials(gl_build, &surface));
+    if (gl_build->build->plan->work.filter) {
+        SVO_I_TRY_CLEANUP(svo_i_gl_filter(gl_build, &surface));
     }
+cleanup:
     svo_i_gl_surface_free(gl_build, &surface);
     return status;
 }
 
-/* Shaders make it for all levels, also for those above the plan's payload_level. */
+/* Shaders create payload for all levels, also for those above the plan's payload_level. */
 static bool is_payload(svo_tree_buffer buffer)
 {
     return buffer == SVO_TREE_COLORS || buffer == SVO_TREE_NORMALS || buffer == SVO_TREE_MATERIALS ||
            buffer == SVO_TREE_FILLS;
 }
 
-/* The tree's arrays, cut to what they hold. */
-static svo_status copy_arrays(svo_i_gl_build *gl_build)
+static svo_status copy_array(svo_i_gl_build *gl_build, svo_tree_buffer array)
 {
     svo_i_build *build = gl_build->build;
-    svo_status status = SVO_OK;
+    const svo_tree_info *info = &build->tree->info;
+    const uint64_t element_bytes = svo_i_tree_element_bytes(array);
+    const uint64_t skipped = is_payload(array) ? info->level_begin[info->payload_level] : 0;
+    return svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[array], svo_tree_buffer_name(array),
+                               skipped * element_bytes, svo_i_tree_element_count(info, array) * element_bytes,
+                               &build->tree->buffers[array]);
+}
+
+/* Copies the tree's arrays to OpenCL, without unused capacity. */
+static svo_status copy_arrays(svo_i_gl_build *gl_build)
+{
     const double start_ms = svo_i_now_ms();
-    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && status == SVO_OK; ++i) {
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (gl_build->arrays[i] != 0) {
-            const svo_tree_info *info = &build->tree->info;
-            const uint64_t element_bytes = svo_i_tree_element_bytes(i);
-            const uint64_t skipped = is_payload(i) ? info->level_begin[info->payload_level] : 0;
-            status = svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[i], svo_tree_buffer_name(i),
-                                         skipped * element_bytes, svo_i_tree_element_count(info, i) * element_bytes,
-                                         &build->tree->buffers[i]);
+            SVO_I_TRY(copy_array(gl_build, i));
             svo_i_compute_free(gl_build->compute, &gl_build->arrays[i]);
         }
     }
-    svo_i_report_add(build->commands.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
-    return status;
+    svo_i_report_add(gl_build->build->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    return SVO_OK;
 }
 
 static svo_status run_stages(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->commands.plan->work;
-    svo_status status = alloc_cursors(gl_build);
-    if (status == SVO_OK) {
-        status = make_nodes(gl_build);
+    const svo_i_work *work = &build->plan->work;
+    SVO_I_TRY(alloc_cursors(gl_build));
+    SVO_I_TRY(make_nodes(gl_build));
+    if (work->lists) {
+        SVO_I_TRY(svo_i_keep_geometry(build));
+        SVO_I_TRY(svo_i_gl_pack(gl_build, true));
     }
-    if (status == SVO_OK && work->lists) {
-        status = svo_i_geometry_upload(build);
-        if (status == SVO_OK) {
-            status = svo_i_gl_pack(gl_build, true);
-        }
+    if (work->surface) {
+        SVO_I_TRY(make_payload(gl_build));
     }
-    if (status == SVO_OK && work->surface) {
-        status = make_payload(gl_build);
-    }
-    return status == SVO_OK ? copy_arrays(gl_build) : status;
+    return copy_arrays(gl_build);
 }
 
 svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What compute shaders of one context need: created with the first build, released with svo_gl. */
+/* The builder by compute shaders: created by the first svo_gl_build, destroyed with svo_gl. */
 #include "compute/builder.h"
 
 #include <stdio.h>
@@ -8,16 +8,27 @@
 
 #include "compute/buffer.h"
 #include "compute/program.h"
+#include "core/message.h"
 
 static bool has_int64(const svo_i_gl_functions *gl, bool no_int64)
 {
     return !no_int64 && svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64");
 }
 
-/* llvmpipe's timer queries leave out work and begin with nonsense. */
-static bool believes_timer(const svo_i_gl_functions *gl)
+/* llvmpipe's timer queries omit work, and the first ones return nonsense. */
+static bool has_reliable_timer(const svo_i_gl_functions *gl)
 {
     return strstr(gl->renderer, "llvmpipe") == NULL;
+}
+
+static svo_status create_objects(svo_i_compute *compute)
+{
+    SVO_I_TRY(svo_i_gl_context_make_current(compute->context, &compute->device->message));
+    svo_i_gl_clear_errors(compute->gl);
+    compute->gl->GenQueries(2, compute->queries);
+    const svo_status status = svo_i_compute_alloc_zero(compute, "exhausted", 4, &compute->exhausted);
+    svo_i_gl_context_release_current(compute->context);
+    return status;
 }
 
 svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, bool no_int64, svo_i_compute **out)
@@ -26,24 +37,18 @@ svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, boo
     if (compute == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, SVO_I_GL_BUILD ": no memory for the builder");
     }
+    svo_status status = SVO_OK;
     compute->device = device;
     compute->context = context;
     compute->gl = svo_i_gl_context_functions(context);
     compute->int64 = has_int64(compute->gl, no_int64);
-    compute->has_timer = believes_timer(compute->gl);
-    svo_status status = svo_i_gl_context_make_current(context, &device->message);
-    if (status == SVO_OK) {
-        svo_i_gl_clear_errors(compute->gl);
-        compute->gl->GenQueries(2, compute->queries);
-        status = svo_i_compute_alloc_zero(compute, "exhausted", 4, &compute->exhausted);
-        svo_i_gl_context_release_current(context);
-    }
-    if (status != SVO_OK) {
-        svo_i_compute_destroy(&compute);
-        return status;
-    }
+    compute->has_timer = has_reliable_timer(compute->gl);
+    SVO_I_TRY_CLEANUP(create_objects(compute));
     *out = compute;
     return SVO_OK;
+cleanup:
+    svo_i_compute_destroy(&compute);
+    return status;
 }
 
 void svo_i_compute_destroy(svo_i_compute **compute)
@@ -67,7 +72,7 @@ void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const bool payload = (need & SVO_I_NEED_PAYLOAD) != 0;
-    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6; /* SVO_I_ENTRY_SORT_LONG has the most of the others */
+    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6; /* SVO_I_ENTRY_SORT_LONG has the most among the others */
     const int has = gl->limits.compute_storage_blocks < gl->limits.storage_bindings ? gl->limits.compute_storage_blocks
                                                                                     : gl->limits.storage_bindings;
     reason[0] = '\0';

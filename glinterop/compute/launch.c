@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Launches compute shaders and times the stages they make up. */
+/* Launches compute shaders and times the stages. */
 #include "compute/launch.h"
 
 #include "commands/timing.h"
 #include "compute/buffer.h"
+#include "core/message.h"
 
-/* Groups in a row of a launch; every context allows 65535. */
+/* Groups in a row of a launch. Every context allows 65535. */
 #define ROW_GROUPS 16384u
 
 static void dispatch(const svo_i_gl_functions *gl, const svo_i_launch *launch)
@@ -27,10 +28,7 @@ svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *laun
     if (launch->indirect == 0 && launch->items == 0) {
         return SVO_OK;
     }
-    const svo_status status = svo_i_compute_program_get(compute, launch->entry, &program);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_compute_program_get(compute, launch->entry, &program));
     for (GLuint binding = 0; binding < SVO_I_COMPUTE_BLOCKS; ++binding) {
         if (launch->buffers[binding] != 0) {
             gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, launch->buffers[binding]);
@@ -49,12 +47,13 @@ svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *laun
 svo_status svo_i_compute_exhausted(svo_i_compute *compute, bool *exhausted)
 {
     uint32_t word = 0;
-    const svo_status status = svo_i_compute_read(compute, compute->exhausted, &word, sizeof word);
+    *exhausted = false;
+    SVO_I_TRY(svo_i_compute_read(compute, compute->exhausted, &word, sizeof word));
     *exhausted = word != 0;
     if (*exhausted) {
         svo_i_compute_fill_zero(compute, compute->exhausted);
     }
-    return status;
+    return SVO_OK;
 }
 
 void svo_i_compute_stage_begin(svo_i_compute *compute)

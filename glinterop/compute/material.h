@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The materials of the nodes. */
+/* Creates the materials of the nodes. */
 #ifndef SVO_GLINTEROP_COMPUTE_MATERIAL_H
 #define SVO_GLINTEROP_COMPUTE_MATERIAL_H
 
 #include "compute/surface.h"
 
-/* The nodes' materials. Needs list_begin, and materials that vary. */
+/* Needs list_begin, at least one leaf, and materials that are not constant. */
 svo_status svo_i_gl_material(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Ranges and lists of the leaves' triangles. */
+/* Creates the leaves' ranges and lists of triangles. */
 #ifndef SVO_GLINTEROP_COMPUTE_PACK_H
 #define SVO_GLINTEROP_COMPUTE_PACK_H
 
 #include "compute/stage.h"
 
-/* list_begin; and list, if asked for. */
+/* Creates list_begin, and list if with_lists. */
 svo_status svo_i_gl_pack(svo_i_gl_build *gl_build, bool with_lists);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The compute shaders' programs: one per entry point and set of keys, compiled on first use. Beside the texts of
- * glinterop/shaders/ they are made of kernels/integer.clh and clip.clh, the same text as the OpenCL kernels.
+ * The programs of the compute shaders: one per entry point and set of defines, compiled on first use. They share
+ * kernels/shared/integer.clh and clip.clh with the OpenCL kernels, as the same text.
  */
 #include "compute/program.h"
 
@@ -26,24 +26,24 @@ extern const char svo_i_source_compute_pack[];
 extern const char svo_i_source_compute_filter[];
 extern const char svo_i_source_compute_material[];
 
-/* The texts an entry point is made of, each with those before it. */
+/* The shared texts before an entry point. Each base includes those above it. */
 typedef enum base {
-    BASE_COMMON, /* the records and the size of a group */
-    BASE_FRAGMENT, /* and the list */
-    BASE_ATTRIBUTE /* and the mesh's attributes */
+    BASE_COMMON, /* records and group size */
+    BASE_FRAGMENT, /* the fragment list */
+    BASE_ATTRIBUTE /* the mesh's attributes */
 } base;
 
 typedef struct entry_shape {
-    const char *key; /* selects the entry point in its text */
+    const char *define; /* selects the entry point in its text */
     const char *source;
     base base;
-    bool has_64_bits; /* and all of the plan's keys; the others have that of the codes' length alone */
+    bool has_64_bits; /* also takes all of the plan's defines; otherwise only the one for the length of codes */
     bool subdivides; /* takes svo_subdivide_params, else svo_filter_params */
-    uint32_t need; /* svo_need bits one of which makes a build launch it; 0: always */
-    bool is_rare; /* compiled when it is launched */
+    uint32_t need; /* svo_need bits; a build with one of them launches it. 0: always. */
+    bool is_rare; /* compiled at its first launch, not by svo_i_compute_prepare */
 } entry_shape;
 
-/* Where each leaf's entries begin. */
+/* The needs that require each leaf's range of entries. */
 #define RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
 #define SUBDIVIDE svo_i_source_compute_subdivide
@@ -76,7 +76,7 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_FILTER", FILTER, BASE_COMMON, true, false, SVO_I_NEED_FILTER, false},
 };
 
-/* A field of the parameters as the uniform of that name. */
+/* A field of the parameters and the name of its uniform. */
 typedef struct field {
     const char *name;
     size_t offset;
@@ -116,7 +116,7 @@ static void defines_to_lines(const char *defines, char *lines, size_t lines_byte
     }
 }
 
-/* Those of the plan's keys that the entry point has. */
+/* The plan's defines that the entry point takes. */
 static const char *defines_of(const svo_i_compute *compute, svo_i_entry entry)
 {
     static const char code48[] = " -DSVO_CODE48";
@@ -136,7 +136,7 @@ static svo_status compile_shader(const svo_i_shader_maker *maker, const entry_sh
         shape->has_64_bits ? "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n" : "",
         lines,
         "#define ",
-        shape->key,
+        shape->define,
         "\n",
         svo_i_source_compute_common,
         shape->base >= BASE_FRAGMENT ? svo_i_source_compute_fragment : "",
@@ -169,22 +169,22 @@ void svo_i_compute_program_set(const svo_i_compute *compute, const svo_i_compute
     }
 }
 
-/* Drivers compile a shader when it is first launched: one group on nothing, in a buffer of zeros. */
-static svo_status warm(svo_i_compute *compute, const svo_i_compute_program *program)
+/* Drivers compile a shader at its first launch: launches one group on a buffer of zeros. */
+static svo_status warm_up(svo_i_compute *compute, const svo_i_compute_program *program)
 {
     const svo_i_gl_functions *gl = compute->gl;
+    svo_status status = SVO_OK;
     GLuint zeros = 0;
-    svo_status status = svo_i_compute_alloc_zero(compute, "zeros", 4096, &zeros);
+    SVO_I_TRY_CLEANUP(svo_i_compute_alloc_zero(compute, "zeros", 4096, &zeros));
     for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, zeros);
     }
-    if (status == SVO_OK) {
-        gl->UseProgram(program->name);
-        svo_i_compute_program_set(compute, program, NULL);
-        gl->DispatchCompute(1, 1, 1);
-        gl->Finish();
-        status = svo_i_gl_check(gl, SVO_I_GL_BUILD, "launching a shader on nothing", &compute->device->message);
-    }
+    gl->UseProgram(program->name);
+    svo_i_compute_program_set(compute, program, NULL);
+    gl->DispatchCompute(1, 1, 1);
+    gl->Finish();
+    SVO_I_TRY_CLEANUP(svo_i_compute_check(compute, "launching a shader on nothing"));
+cleanup:
     svo_i_compute_free(compute, &zeros);
     return status;
 }
@@ -192,18 +192,14 @@ static svo_status warm(svo_i_compute *compute, const svo_i_compute_program *prog
 static svo_status make_program(svo_i_compute *compute, svo_i_compute_program *program)
 {
     const entry_shape *shape = &shapes[program->entry];
-    const svo_i_shader_maker maker = {compute->device, compute->gl, SVO_I_GL_BUILD, shape->key};
+    const svo_i_shader_maker maker = {compute->device, compute->gl, SVO_I_GL_BUILD, shape->define};
     GLuint shader = 0;
-    svo_status status = compile_shader(&maker, shape, program->defines, &shader);
-    if (status == SVO_OK) {
-        status = svo_i_shader_link(&maker, &shader, 1, &program->name);
-        compute->gl->DeleteShader(shader);
-    }
-    if (status == SVO_OK) {
-        find_uniforms(compute->gl, program);
-        status = warm(compute, program);
-    }
-    return status;
+    SVO_I_TRY(compile_shader(&maker, shape, program->defines, &shader));
+    const svo_status linked = svo_i_shader_link(&maker, &shader, 1, &program->name);
+    compute->gl->DeleteShader(shader);
+    SVO_I_TRY(linked);
+    find_uniforms(compute->gl, program);
+    return warm_up(compute, program);
 }
 
 svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, svo_i_compute_program **out)
@@ -249,13 +245,12 @@ svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
     const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, compute->defines, sizeof compute->defines);
-    svo_status status = SVO_OK;
-    for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES && status == SVO_OK; ++entry) {
+    svo_i_plan_defines(plan, compute->defines, sizeof compute->defines);
+    for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES; ++entry) {
         svo_i_compute_program *program = NULL;
         if (!shapes[entry].is_rare && (shapes[entry].need == 0 || (shapes[entry].need & need) != 0)) {
-            status = svo_i_compute_program_get(compute, entry, &program);
+            SVO_I_TRY(svo_i_compute_program_get(compute, entry, &program));
         }
     }
-    return status;
+    return SVO_OK;
 }

@@ -5,7 +5,7 @@
 
 #include "compute/compute.h"
 
-/* The entry points of glinterop/shaders/, in the order of the table in compute_program.c. */
+/* The entry points of compute/shaders/, in the order of the table in program.c. */
 typedef enum svo_i_entry {
     SVO_I_ENTRY_MARK,
     SVO_I_ENTRY_DESCEND,
@@ -30,15 +30,15 @@ typedef enum svo_i_entry {
     SVO_I_ENTRIES
 } svo_i_entry;
 
-/* Storage blocks an entry point has at most. */
+/* The most storage blocks of an entry point. */
 #define SVO_I_COMPUTE_BLOCKS 15
-/* The binding after them, which every launch has: whether loops were cut short (shaders/compute.glsl). */
+/* The binding after them, used by every launch: svo_i_compute.exhausted. */
 #define SVO_I_COMPUTE_EXHAUSTED 15
 #define SVO_I_COMPUTE_BINDINGS  SVO_I_GL_STATE_STORAGE_BINDINGS
-/* Fields of the larger of the two kinds of parameters that shaders read. */
+/* Fields of svo_filter_params, the larger of the two parameter records. */
 #define SVO_I_COMPUTE_FIELDS 13
 
-/* An entry point compiled for a plan's keys. */
+/* An entry point compiled for a plan's defines. */
 typedef struct svo_i_compute_program svo_i_compute_program;
 struct svo_i_compute_program {
     svo_i_compute_program *next;
@@ -51,12 +51,12 @@ struct svo_i_compute_program {
 
 /* The calls below expect the context current. */
 
-/* Takes the plan's keys and compiles what every build of it needs. */
+/* Takes the plan's defines and compiles the programs that every build of the plan needs. */
 svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan);
-/* The entry point by the keys of the plan; compiled, and launched once on nothing, on first use. */
+/* The entry point for the plan's defines. Compiles it on first use and launches it once on zeros. */
 svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, svo_i_compute_program **out);
 void svo_i_compute_programs_destroy(svo_i_compute *compute);
-/* Sets the parameters' uniforms of the program in use; NULL means zeros. */
+/* Sets the parameters' uniforms of the program in use. params: NULL means zeros. */
 void svo_i_compute_program_set(const svo_i_compute *compute, const svo_i_compute_program *program, const void *params);
 
 #endif

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh's attributes in storage blocks, for the stages that make payload of them (material.c, filter.c):
- * shaders/attribute.glsl reads them. Only what the plan has is uploaded. Attributes of vertices share a block, since a
+ * Uploads the mesh's attributes to storage blocks, for the stages that compute payload (material.c, filter.c);
+ * shaders/attribute.glsl reads them. Uploads only what the plan has. All vertex attributes share one block, since a
  * shader may have few.
  */
 #include "compute/surface.h"
 
 #include "compute/buffer.h"
+#include "core/message.h"
 
-/* Uploads an array if the plan has it. */
+/* Uploads an array if the plan has it. data: NULL allowed. */
 static svo_status upload(svo_i_gl_build *gl_build, const char *name, const void *data, uint64_t bytes, GLuint *out)
 {
     return data != NULL ? svo_i_compute_upload(gl_build->compute, name, data, bytes, out) : SVO_OK;
 }
 
-/* One attribute behind those before it; *end moves on. */
+/* Appends an attribute at *end, and advances *end. */
 static void put_attribute(svo_i_gl_build *gl_build, const void *data, uint64_t bytes, uint64_t *end)
 {
     const svo_i_gl_functions *gl = gl_build->compute->gl;
@@ -34,51 +35,39 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
     if (bytes == 0) {
         return SVO_OK;
     }
-    const svo_status status = svo_i_compute_alloc(gl_build->compute, "vertex_attributes", bytes, out);
-    if (status == SVO_OK) {
-        uint64_t end = 0;
-        gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, *out);
-        put_attribute(gl_build, plan->colors, vertices * 4, &end);
-        put_attribute(gl_build, plan->normals, vertices * 8, &end);
-        put_attribute(gl_build, plan->uvs, vertices * 8, &end);
-        gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
-    }
-    return status;
+    SVO_I_TRY(svo_i_compute_alloc(gl_build->compute, "vertex_attributes", bytes, out));
+    uint64_t end = 0;
+    gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, *out);
+    put_attribute(gl_build, plan->colors, vertices * 4, &end);
+    put_attribute(gl_build, plan->normals, vertices * 8, &end);
+    put_attribute(gl_build, plan->uvs, vertices * 8, &end);
+    gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
+    return SVO_OK;
 }
 
-/* What places a triangle in a voxel; uniform weights do not look at vertices. */
+/* The arrays that locate a triangle in a voxel. Uniform weights do not need vertices. */
 static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t triangles = plan->triangle_count;
-    svo_status status = SVO_OK;
+    const uint64_t vertices = plan->vertex_count;
     if (plan->options.weights != SVO_WEIGHTS_UNIFORM) {
-        status = upload(gl_build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices);
+        SVO_I_TRY(upload(gl_build, "vertices", plan->vertices, vertices * 12, &out->vertices));
     }
-    if (status == SVO_OK) {
-        status = upload(gl_build, "indices", plan->indices, triangles * 12, &out->indices);
-    }
-    return status == SVO_OK
-               ? upload(gl_build, "records", plan->records, triangles * sizeof(svo_triangle_record), &out->records)
-               : status;
+    SVO_I_TRY(upload(gl_build, "indices", plan->indices, triangles * 12, &out->indices));
+    return upload(gl_build, "records", plan->records, triangles * sizeof(svo_triangle_record), &out->records);
 }
 
 svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     svo_i_compute_stage_begin(gl_build->compute);
-    svo_status status = upload_triangles(gl_build, out);
-    if (status == SVO_OK) {
-        status = upload_attributes(gl_build, &out->attributes);
-    }
-    if (status == SVO_OK) {
-        status = upload(gl_build, "material_records", plan->materials,
-                        plan->material_count * sizeof(svo_material_record), &out->materials);
-    }
-    if (status == SVO_OK) {
-        status = upload(gl_build, "texels", plan->texels, plan->texel_count * 4, &out->texels);
-    }
-    return status == SVO_OK ? svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_TRANSFER) : status;
+    const uint64_t material_bytes = plan->material_count * sizeof(svo_material_record);
+    SVO_I_TRY(upload_triangles(gl_build, out));
+    SVO_I_TRY(upload_attributes(gl_build, &out->attributes));
+    SVO_I_TRY(upload(gl_build, "material_records", plan->materials, material_bytes, &out->materials));
+    SVO_I_TRY(upload(gl_build, "texels", plan->texels, plan->texel_count * 4, &out->texels));
+    return svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_TRANSFER);
 }
 
 void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface)

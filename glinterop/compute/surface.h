@@ -5,12 +5,12 @@
 
 #include "compute/stage.h"
 
-/* The mesh's attributes; 0 where the plan does not have them. */
+/* 0 for an attribute that the plan does not have. */
 typedef struct svo_i_gl_surface {
     GLuint vertices, indices, records, attributes, materials, texels;
 } svo_i_gl_surface;
 
-/* Free also after a failure. */
+/* Call svo_i_gl_surface_free after a failure too. */
 svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out);
 void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface);
 

@@ -25,8 +25,9 @@ const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
     return "unknown context kind";
 }
 
-/* EGL and OSMesa know nothing of each other: each believes that its context stays current when the other binds one. Mesa's
-   drivers share one current context below both, and OSMesa would take EGL's for its own, so EGL is unbound first. */
+/* EGL and OSMesa know nothing of each other: each believes that its context stays current when the other binds one.
+   Mesa's drivers share one current context below both, and OSMesa would take EGL's for its own, so EGL is unbound
+   first. */
 static void take_binding(svo_i_gl_binding *binding)
 {
     binding->taken = true;

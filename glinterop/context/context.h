@@ -37,8 +37,8 @@ struct svo_gl_context {
 
 /*
  * Makes the context current on this thread and remembers what was current before. Cheap when it is already current.
- * Each successful call is undone by one svo_i_gl_context_release_current on the same thread, in reverse order. A wrapped
- * context must already be current; the outermost call saves its state and the outermost release restores it.
+ * Each successful call is undone by one svo_i_gl_context_release_current on the same thread, in reverse order. A
+ * wrapped context must already be current; the outermost call saves its state and the outermost release restores it.
  *
  * Returns SVO_NO_GL with the step that failed, for example because the context is current on another thread. A failure
  * changes nothing.

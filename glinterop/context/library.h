@@ -27,8 +27,8 @@ void svo_i_library_close(void *library); /* NULL allowed */
 /* NULL when the library has no such function. */
 svo_i_function svo_i_library_function(void *library, const char *name);
 
-/* Whether a space-separated list has the token as a whole word: "GL_NV_x_y" does not contain "GL_NV_x". list: NULL counts
-   as empty. An empty token is in no list. */
+/* Whether a space-separated list has the token as a whole word: "GL_NV_x_y" does not contain "GL_NV_x". list: NULL
+   counts as empty. An empty token is in no list. */
 bool svo_i_list_has_token(const char *list, const char *token);
 
 #endif

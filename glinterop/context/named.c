@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Chooses an EGL device by name. EGL names a device by its driver, if at all; only a context knows the renderer. So this
- * creates a context on each device and compares its renderer.
+ * Chooses an EGL device by name. EGL names a device by its driver, if at all; only a context knows the renderer. So
+ * this creates a context on each device and compares its renderer.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

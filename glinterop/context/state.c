@@ -13,8 +13,8 @@
 /* Which contexts have a capability. */
 typedef enum known { ALWAYS = 0, COMPATIBILITY, NV, INTEL } known;
 
-/* Capabilities that drop, move or add fragments, or write elsewhere. All are off while svocl draws; raster.c toggles the
-   last two. Blending and logic operations need no entry: there is no color attachment. */
+/* Capabilities that drop, move or add fragments, or write elsewhere. All are off while svocl draws; raster.c toggles
+   the last two. Blending and logic operations need no entry: there is no color attachment. */
 static const struct {
     GLenum name;
     known known;

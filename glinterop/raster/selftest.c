@@ -23,7 +23,8 @@ static uint32_t next_random(uint32_t *state)
     return *state >> 8;
 }
 
-/* Integer coordinates on a grid of 2^20 units: a mix of small triangles, needles, slivers of one unit and large ones. */
+/* Integer coordinates on a grid of 2^20 units: a mix of small triangles, needles, slivers of one unit and large ones.
+   */
 static void make_vertices(double *positions)
 {
     static const int32_t extents[4] = {12000, 900, 300000, 60000};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Device handles whose OpenCL context is created against an OpenGL context, so that the two can share buffers. */
+/* Device handles whose OpenCL context is created against an OpenGL context, so that both APIs can share buffers. */
 #include "core/device.h"
 
 #include "core/message.h"
@@ -10,17 +10,17 @@ int svo_gl_device_may_share(const svo_device *device)
     return device != NULL && svo_i_interop_is_listed(device, &svo_i_opencl_installed);
 }
 
-/* A second handle of the same device, on an OpenCL context made against the OpenGL one; NULL where they cannot
-   share. */
+/* A second handle of the same device, on an OpenCL context created against the OpenGL context; NULL where the two
+   cannot share. */
 static svo_device *create_joined(const svo_device *plain, svo_gl_context *context, const svo_device_options *options)
 {
-    svo_i_interop sharing;
+    svo_i_interop interop;
     cl_context joined = NULL;
     svo_device *device = NULL;
     if (svo_i_gl_context_make_current(context, NULL) != SVO_OK) {
         return NULL;
     }
-    if (svo_i_interop_find(plain, context, &sharing, NULL) == SVO_OK &&
+    if (svo_i_interop_find(plain, context, &interop, NULL) == SVO_OK &&
         svo_i_interop_create_context(plain, context, &joined, NULL) == SVO_OK) {
         (void)svo_device_create(joined, plain->device, options, &device, NULL);
         clReleaseContext(joined);
@@ -29,7 +29,7 @@ static svo_device *create_joined(const svo_device *plain, svo_gl_context *contex
     return device;
 }
 
-/* The device on an OpenCL context that knows nothing of OpenGL. id: NULL: by the options' name. */
+/* The device on an OpenCL context without OpenGL. id: NULL: the device that the options name. */
 static svo_status create_plain(cl_device_id id, const svo_device_options *options, svo_device **out,
                                svo_message *message)
 {
@@ -55,9 +55,9 @@ svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, co
                           context == NULL ? "context" : "out");
     }
     svo_device *plain = NULL;
-    const svo_status status = create_plain(device, options, &plain, message);
-    if (status != SVO_OK || plain == NULL) {
-        return status;
+    SVO_I_TRY(create_plain(device, options, &plain, message));
+    if (plain == NULL) {
+        return SVO_OK;
     }
     svo_device *joined = create_joined(plain, context, options);
     if (joined != NULL) {

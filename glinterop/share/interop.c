@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds cl_khr_gl_sharing on a pair of device and context, and makes OpenCL contexts against OpenGL ones. */
+/* Finds cl_khr_gl_sharing on a pair of device and context, and creates OpenCL contexts against OpenGL contexts. */
 #include "share/interop.h"
 
 #include <stdlib.h>
@@ -9,11 +9,10 @@
 #include "core/device.h"
 #include "core/message.h"
 
-/* Devices that one OpenGL context may have, and properties that one OpenCL context may have: far above what there
-   is. */
+/* Upper bounds on the devices of an OpenGL context and the properties of an OpenCL context, far above real ones. */
 enum { DEVICES_MAX = 64, PROPERTIES_MAX = 64 };
 
-/* The device's extensions in memory of their own, or NULL. */
+/* The device's extensions, or NULL. The caller frees the list. */
 static char *extension_list(const svo_device *device, const svo_i_opencl *opencl)
 {
     size_t bytes = 0;
@@ -65,19 +64,16 @@ static svo_status load_functions(const svo_device *device, const svo_i_opencl *o
                                  svo_message *message)
 {
     cl_platform_id platform = NULL;
-    const svo_status status = find_platform(device, &platform, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(find_platform(device, &platform, message));
     const char *missing = NULL;
     void *address = NULL;
-    /* ISO C has no cast from an object pointer to a function; the bytes are copied, as POSIX does for dlsym. */
+    /* ISO C has no cast from an object pointer to a function pointer: copy the bytes. */
 #define LOAD_FUNCTION(member)                                                              \
     address = opencl->GetExtensionFunctionAddressForPlatform(platform, "cl" #member);      \
     _Static_assert(sizeof address == sizeof out->member, "functions are as wide as data"); \
     memcpy(&out->member, &address, sizeof address);                                        \
     missing = address == NULL && missing == NULL ? "cl" #member : missing;
-    SVO_I_SHARING_FUNCTION_LIST(LOAD_FUNCTION)
+    SVO_I_INTEROP_FUNCTION_LIST(LOAD_FUNCTION)
 #undef LOAD_FUNCTION
     if (missing != NULL) {
         return svo_i_fail(message, SVO_UNSUPPORTED, "%s lists cl_khr_gl_sharing but has no function %s", device->name,
@@ -90,39 +86,34 @@ typedef struct context_properties {
     cl_context_properties list[7];
 } context_properties;
 
-/* What clCreateContext is told about the OpenGL context. */
+/* The properties by which clCreateContext finds the OpenGL context. */
 static svo_status name_context(const svo_device *device, const svo_gl_context *context, context_properties *out,
                                svo_message *message)
 {
     const svo_i_gl_handles handles = context->platform->handles(context->native);
     if (handles.system == SVO_I_GL_SYSTEM_OTHER) {
         return svo_i_fail(message, SVO_UNSUPPORTED,
-                          "OpenCL can share with contexts of EGL and GLX, and this is neither");
+                          "OpenCL shares with contexts of EGL and GLX only, and this is neither");
     }
     cl_platform_id platform = NULL;
-    const svo_status status = find_platform(device, &platform, message);
-    if (status == SVO_OK) {
-        *out = (context_properties){{CL_CONTEXT_PLATFORM, (cl_context_properties)platform, CL_GL_CONTEXT_KHR,
-                                     (cl_context_properties)handles.context,
-                                     handles.system == SVO_I_GL_SYSTEM_EGL ? CL_EGL_DISPLAY_KHR : CL_GLX_DISPLAY_KHR,
-                                     (cl_context_properties)handles.display, 0}};
-    }
-    return status;
+    SVO_I_TRY(find_platform(device, &platform, message));
+    *out = (context_properties){{CL_CONTEXT_PLATFORM, (cl_context_properties)platform, CL_GL_CONTEXT_KHR,
+                                 (cl_context_properties)handles.context,
+                                 handles.system == SVO_I_GL_SYSTEM_EGL ? CL_EGL_DISPLAY_KHR : CL_GLX_DISPLAY_KHR,
+                                 (cl_context_properties)handles.display, 0}};
+    return SVO_OK;
 }
 
-/* Whether the devices that can share with the context include the device. */
-static svo_status find_in_context(const svo_device *device, const svo_gl_context *context, const svo_i_interop *sharing,
+/* SVO_OK if the device is among those that can share with the context. */
+static svo_status find_in_context(const svo_device *device, const svo_gl_context *context, const svo_i_interop *interop,
                                   svo_message *message)
 {
     context_properties properties;
-    const svo_status status = name_context(device, context, &properties, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(name_context(device, context, &properties, message));
     cl_device_id devices[DEVICES_MAX];
     size_t bytes = 0;
     const cl_int error =
-        sharing->GetGLContextInfoKHR(properties.list, CL_DEVICES_FOR_GL_CONTEXT_KHR, sizeof devices, devices, &bytes);
+        interop->GetGLContextInfoKHR(properties.list, CL_DEVICES_FOR_GL_CONTEXT_KHR, sizeof devices, devices, &bytes);
     if (error != CL_SUCCESS) {
         return svo_i_fail(message, SVO_UNSUPPORTED, "clGetGLContextInfoKHR failed with %s (%d)",
                           svo_i_cl_error_name(error), error);
@@ -139,28 +130,19 @@ static svo_status find_in_context(const svo_device *device, const svo_gl_context
 svo_status svo_i_interop_find(const svo_device *device, const svo_gl_context *context, svo_i_interop *out,
                               svo_message *message)
 {
-    svo_i_interop sharing = {0};
-    svo_status status = find_extension(device, context->opencl, &sharing, message);
-    if (status == SVO_OK) {
-        status = load_functions(device, context->opencl, &sharing, message);
-    }
-    if (status == SVO_OK) {
-        status = find_in_context(device, context, &sharing, message);
-    }
-    if (status == SVO_OK) {
-        *out = sharing;
-    }
-    return status;
+    svo_i_interop interop = {0};
+    SVO_I_TRY(find_extension(device, context->opencl, &interop, message));
+    SVO_I_TRY(load_functions(device, context->opencl, &interop, message));
+    SVO_I_TRY(find_in_context(device, context, &interop, message));
+    *out = interop;
+    return SVO_OK;
 }
 
 svo_status svo_i_interop_create_context(const svo_device *device, const svo_gl_context *context, cl_context *out,
                                         svo_message *message)
 {
     context_properties properties;
-    const svo_status status = name_context(device, context, &properties, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(name_context(device, context, &properties, message));
     cl_int error = CL_SUCCESS;
     cl_context created = context->opencl->CreateContext(properties.list, 1, &device->device, NULL, NULL, &error);
     if (created == NULL || error != CL_SUCCESS) {

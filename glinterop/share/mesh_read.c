@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes whose arrays lie in buffers of OpenGL, read back to the host (lib/mesh.c packs them). */
+/* Reads meshes from OpenGL buffers to the host; lib/core/mesh.c packs them. */
 #include "context/context.h"
 #include "core/device.h"
 #include "core/mesh.h"
+#include "core/message.h"
 
 #define FUNCTION "svo_gl_mesh_read"
-/* A binding that draws read nothing from; svocl's own state.c restores it. */
+/* No draw reads from this binding point; state.c restores it. */
 #define WORK_TARGET GL_COPY_READ_BUFFER
 
 static bool has_name(const svo_mesh_view *view)
@@ -13,7 +14,7 @@ static bool has_name(const svo_mesh_view *view)
     return view->gl_buffer != 0;
 }
 
-/* Names that are no buffer make glBindBuffer fail in a core profile; elsewhere they would become one. */
+/* For a name that is no buffer, glBindBuffer fails in a core profile and creates one in other profiles. */
 static svo_status bind_view(const svo_i_gl_functions *gl, const svo_mesh_view *view, svo_message *message)
 {
     if (!gl->IsBuffer(view->gl_buffer)) {
@@ -27,10 +28,7 @@ static svo_status buffer_size(void *self, const svo_mesh_view *view, size_t *byt
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(self);
     GLint64 held_bytes = 0;
-    const svo_status status = bind_view(gl, view, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(bind_view(gl, view, message));
     gl->GetBufferParameteri64v(WORK_TARGET, GL_BUFFER_SIZE, &held_bytes);
     *bytes = held_bytes > 0 ? (size_t)held_bytes : 0;
     return svo_i_gl_check(gl, FUNCTION, "glGetBufferParameteri64v", message);
@@ -40,10 +38,7 @@ static svo_status read_buffer(void *self, const svo_mesh_view *view, size_t offs
                               svo_message *message)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(self);
-    const svo_status status = bind_view(gl, view, message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(bind_view(gl, view, message));
     gl->GetBufferSubData(WORK_TARGET, (GLintptr)offset_bytes, (GLsizeiptr)bytes, to);
     return svo_i_gl_check(gl, FUNCTION, "glGetBufferSubData", message);
 }
@@ -63,7 +58,7 @@ static svo_status read_current(const svo_mesh_buffers *buffers, svo_gl_context *
     const svo_i_mesh_reader reader = {
         .function = FUNCTION, .self = context, .has = has_name, .size = buffer_size, .read = read_buffer};
     svo_i_gl_clear_errors(gl);
-    /* What shaders have written to the buffers. */
+    /* Makes writes by shaders visible. */
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     return svo_i_mesh_read(buffers, &reader, out, message);
 }
@@ -77,13 +72,9 @@ svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_context *con
                           : context == NULL ? "context"
                                             : "out");
     }
-    svo_status status = wait_for(num_wait, wait, message);
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_make_current(context, message);
-    }
-    if (status == SVO_OK) {
-        status = read_current(buffers, context, out, message);
-        svo_i_gl_context_release_current(context);
-    }
+    SVO_I_TRY(wait_for(num_wait, wait, message));
+    SVO_I_TRY(svo_i_gl_context_make_current(context, message));
+    const svo_status status = read_current(buffers, context, out, message);
+    svo_i_gl_context_release_current(context);
     return status;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which share path works on a pair of device and context, and why the others do not. Called once per svo_gl.
+ * Finds which share paths work on a pair of device and context, and why the others do not. Called once per svo_gl.
  *
- * Never by trial where a trial can end the process: `sharing` goes step by step, and each step is taken only when the
- * one before has proven it (sharing.h). `host` is safe to try. Both end in a self-test.
+ * A trial may end the process, so `interop` proceeds step by step, and each step runs only after the previous one has
+ * shown that it is safe (interop.h). `host` is safe to try. Both end in a self-test.
  */
 #include "share/probe.h"
 
@@ -16,13 +16,13 @@
 
 enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };
 
-/* Two regions with two values, so that neither a stale buffer nor a wrong offset passes. */
+/* Two regions with two values, so that a stale buffer or a wrong offset fails. */
 static cl_uint test_word(unsigned round, unsigned word)
 {
     return (word < TEST_SPLIT_WORDS ? 0x5eed0001u : 0xc0ffee02u) + round;
 }
 
-/* OpenGL copies the pattern from a buffer of its own: the one way of writing that heeds none of the caller's state. */
+/* OpenGL copies the pattern from a buffer of its own: a copy depends on none of the caller's state. */
 static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_uint *words)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
@@ -42,7 +42,7 @@ static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round
     return svo_i_gl_check(gl, "svo_i_share_probe", "glCopyBufferSubData", &buffer->device->message);
 }
 
-/* The device itself copies the shared bytes to a buffer of its own; what arrives there is what kernels would see. */
+/* The device copies the shared bytes to a buffer of its own, so the result is what kernels would see. */
 static svo_status compare_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_mem own, cl_command_queue queue,
                                   cl_uint *words)
 {
@@ -68,23 +68,16 @@ static svo_status compare_pattern(const svo_i_share_buffer *buffer, unsigned rou
 
 static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_queue queue, cl_uint *words)
 {
-    svo_status status = SVO_OK;
-    for (unsigned round = 0; round < TEST_ROUNDS && status == SVO_OK; ++round) {
-        status = svo_i_share_buffer_to_gl(buffer, queue);
-        if (status == SVO_OK) {
-            status = write_pattern(buffer, round, words);
-        }
-        if (status == SVO_OK) {
-            status = svo_i_share_buffer_to_cl(buffer, TEST_BYTES, queue);
-        }
-        if (status == SVO_OK) {
-            status = compare_pattern(buffer, round, own, queue, words);
-        }
+    for (unsigned round = 0; round < TEST_ROUNDS; ++round) {
+        SVO_I_TRY(svo_i_share_buffer_to_gl(buffer, queue));
+        SVO_I_TRY(write_pattern(buffer, round, words));
+        SVO_I_TRY(svo_i_share_buffer_to_cl(buffer, TEST_BYTES, queue));
+        SVO_I_TRY(compare_pattern(buffer, round, own, queue, words));
     }
-    return status;
+    return SVO_OK;
 }
 
-/* OpenGL writes, OpenCL reads, twice. Expects the context current; the reason is left in the device's message. */
+/* OpenGL writes and OpenCL reads, twice. Expects the context current; the device's message says why it fails. */
 static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl_share share)
 {
     svo_i_share_buffer buffer = {0};
@@ -95,18 +88,17 @@ static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl
     svo_status status = SVO_OK;
     if (words == NULL) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "no %d bytes for the self-test", (int)TEST_BYTES);
-    } else if (error != CL_SUCCESS) {
+        goto cleanup;
+    }
+    if (error != CL_SUCCESS) {
         status = svo_i_device_fail_cl(device, "svo_i_share_probe", "clCreateCommandQueue", error);
+        goto cleanup;
     }
-    if (status == SVO_OK) {
-        status = svo_i_device_buffer(device, "svo_i_share_probe", "self-test", CL_MEM_READ_WRITE, TEST_BYTES, &own);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_share_buffer_create(device, context, share, TEST_BYTES, &buffer);
-    }
-    if (status == SVO_OK) {
-        status = run_rounds(&buffer, own, queue, words);
-    }
+    SVO_I_TRY_CLEANUP(
+        svo_i_device_buffer(device, "svo_i_share_probe", "self-test", CL_MEM_READ_WRITE, TEST_BYTES, &own));
+    SVO_I_TRY_CLEANUP(svo_i_share_buffer_create(device, context, share, TEST_BYTES, &buffer));
+    SVO_I_TRY_CLEANUP(run_rounds(&buffer, own, queue, words));
+cleanup:
     svo_i_share_buffer_destroy(&buffer);
     if (own != NULL) {
         clReleaseMemObject(own);
@@ -118,23 +110,20 @@ static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl
     return status;
 }
 
-/* Whether the pair can share, and its OpenCL context was made for it. */
+/* SVO_OK if the pair can share and the device's OpenCL context was created for it. */
 static svo_status check_interop(svo_device *device, svo_gl_context *context)
 {
-    svo_i_interop sharing;
+    svo_i_interop interop;
     cl_context joined = NULL;
-    svo_status status = svo_i_interop_find(device, context, &sharing, &device->message);
-    if (status != SVO_OK || svo_i_interop_is_joined(device, context)) {
-        return status;
+    SVO_I_TRY(svo_i_interop_find(device, context, &interop, &device->message));
+    if (svo_i_interop_is_joined(device, context)) {
+        return SVO_OK;
     }
-    status = svo_i_interop_create_context(device, context, &joined, &device->message);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_interop_create_context(device, context, &joined, &device->message));
     clReleaseContext(joined);
     return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                             "the device's OpenCL context was not made against the OpenGL context "
-                             "(svo_gl_device_create makes one)");
+                             "the device's OpenCL context was not created against the OpenGL context "
+                             "(svo_gl_device_create does that)");
 }
 
 static svo_status check_host(svo_device *device, const svo_gl_context *context)
@@ -162,7 +151,7 @@ static void probe_current(svo_device *device, svo_gl_context *context, svo_gl_sh
     }
 }
 
-/* What the steps say is left in the device's message, which is put back. */
+/* The steps report through the device's message, which is restored. */
 static void probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason, size_t reason_bytes)
 {
     const svo_message before = device->message;
@@ -184,7 +173,7 @@ void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share
     case SVO_GL_SHARE_HOST:
         probe(device, context, share, reason, reason_bytes);
         break;
-    case SVO_GL_SHARE_COPY: /* needs nothing that the front end does not need itself */
+    case SVO_GL_SHARE_COPY: /* needs nothing beyond the front end's own requirements */
         break;
     case SVO_GL_SHARE_AUTO:
         (void)snprintf(reason, reason_bytes, "auto is not a share path");

@@ -7,10 +7,10 @@
 #include "core/device.h"
 
 /*
- * Why a share path works or not on this pair: "" in reason if it does, else one line. `sharing` and `host` are put to a
- * round trip.
+ * Writes to reason why a share path does not work on this pair, in one line, or "" if it works. `interop` and `host`
+ * are tested by a round trip. The device's message stays unchanged.
  *
- * share: not AUTO. reason: not NULL, at least one byte; longer reasons are cut. Leaves the device's message as it was.
+ * share: not AUTO. reason: not NULL, at least one byte; longer reasons are cut.
  */
 void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share share, char *reason,
                        size_t reason_bytes);

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers that OpenGL writes and OpenCL reads: between the front end and the build. probe.c says which path
-   works. */
+/* Buffers that OpenGL writes and OpenCL reads, between the rasterizer and the build. probe.c finds which path works. */
 #include "share/share.h"
 
 #include "core/message.h"
 #include "share/share_interop.h"
 
-/* Nothing in svocl draws from this binding point, so that using it disturbs no state. */
+/* svocl draws nothing from this binding point, so its use disturbs no state. */
 #define WORK_TARGET GL_COPY_READ_BUFFER
 
 size_t svo_i_share_limit_bytes(const svo_device *device, const svo_gl_context *context)
@@ -48,14 +47,11 @@ static svo_status check_gl(const svo_i_share_buffer *buffer, const char *functio
 /* Why glMapBufferRange returned NULL. */
 static svo_status fail_map(const svo_i_share_buffer *buffer, const char *function)
 {
-    svo_status status = check_gl(buffer, function, "glMapBufferRange");
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(check_gl(buffer, function, "glMapBufferRange"));
     return svo_i_device_fail(buffer->device, SVO_GL_ERROR, "%s: glMapBufferRange returned NULL", function);
 }
 
-/* The coarsest alignment that OpenCL asks of a buffer's first byte; the device property is in bits. */
+/* The alignment that OpenCL requires of a buffer's first byte. The device property is in bits. */
 static size_t cl_alignment_bytes(const svo_device *device)
 {
     cl_uint bits = 0;
@@ -63,16 +59,13 @@ static size_t cl_alignment_bytes(const svo_device *device)
     return bits > 8 ? bits / 8 : 1;
 }
 
-/* Maps the whole OpenGL buffer for good and finds the first byte that both sides' alignments allow. */
-static svo_status map_for_good(svo_i_share_buffer *buffer, size_t allocated_bytes, size_t alignment_bytes)
+/* Maps the whole OpenGL buffer persistently and finds the first byte that both APIs' alignments allow. */
+static svo_status map_persistently(svo_i_share_buffer *buffer, size_t allocated_bytes, size_t alignment_bytes)
 {
     static const GLbitfield access = GL_MAP_READ_BIT | GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     gl->BufferStorage(WORK_TARGET, (GLsizeiptr)allocated_bytes, NULL, access);
-    svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferStorage");
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(check_gl(buffer, "svo_i_share_buffer_create", "glBufferStorage"));
     unsigned char *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)allocated_bytes, access);
     if (mapped == NULL) {
         return fail_map(buffer, "svo_i_share_buffer_create");
@@ -102,10 +95,7 @@ static svo_status create_host(svo_i_share_buffer *buffer)
         return svo_i_device_fail(buffer->device, SVO_OUT_OF_HOST_MEMORY,
                                  "svo_i_share_buffer_create: %zu bytes do not fit the address space", buffer->bytes);
     }
-    svo_status status = map_for_good(buffer, allocated_bytes, alignment_bytes);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(map_persistently(buffer, allocated_bytes, alignment_bytes));
     cl_int error = CL_SUCCESS;
     buffer->memory = clCreateBuffer(buffer->device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, buffer->bytes,
                                     buffer->pointer, &error);
@@ -117,14 +107,14 @@ static svo_status create_host(svo_i_share_buffer *buffer)
     return SVO_OK;
 }
 
-/* For `copy` a buffer on either side, for `sharing` one of both; for a buffer that stays in OpenGL one there. */
+/* `copy`: one buffer per API. `interop`: one buffer for both. AUTO: an OpenGL buffer only. */
 static svo_status create_allocated(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
-    const svo_status status = check_gl(buffer, "svo_i_share_buffer_create", "glBufferData");
-    if (status != SVO_OK || buffer->share == SVO_GL_SHARE_AUTO) {
-        return status;
+    SVO_I_TRY(check_gl(buffer, "svo_i_share_buffer_create", "glBufferData"));
+    if (buffer->share == SVO_GL_SHARE_AUTO) {
+        return SVO_OK;
     }
     if (buffer->share == SVO_GL_SHARE_INTEROP) {
         return svo_i_share_interop_create(buffer);
@@ -133,7 +123,7 @@ static svo_status create_allocated(svo_i_share_buffer *buffer)
                                buffer->bytes, &buffer->memory);
 }
 
-/* Fills a buffer whose device, context, share and bytes are set; expects the context current. */
+/* Creates both sides of a buffer whose device, context, share and bytes are set. Expects the context current. */
 static svo_status create_current(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
@@ -149,28 +139,23 @@ svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context
                                      svo_i_share_buffer *out)
 {
     if (share < SVO_GL_SHARE_AUTO || share > SVO_GL_SHARE_COPY) {
-        return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d makes no buffers",
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: share %d is not a share path",
                                  (int)share);
     }
-    svo_status status = check_size(device, context, bytes);
-    if (status == SVO_OK) {
-        status = svo_i_gl_context_make_current(context, &device->message);
-    }
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(check_size(device, context, bytes));
+    SVO_I_TRY(svo_i_gl_context_make_current(context, &device->message));
     svo_i_share_buffer buffer = {.device = device, .context = context, .share = share, .bytes = bytes};
-    status = create_current(&buffer);
-    if (status == SVO_OK) {
-        *out = buffer;
-    } else {
+    const svo_status status = create_current(&buffer);
+    if (status != SVO_OK) {
         svo_i_share_buffer_destroy(&buffer);
+    } else {
+        *out = buffer;
     }
     svo_i_gl_context_release_current(context);
     return status;
 }
 
-/* Ends OpenGL's turn on a mapped buffer; the queue is no longer needed afterwards. */
+/* Takes a mapped buffer back from OpenGL and releases the queue. */
 static svo_status unmap_and_wait(svo_i_share_buffer *buffer)
 {
     cl_event done = NULL;
@@ -213,8 +198,8 @@ void svo_i_share_buffer_bind(const svo_i_share_buffer *buffer, GLuint binding)
 }
 
 /*
- * OpenCL 1.2, section 5.2.1 lets a device cache a CL_MEM_USE_HOST_PTR buffer: others may write the memory only while it
- * is mapped, and the unmap makes their writes visible. On PoCL's CPU device both cost next to nothing.
+ * OpenCL 1.2, section 5.2.1 lets a device cache a CL_MEM_USE_HOST_PTR buffer. Others may write the memory only while it
+ * is mapped, and unmapping makes their writes visible. On PoCL's CPU device both are nearly free.
  */
 static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
 {
@@ -236,11 +221,9 @@ static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
 
 static svo_status release_to_gl(svo_i_share_buffer *buffer)
 {
-    svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
-    if (status == SVO_OK) {
-        status = svo_i_share_interop_release(buffer);
-        svo_i_gl_context_release_current(buffer->context);
-    }
+    SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
+    const svo_status status = svo_i_share_interop_release(buffer);
+    svo_i_gl_context_release_current(buffer->context);
     return status;
 }
 
@@ -270,7 +253,7 @@ static svo_status copy_bound_to_cl(const svo_i_share_buffer *buffer, size_t used
     }
     if (!intact) {
         return svo_i_device_fail(buffer->device, SVO_GL_ERROR,
-                                 "svo_i_share_buffer_to_cl: glUnmapBuffer says that the content was lost");
+                                 "svo_i_share_buffer_to_cl: glUnmapBuffer reports that the content was lost");
     }
     return SVO_OK;
 }
@@ -301,9 +284,7 @@ static svo_status to_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, c
         svo_status status = unmap_and_wait(buffer);
         return drawn != SVO_OK ? drawn : status;
     }
-    if (drawn != SVO_OK) {
-        return drawn;
-    }
+    SVO_I_TRY(drawn);
     return used_bytes > 0 ? copy_to_cl(buffer, used_bytes, queue) : SVO_OK;
 }
 
@@ -316,12 +297,10 @@ svo_status svo_i_share_buffer_to_cl(svo_i_share_buffer *buffer, size_t used_byte
     }
     if (buffer->share == SVO_GL_SHARE_HOST && buffer->mapping_queue == NULL) {
         return svo_i_device_fail(buffer->device, SVO_INTERNAL,
-                                 "svo_i_share_buffer_to_cl: the buffer was not given to OpenGL before");
+                                 "svo_i_share_buffer_to_cl: the buffer was not given to OpenGL first");
     }
-    svo_status status = svo_i_gl_context_make_current(buffer->context, &buffer->device->message);
-    if (status == SVO_OK) {
-        status = to_cl_current(buffer, used_bytes, queue);
-        svo_i_gl_context_release_current(buffer->context);
-    }
+    SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
+    const svo_status status = to_cl_current(buffer, used_bytes, queue);
+    svo_i_gl_context_release_current(buffer->context);
     return status;
 }

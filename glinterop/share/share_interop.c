@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The share path `sharing`: an OpenGL buffer that is an OpenCL buffer too, and passes between the two by acquire and
- * release. One of the paths behind share.c.
+ * The share path `interop`: an OpenGL buffer that is an OpenCL buffer too. Acquire and release pass it between the
+ * APIs.
  *
  * OpenCL may touch the buffer only while it is acquired, OpenGL only while it is not (The OpenCL Extension
- * Specification, version 1.2, section 9.7.6). Both calls are waited for by their events, so the caller's queue may be
+ * Specification, version 1.2, section 9.7.6). The host waits for the event of either call, so the caller's queue may be
  * out-of-order.
  */
 #include "share/share_interop.h"
@@ -15,15 +15,16 @@ svo_status svo_i_share_interop_create(svo_i_share_buffer *buffer)
 {
     svo_device *device = buffer->device;
     svo_message reason = {""};
-    if (svo_i_interop_find(device, buffer->context, &buffer->sharing, &reason) != SVO_OK) {
+    if (svo_i_interop_find(device, buffer->context, &buffer->interop, &reason) != SVO_OK) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_i_share_buffer_create: %.512s", reason.text);
     }
     if (!svo_i_interop_is_joined(device, buffer->context)) {
-        return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                 "svo_i_share_buffer_create: the OpenCL context was not made against the OpenGL one");
+        return svo_i_device_fail(
+            device, SVO_UNSUPPORTED,
+            "svo_i_share_buffer_create: the OpenCL context was not created against the OpenGL context");
     }
     cl_int error = CL_SUCCESS;
-    buffer->memory = buffer->sharing.CreateFromGLBuffer(device->context, CL_MEM_READ_WRITE, buffer->name, &error);
+    buffer->memory = buffer->interop.CreateFromGLBuffer(device->context, CL_MEM_READ_WRITE, buffer->name, &error);
     if (buffer->memory == NULL || error != CL_SUCCESS) {
         buffer->memory = NULL;
         return svo_i_device_fail_cl(device, "svo_i_share_buffer_create", "clCreateFromGLBuffer", error);
@@ -31,7 +32,7 @@ svo_status svo_i_share_interop_create(svo_i_share_buffer *buffer)
     return SVO_OK;
 }
 
-/* Waits for an event and releases it; the enqueueing call's own error goes first. */
+/* Waits for an event and releases it. error: of the call that enqueued it, returned if it failed. */
 static cl_int wait_and_release(cl_int error, cl_event event)
 {
     if (error != CL_SUCCESS) {
@@ -44,11 +45,11 @@ static cl_int wait_and_release(cl_int error, cl_event event)
 
 svo_status svo_i_share_interop_acquire(svo_i_share_buffer *buffer, cl_command_queue queue)
 {
-    if (!buffer->sharing.has_gl_event) {
+    if (!buffer->interop.has_gl_event) {
         svo_i_gl_context_functions(buffer->context)->Finish();
     }
     cl_event event = NULL;
-    const cl_int enqueued = buffer->sharing.EnqueueAcquireGLObjects(queue, 1, &buffer->memory, 0, NULL, &event);
+    const cl_int enqueued = buffer->interop.EnqueueAcquireGLObjects(queue, 1, &buffer->memory, 0, NULL, &event);
     const cl_int error = wait_and_release(enqueued, event);
     if (enqueued == CL_SUCCESS) {
         clRetainCommandQueue(queue);
@@ -67,7 +68,7 @@ svo_status svo_i_share_interop_release(svo_i_share_buffer *buffer)
     }
     cl_event event = NULL;
     const cl_int enqueued =
-        buffer->sharing.EnqueueReleaseGLObjects(buffer->acquiring_queue, 1, &buffer->memory, 0, NULL, &event);
+        buffer->interop.EnqueueReleaseGLObjects(buffer->acquiring_queue, 1, &buffer->memory, 0, NULL, &event);
     const cl_int error = wait_and_release(enqueued, event);
     clReleaseCommandQueue(buffer->acquiring_queue);
     buffer->acquiring_queue = NULL;

@@ -14,13 +14,16 @@ typedef struct svo_i_share_buffer {
     svo_gl_share share;
     size_t bytes;
     GLuint name; /* the OpenGL buffer */
-    size_t offset_bytes; /* where the shared bytes begin in it: OpenCL may want a coarser alignment */
+    size_t offset_bytes; /* where the shared bytes begin in it: OpenCL may require a coarser alignment */
     cl_mem memory; /* the OpenCL buffer; its byte 0 is the OpenGL buffer's byte offset_bytes */
-    unsigned char *pointer; /* host: where OpenGL's mapping holds the shared bytes; NULL otherwise */
-    cl_command_queue mapping_queue; /* host: set while OpenCL has memory mapped, that is while OpenGL may write */
-    svo_i_interop sharing; /* sharing: the extension's functions */
-    cl_command_queue
-        acquiring_queue; /* sharing: set while OpenCL has acquired memory, that is while OpenGL may not write */
+
+    /* host */
+    unsigned char *pointer; /* the mapped shared bytes; NULL for other paths */
+    cl_command_queue mapping_queue; /* not NULL while OpenCL has memory mapped: OpenGL may write */
+
+    /* interop */
+    svo_i_interop interop; /* the extension's functions */
+    cl_command_queue acquiring_queue; /* not NULL while OpenCL has acquired memory: OpenGL must not write */
 } svo_i_share_buffer;
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a triangle contributes to a voxel: its weight, and its color and normal at one of its points.
- * kernels/attribute.clh in GLSL, number by number; the part of a triangle inside a voxel (kernels/clip.clh) is one
- * text for both. The keys are the same. Needs 64-bit integers.
+ * The contribution of a triangle to a voxel: its weight, and its color and normal at one of its points. The same
+ * arithmetic as kernels/stages/attribute.clh, with the same defines; both share the text of clip.clh, which computes
+ * the part of a triangle inside a voxel. Needs 64-bit integers.
  *
- * Blocks 0 to 7 are the same in all that use this file. vertex_attributes holds, of every vertex, first the colors
- * (RGBA8, one word), then the normals (int16 x and y, z and 0; two words; all 0: the triangle's own), then u and v
- * (two words, 65536 = 1); what the mesh lacks is left out.
+ * Storage blocks 0 to 7 are the same in all users of this file. vertex_attributes holds the colors of all vertices
+ * (RGBA8, one word each), then all normals (int16 x and y, z and 0; two words each; all 0: use the triangle's own),
+ * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space.
  */
 #include "shared/clip.clh"
 
@@ -15,7 +15,7 @@ uniform uint vertex_count;
 
 layout(std430, binding = 2) readonly buffer Vertices
 {
-    int vertices[]; /* x, y, z each, snapped */
+    int vertices[]; /* x, y, z per vertex, snapped */
 };
 layout(std430, binding = 3) readonly buffer Indices
 {
@@ -28,7 +28,8 @@ layout(std430, binding = 4) readonly buffer Records
 
 #define SVO_WEIGHT_ONE 65536
 
-/* What a pair contributes: how much, and where on the triangle: weights of its corners, SVO_WEIGHT_ONE in all. */
+/* The contribution of a pair: its weight, and its point on the triangle as weights of the corners, which sum up to
+   SVO_WEIGHT_ONE. */
 struct svo_share {
     uint weight;
     ivec3 corners;
@@ -52,7 +53,8 @@ ivec3 svo_equal_weights()
 
 #if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTER)
 
-/* A triangle's corners u, v, t from the voxel's minimum corner, in grid units; t is its axis. */
+/* A triangle's corners u, v, t relative to the voxel's minimum corner, in grid units. t is along the triangle's axis.
+   */
 void svo_load_corners(uint triangle, uint axis, ivec3 origin, out int corners[9])
 {
     for (uint i = 0u; i < 3u; ++i) {
@@ -66,8 +68,8 @@ void svo_load_corners(uint triangle, uint axis, ivec3 origin, out int corners[9]
     }
 }
 
-/* Twice the signed area of the triangle of p, q and a point at the origin plus a fraction of a unit in 2^-bits, times
-   2^bits. */
+/* Twice the signed area, times 2^bits, of the triangle p, q and a point near the origin. fraction: the point, in
+   2^-bits of a unit. */
 int64_t svo_area_from(ivec2 p, ivec2 q, ivec2 fraction, int bits)
 {
     int64_t whole = int64_t(p.x) * int64_t(q.y) - int64_t(p.y) * int64_t(q.x);
@@ -81,8 +83,9 @@ uint svo_significant_bits(uint64_t number)
     return high != 0u ? uint(findMSB(high)) + 33u : uint(findMSB(low) + 1);
 }
 
-/* The corners' weights at a point of the triangle, in sub-units; a third each for a triangle of no area. Of a triangle
-   that reaches further than 2^24 units the point counts in whole units, else to 2^-12 of one: areas stay below 2^62. */
+/* The weights of the corners at a point of the triangle, in sub-units; a third each for a triangle without area. The
+   point has a precision of 2^-12 unit, or of one unit when the triangle reaches further than 2^24 units, so that areas
+   stay below 2^62. */
 ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
 {
     int bits = SVO_SUB_LOG2 - int(voxel_log2);
@@ -106,7 +109,7 @@ ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
     part_y = max(part_y * side, int64_t(0));
     part_z = max(part_z * side, int64_t(0));
     uint64_t total = uint64_t(part_x + part_y + part_z);
-    /* Sixteen significant bits are enough, and leave a 32-bit division. */
+    /* Sixteen significant bits suffice and allow a 32-bit division. */
     uint significant = svo_significant_bits(total);
     uint shift = significant > 16u ? significant - 16u : 0u;
     uint whole = uint(total >> shift);
@@ -150,7 +153,7 @@ svo_share svo_pair_share(uint triangle, svo_code code)
     return share;
 }
 
-/* Where a vertex's attributes lie. */
+/* The offsets of a vertex's attributes. */
 #if defined(SVO_VERTEX_COLOR) || defined(SVO_VERTEX_NORMAL) || defined(SVO_TEXTURE)
 
 layout(std430, binding = 5) readonly buffer VertexAttributes
@@ -209,8 +212,7 @@ layout(std430, binding = 7) readonly buffer Texels
     uint texels[];
 };
 
-/* The texel's index on one axis of a texture of that many texels. GLSL leaves the remainder of negative
-   numbers open. */
+/* The texel's index along one axis of a texture. GLSL leaves the remainder of negative numbers undefined. */
 uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 {
     if (wrap == 1u) {
@@ -221,7 +223,7 @@ uint svo_wrap_texel(int texel, int texel_count, uint wrap)
     return uint(inside < texel_count ? inside : period - 1 - inside);
 }
 
-/* Bilinear, with eight bits of position between texels, rounded half up. u, v: 65536 = 1. */
+/* Bilinear filter with eight bits of position between texels, rounded half up. u, v: 65536 = 1. */
 uvec4 svo_sample(svo_material_record material, int u, int v)
 {
     int64_t x = ((int64_t(u) * int64_t(material.width) * int64_t(256) + int64_t(32768)) >> 16) - int64_t(128);

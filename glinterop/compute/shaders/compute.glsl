@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What all compute shaders of the builder share: the group's size, and which item an invocation is. Groups are laid
- * out in rows, since one row of them may be too short for a chunk of the list; those past the last item find nothing
- * to do.
+ * What all compute shaders of the builder share: the group size and the item of an invocation. A launch arranges its
+ * groups in rows, since one row may be too short for a chunk of the list. Invocations past the last item do nothing.
  *
- * Each entry point of a stage, named as its OpenCL twin in kernels/, is a program of its own: the host defines its name
- * in capitals (SVO_K_MARK). Storage blocks are bound in the order of the launch's buffers, as an OpenCL kernel's
- * arguments are; parameters are the records of layout.h as uniforms.
+ * Each entry point of a stage has the name of its OpenCL twin in kernels/ and is a program of its own: the host defines
+ * its name in capitals (SVO_K_MARK). Storage blocks are bound in the order of the launch's buffers, like the arguments
+ * of an OpenCL kernel. Parameters are the records of layout.h, as uniforms.
  */
 #include "shared/layout.h"
 
@@ -17,16 +16,16 @@ layout(std430, binding = 15) buffer Exhausted
     uint exhausted; /* not 0: an invocation's loops were cut short */
 };
 
-/* llvmpipe allows the loops of one invocation 65535 turns in all, and then ends each at its first, without a word.
-   Called after loops whose turns grow with a voxel's triangles, this notices by a loop of two turns, a number that no
-   compiler knows. */
+/* llvmpipe silently stops an invocation after 65535 loop iterations: every later loop ends after one iteration. Call
+   this after loops whose length grows with a voxel's triangles. It runs a loop of two iterations, a number that is
+   unknown to the compiler, and detects when fewer run. */
 void svo_check_loops()
 {
-    uint turns = 0u;
-    while (turns < gl_NumWorkGroups.z + 1u) {
-        ++turns;
+    uint iterations = 0u;
+    while (iterations < gl_NumWorkGroups.z + 1u) {
+        ++iterations;
     }
-    if (turns < 2u) {
+    if (iterations < 2u) {
         exhausted = 1u;
     }
 }

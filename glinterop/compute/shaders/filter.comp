@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload, bottom up: mean color, mean normal and fill of every node, in integers. kernels/filter.cl in GLSL.
+ * The payload, bottom up: mean color, mean normal and fill of every node, in integers. kernels/stages/filter.cl in
+ * GLSL.
  *
  *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
- *                       payload and the node's sums. For lists of one chunk, and leaves of not too many triangles
- *   SVO_K_GATHER        per fragment of a chunk: adds what it contributes to the sums of its leaf, which are zero at
- *                       first. For all others; 64-bit sums by 32-bit atomics, carrying from the low word to the high
- *                       one
- *   SVO_K_FILTER        per node of a level, from the deepest one not done yet up: writes its children's payload and
- *                       its own sums
+ *                       payload and the node's sums. For lists of one chunk whose leaves fit the loop limit
+ *   SVO_K_GATHER        per fragment of a chunk, for all other lists: adds its contribution to the sums of its leaf,
+ *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word
+ *   SVO_K_FILTER        per node of a level, upwards from the deepest level left: writes its children's payload and its
+ *                       own sums
  *
- * Launch: one invocation per node or fragment. Sums of a node lie together: weight, color (four words), normal
- * (three), 64 bits each, what the variant has. Normals and fills are 16-bit numbers, of which neighbors share a word:
- * their arrays hold zeros at first, and each number is added by an atomicOr.
+ * Launch: one invocation per node or fragment. The sums of a node are adjacent: weight, color (four words), normal
+ * (three), 64 bits each, as far as the variant has them. Normals and fills are 16-bit numbers, two per word: their
+ * arrays start at zero, and an atomicOr writes each number.
  */
 #ifdef SVO_K_FILTER
-uniform svo_filter_params params; /* the others have it from attribute.glsl */
+uniform svo_filter_params params; /* attribute.glsl declares it for the other entry points */
 #endif
 
-/* What a node's sums are added up in. */
+/* The sums of a node. */
 struct svo_sums {
     uint64_t weight;
 #ifdef SVO_COLOR
@@ -54,7 +54,7 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
     return a;
 }
 
-/* 64-bit words of a node's sums, and of the parts before color and normal. */
+/* 64-bit words of a node's sums, and the offsets of color and normal in them. */
 #ifdef SVO_COLOR
 #define SVO_NORMAL_SUM 5u
 #else
@@ -95,7 +95,7 @@ void svo_store_sums(svo_sums sums, uint node)
 #endif
 }
 
-/* The tree so far and its payload. */
+/* The bindings of the tree and its payload. */
 #ifdef SVO_K_FILTER
 #define SVO_BINDING_MASKS       0
 #define SVO_BINDING_FIRST_CHILD 1
@@ -146,7 +146,7 @@ uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
 
 layout(std430, binding = SVO_BINDING_NORMALS) buffer Normals
 {
-    uint normals[]; /* two numbers a word */
+    uint normals[]; /* two numbers per word */
 };
 
 /* s / w rounded half up: floor((2 s + w) / (2 w)); the offset makes the dividend positive, since |s| <= 32768 w. */
@@ -171,11 +171,11 @@ void svo_put_normal(uint index, int number)
 
 layout(std430, binding = SVO_BINDING_FILLS) buffer Fills
 {
-    uint fills[]; /* two numbers a word */
+    uint fills[]; /* two numbers per word */
 };
 
-/* Surface in 4096ths of a node's face, rounded half up, 65535 at most. shift: 0 < shift, the face's weight in bits less
-   twelve. */
+/* The surface in 4096ths of a node's face, rounded half up, at most 65535. shift: log2 of the face's weight, minus
+   twelve; above 0. */
 uint svo_fill_of(uint64_t weight, uint shift)
 {
     if (shift > 62u) {
@@ -202,7 +202,7 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
 #endif
 }
 
-/* No level above writes the root's payload: whoever sums up the root does. */
+/* Stores the root's payload, which no level above can do. */
 void svo_store_root(svo_sums sums, uint node)
 {
     if (node == 0u && sums.weight != uint64_t(0)) {
@@ -286,7 +286,7 @@ layout(std430, binding = 8) readonly buffer Heads
     uint heads[];
 };
 
-/* The sums of a leaf's list. link: its first fragment plus one. */
+/* Sums up a leaf's list. link: its first fragment plus one. */
 svo_sums svo_sum_list(uint link)
 {
     svo_sums sums = svo_no_sums();
@@ -341,7 +341,7 @@ svo_sums svo_load_sums(uint node)
     return sums;
 }
 
-/* Sums are indexed from the first node of their level; payload by the whole tree. */
+/* Sums are indexed from the first node of their level, payload from the root. */
 void main()
 {
     uint index = svo_item();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reading the fragment list, as kernels/fragment.clh does, without 64-bit integers: a code of 48 bits is two words.
+ * Reads the fragment list like kernels/shared/fragment.clh, without 64-bit integers: a code of 48 bits is two words.
  */
 layout(std430, binding = 0) readonly buffer Fragments
 {
@@ -11,7 +11,7 @@ layout(std430, binding = 0) readonly buffer Fragments
 
 #define svo_code uvec2
 
-/* Whether the code is one of a voxel in a grid of that depth, 11 .. 16. */
+/* Whether the code is that of a voxel in a grid of this depth, 11 .. 16. */
 bool svo_code_in_grid(svo_code code, uint depth)
 {
     return code.y >> (3u * depth - 32u) == 0u;
@@ -27,7 +27,7 @@ uint svo_fragment_triangle(uint index)
     return fragments[index * SVO_FRAGMENT_WORDS_48 + 2u];
 }
 
-/* The octant (x | y << 1 | z << 2) below the voxel's ancestor on a level. */
+/* The octant (x | y << 1 | z << 2) of the voxel below its ancestor on a level. */
 uint svo_octant(svo_code code, uint depth, uint level)
 {
     uint shift = 3u * (depth - 1u - level); /* never 32 */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Links the fragments of each leaf into a list: kernels/link.cl in GLSL. heads[k] is the first fragment of leaf k plus
- * one, 0 for none. Cursors stay as they are: where a list turns out too long for one invocation, they are needed again.
+ * Links the fragments of each leaf into a list: kernels/stages/link.cl in GLSL. heads[k] is the first fragment of leaf
+ * k plus one, 0 for none. Cursors stay unchanged, because they are needed again when a list is too long for one
+ * invocation.
  *
  * Launch: one invocation per fragment of a chunk.
  */

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The material of every node: of all the triangles in it, the one that weighs most; of equals the smaller.
- * kernels/material.cl in GLSL; entries, and why their order does not matter, are explained there.
+ * The material of every node: the one with the largest weight among its triangles, the smallest of equals.
+ * kernels/stages/material.cl in GLSL, which describes the entries and why their order does not matter.
  *
- *   SVO_K_MATERIAL_SCATTER  per fragment: (material, weight) into its leaf's range of entries, in any order
- *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and adds up those of one material
+ *   SVO_K_MATERIAL_SCATTER  per fragment: writes (material, weight) into its leaf's range of entries, in any order
+ *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and sums up those of one material
  *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, for leaves too long for one invocation
- *   (compute.glsl)
- *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries to the place of the first
+ *                           (compute.glsl)
+ *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries, in place of the first child's
  *
- * Materials are 16-bit numbers, of which neighbors share a word: their array holds zeros at first, and each number is
- * added by an atomicOr.
+ * Materials are 16-bit numbers, two per word: their array starts at zero, and an atomicOr writes each number.
  */
 #define SVO_ENTRY_SHIFT 48
-/* Sorts behind all materials, which are below 65535. */
+/* Sorts after all materials, which are below 65535. */
 #define SVO_NO_ENTRY (~uint64_t(0))
 
 #ifdef SVO_K_MATERIAL_SCATTER
@@ -62,7 +61,7 @@ layout(std430, binding = 3) buffer Spare
 };
 layout(std430, binding = 4) buffer Materials
 {
-    uint materials[]; /* two numbers a word */
+    uint materials[]; /* two numbers per word */
 };
 #else
 layout(std430, binding = 4) readonly buffer ChildEntries
@@ -75,7 +74,7 @@ layout(std430, binding = 7) buffer Entries
 };
 layout(std430, binding = 8) buffer Materials
 {
-    uint materials[]; /* two numbers a word */
+    uint materials[]; /* two numbers per word */
 };
 #endif
 
@@ -130,8 +129,8 @@ void svo_put(bool forth, uint index, uint64_t entry)
     }
 }
 
-/* Merges two neighboring runs of up to width slots each, which SVO_NO_ENTRY ends where it stands, into one; entries
-   of one material are added up before they are written. */
+/* Merges two neighboring runs into one. SVO_NO_ENTRY ends a run early. Sums up the entries of one material before
+   writing them. */
 void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 {
     uint a = begin;
@@ -163,7 +162,7 @@ void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 
 #ifdef SVO_K_MATERIAL_PASS
 
-/* The leaf whose range an entry lies in: the last that begins no later. */
+/* The leaf whose range contains an entry: the last that begins no later. */
 uint svo_leaf_of(uint index)
 {
     uint leaf = 0u;
@@ -175,7 +174,7 @@ uint svo_leaf_of(uint index)
     return leaf;
 }
 
-/* params.level: log2 of the runs' width; of even ones entries are read and spare is written. */
+/* params.level: log2 of the runs' width. Even levels read entries and write spare. */
 void main()
 {
     uint index = svo_item();
@@ -200,8 +199,8 @@ layout(std430, binding = 1) writeonly buffer Counts
     uint counts[];
 };
 
-/* Merge sort from the bottom up, to and fro between entries and spare; an odd number of passes ends with a copy.
-   params.digit_passes: not 0, other launches have sorted already. */
+/* Bottom-up merge sort that alternates between entries and spare. An odd number of passes ends with a copy.
+   params.digit_passes: not 0 when other launches have already sorted. */
 void main()
 {
     uint leaf = svo_item();

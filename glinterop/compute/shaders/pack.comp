@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Packs the leaf lists: contiguous ranges of triangles, ascending inside a leaf. kernels/pack.cl in GLSL.
+ * Packs the leaf lists: contiguous ranges of triangles, sorted within a leaf. kernels/stages/pack.cl in GLSL.
  *
  *   SVO_K_COUNT       per fragment: lengths
  *   scan.comp         per leaf: where its range begins
- *   SVO_K_SCATTER     per fragment: its triangle into the range, in any order (lengths count down to 0)
- *   SVO_K_SORT_SHORT  per leaf: Shell's sort up to SVO_SHORT_LIST_MAX entries; longer ones are put on a list, and the
- *                     launch of SVO_K_SORT_LONG is made as large as the list
- *   SVO_K_SORT_LONG   per long leaf, one group, once for each digit: a pass of a stable radix sort by four bits,
- *                     between list and spare. One pass a launch, and one leaf a group, since loops have a limit
+ *   SVO_K_SCATTER     per fragment: writes its triangle into the range, in any order (lengths count down to 0)
+ *   SVO_K_SORT_SHORT  per leaf: Shell sort of up to SVO_SHORT_LIST_MAX entries. Collects longer leaves in a list and
+ *                     sizes the launch of SVO_K_SORT_LONG to it
+ *   SVO_K_SORT_LONG   per long leaf, one group, once per digit: a pass of a stable radix sort by four bits, between
+ *                     list and spare. One pass per launch and one leaf per group, since loops are limited
  *                     (compute.glsl)
  */
 #define SVO_LONG_ROW 16384u /* groups in a row of a launch */
@@ -85,13 +85,13 @@ layout(std430, binding = 3) buffer State
 {
     svo_build_state state;
 };
-/* Groups of SVO_K_SORT_LONG, in a row and rows. */
+/* The groups of SVO_K_SORT_LONG: per row, and rows. */
 layout(std430, binding = 4) buffer Launches
 {
     uint launches[];
 };
 
-/* Entries that are a multiple of gap apart, in order. */
+/* Sorts the entries that are a multiple of gap apart. */
 void svo_sort_gap(uint begin, uint end, uint gap)
 {
     for (uint i = begin + gap; i < end; ++i) {
@@ -105,7 +105,7 @@ void svo_sort_gap(uint begin, uint end, uint gap)
     }
 }
 
-/* The gaps are those of kernels/pack.cl. */
+/* The gaps of kernels/stages/pack.cl. */
 void svo_sort_short(uint begin, uint end)
 {
     const uint gaps[6] = uint[6](132u, 57u, 23u, 10u, 4u, 1u);
@@ -196,8 +196,8 @@ uint svo_digit_slot(uint triangle, uint shift)
     return (triangle >> shift & uint(SVO_DIGITS - 1)) * uint(SVO_GROUP_ITEMS) + gl_LocalInvocationID.x;
 }
 
-/* One stable pass over length entries from first on by the digit at shift, from list to spare or back. Each item owns a
-   contiguous strip. */
+/* One stable pass over length entries, starting at first, by the digit at shift, from list to spare or back. Each item
+   owns a contiguous strip. */
 void svo_radix_pass(bool forth, uint first, uint length, uint shift)
 {
     uint item = gl_LocalInvocationID.x;
@@ -229,7 +229,7 @@ void svo_radix_pass(bool forth, uint first, uint length, uint shift)
 void main()
 {
     uint k = gl_WorkGroupID.y * SVO_LONG_ROW + gl_WorkGroupID.x;
-    if (k < state.long_lists) { /* for all of the group or for none */
+    if (k < state.long_lists) { /* uniform within the group */
         uint leaf = long_leaves[k];
         uint begin = list_begin[leaf];
         svo_radix_pass((params.level & 1u) == 0u, begin, list_begin[leaf + 1u] - begin,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Exclusive sums in three passes, reduce, partials, add: kernels/scan.cl in GLSL.
+ * Exclusive sums in three passes, reduce, partials, add: kernels/stages/scan.cl in GLSL.
  *
- * Sums over a level's masks launch as many groups as the level has ranges: how many nodes it has is known on the device
- * alone, so the partials of one level write the launch of the next (SVO_K_SCAN_MASKS_PARTIALS, Launches). Sums over the
- * leaf lists launch SVO_SCAN_GROUPS groups.
+ * Sums over a level's masks launch one group per range of the level. Only the device knows the number of nodes, so the
+ * partials pass of one level writes the launch of the next (SVO_K_SCAN_MASKS_PARTIALS, Launches). Sums over the leaf
+ * lists launch SVO_SCAN_GROUPS groups.
  */
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS (uint(SVO_GROUP_ITEMS) * SVO_ITEM_ELEMENTS)
@@ -12,7 +12,7 @@
 
 shared uint scratch[SVO_GROUP_ITEMS];
 
-/* Exclusive sum over the group's items; total receives the sum of all. */
+/* Exclusive sum over the group's items. total: the sum of all. */
 uint svo_group_exclusive(uint value, out uint total)
 {
     uint item = gl_LocalInvocationID.x;
@@ -31,7 +31,7 @@ uint svo_group_exclusive(uint value, out uint total)
     return sum - value;
 }
 
-/* Tiles of a range, and ranges that have any, of count elements. */
+/* For count elements: the tiles of a range, and the number of ranges that have any. */
 uint svo_tiles_per_group(uint count)
 {
     uint tiles = count / SVO_TILE_ELEMENTS + (count % SVO_TILE_ELEMENTS != 0u ? 1u : 0u);
@@ -61,7 +61,7 @@ layout(std430, binding = 0) readonly buffer Masks
     uint masks[];
 };
 
-/* The masks of four nodes from one on; those from end on are 0. */
+/* The masks of four nodes, starting at node. Masks at and past end are 0. */
 uint svo_four_masks(uint node, uint end)
 {
     uint shift = 8u * (node & 3u);
@@ -148,7 +148,7 @@ layout(std430, binding = 0) buffer Partials
     uint partials[];
 };
 
-/* Exclusive sums of the first partials on top of base, in place; returns the sum of all. One group. */
+/* Replaces partials by their exclusive sums plus base, in place. Returns the sum of all. One group. */
 uint svo_scan_partials(uint partial_count, uint base)
 {
     uint first = gl_LocalInvocationID.x * SVO_ITEM_PARTIALS;
@@ -176,13 +176,13 @@ layout(std430, binding = 1) buffer State
 {
     svo_build_state state;
 };
-/* Groups of the passes over each level, three words a level. */
+/* The groups of the passes over each level, three words per level. */
 layout(std430, binding = 2) writeonly buffer Launches
 {
     uint launches[];
 };
 
-/* The total is the number of nodes of the next level but one boundary: where the level below the children begins. */
+/* The total is where the level below the children begins. */
 void main()
 {
     uint child_begin = state.level_begin[params.level + 1u];

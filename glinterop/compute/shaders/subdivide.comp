@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Subdivision, top down, level by level: kernels/subdivide.cl in GLSL.
+ * Subdivides top down, level by level: kernels/stages/subdivide.cl in GLSL.
  *
  *   SVO_K_MARK     once: every fragment marks its octant in the root
  *   SVO_K_DESCEND  per level: every fragment moves its cursor to the child and marks its octant there
  *
- * Launch: one invocation per fragment of a chunk, rounded up to whole groups. Masks, four to a word, and why plain
- * reads beside atomicOr are enough, and what becomes of fragments that none can be: see there.
+ * Launch: one invocation per fragment of a chunk, rounded up to whole groups. subdivide.cl describes the masks (four
+ * per word), why plain reads beside atomicOr suffice, and how invalid fragments are handled.
  */
 uniform svo_subdivide_params params;
 
