@@ -85,7 +85,7 @@ static svo_status copy_bound_to_cl(svo_i_compute *compute, svo_i_build *build, c
     if (mapped == NULL) {
         return svo_i_device_fail(compute->device, SVO_GL_ERROR, SVO_I_GL_BUILD ": glMapBufferRange returned NULL");
     }
-    const svo_status status = svo_i_build_upload(build, name, mapped, bytes, out);
+    const svo_status status = svo_i_commands_upload(&build->commands, name, mapped, bytes, out);
     const bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
     SVO_I_TRY(status);
     if (!intact) {

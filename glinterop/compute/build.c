@@ -81,9 +81,9 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     bool fits = false;
     uint64_t wanted = 0;
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
-        wanted = svo_i_plan_inner_nodes(build->plan, build->fragment_count, attempt > 0);
+        wanted = svo_i_plan_inner_nodes(build->commands.plan, build->fragment_count, attempt > 0);
         SVO_I_TRY(try_nodes(gl_build, wanted < most ? wanted : most, &fits));
-        build->report->reruns += fits ? 0 : 1;
+        build->commands.report->reruns += fits ? 0 : 1;
     }
     if (!fits && wanted > most) {
         return svo_i_device_fail(build->commands.device, SVO_UNSUPPORTED,
@@ -111,7 +111,7 @@ static svo_status make_materials(svo_i_gl_build *gl_build, const svo_i_gl_surfac
     }
     if ((work->made & SVO_NEED_MATERIAL) != 0) {
         /* A root without leaves needs no shader: OpenCL fills its payload. */
-        SVO_I_TRY(has_leaves ? svo_i_gl_material(gl_build, surface) : svo_i_material(build, NULL));
+        SVO_I_TRY(has_leaves ? svo_i_gl_material(gl_build, surface) : svo_i_material(build));
     }
     if (own_ranges) {
         svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
@@ -126,7 +126,7 @@ static svo_status make_payload(svo_i_gl_build *gl_build)
     svo_i_gl_surface surface = {0};
     SVO_I_TRY_CLEANUP(svo_i_gl_surface_upload(gl_build, &surface));
     SVO_I_TRY_CLEANUP(make_materials(gl_build, &surface));
-    if (gl_build->build->plan->work.filter) {
+    if (gl_build->build->commands.plan->work.filter) {
         SVO_I_TRY_CLEANUP(svo_i_gl_filter(gl_build, &surface));
     }
 cleanup:
@@ -162,18 +162,18 @@ static svo_status copy_arrays(svo_i_gl_build *gl_build)
             svo_i_compute_free(gl_build->compute, &gl_build->arrays[i]);
         }
     }
-    svo_i_report_add(gl_build->build->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
+    svo_i_report_add(gl_build->build->commands.report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     return SVO_OK;
 }
 
 static svo_status run_stages(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->plan->work;
+    const svo_i_work *work = &build->commands.plan->work;
     SVO_I_TRY(alloc_cursors(gl_build));
     SVO_I_TRY(make_nodes(gl_build));
     if (work->lists) {
-        SVO_I_TRY(svo_i_keep_geometry(build));
+        SVO_I_TRY(svo_i_geometry_upload(build));
         SVO_I_TRY(svo_i_gl_pack(gl_build, true));
     }
     if (work->surface) {

@@ -12,6 +12,7 @@
 #include "commands/timing.h"
 #include "compute/buffer.h"
 #include "core/message.h"
+#include "stages/payload_params.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;

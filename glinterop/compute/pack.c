@@ -7,6 +7,7 @@
 
 #include "compute/buffer.h"
 #include "core/message.h"
+#include "stages/payload_params.h"
 
 typedef struct packer {
     svo_i_gl_build *gl_build;
@@ -124,7 +125,7 @@ static svo_status make_lists(packer *p)
 svo_status svo_i_gl_pack(svo_i_gl_build *gl_build, bool with_lists)
 {
     packer p = {.gl_build = gl_build, .params = svo_i_payload_params(gl_build->build)};
-    p.params.digit_passes = svo_i_digit_passes(gl_build->build->plan->triangle_count);
+    p.params.digit_passes = svo_i_digit_passes(gl_build->build->commands.plan->triangle_count);
     GLuint *scratch[] = {&p.counts, &p.spare, &p.long_leaves, &p.launches};
     svo_status status = SVO_OK;
     svo_i_compute_stage_begin(gl_build->compute);

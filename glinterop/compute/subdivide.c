@@ -101,7 +101,8 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
 static svo_status run_levels(subdivider *s)
 {
     const svo_i_build *build = s->gl_build->build;
-    svo_subdivide_params params = {.depth = build->plan->info.depth, .inner_capacity = (cl_uint)build->inner_capacity};
+    svo_subdivide_params params = {.depth = build->commands.plan->info.depth,
+                                   .inner_capacity = (cl_uint)build->inner_capacity};
     SVO_I_TRY(mark_root(s, params));
     for (params.level = 0; params.level < params.depth; ++params.level) {
         SVO_I_TRY(scan_level(s, params));
@@ -122,7 +123,7 @@ svo_status svo_i_gl_subdivide(svo_i_gl_build *gl_build, bool *fits)
     SVO_I_TRY_CLEANUP(run_levels(&s));
     SVO_I_TRY_CLEANUP(svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_SUBDIVIDE));
     SVO_I_TRY_CLEANUP(svo_i_compute_read(gl_build->compute, gl_build->state, &state, sizeof state));
-    SVO_I_TRY_CLEANUP(svo_i_take_state(gl_build->build, &state, fits));
+    SVO_I_TRY_CLEANUP(svo_i_build_take_state(gl_build->build, &state, fits));
 cleanup:
     svo_i_compute_free(gl_build->compute, &s.launches);
     return status;
