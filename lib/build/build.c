@@ -81,7 +81,7 @@ cleanup:
     report->fragments = build.fragment_count;
     report->list_chunks = build.list.chunk_count;
     svo_i_commands_end(&build.commands);
-    svo_i_build_release_scratch(&build);
+    svo_i_order_release_scratch(&build);
     svo_tree_destroy(&build.tree);
     return status;
 }

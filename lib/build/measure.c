@@ -71,7 +71,7 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
     }
     svo_i_plan_buffers_reset(plan);
     const svo_status status = measure_stages(build, chunking, extent);
-    svo_i_build_release_scratch(build);
+    svo_i_order_release_scratch(build);
     mark_persistent(build);
     svo_i_allocations_free(&unread);
     svo_tree_destroy(&build->tree);

@@ -2,7 +2,10 @@
 /* Runs the stages that the plan has, one after the other. */
 #include "build/order.h"
 
+#include <stdlib.h>
+
 #include "plan/configuration.h"
+#include "stages/surface.h"
 
 svo_status svo_i_order_get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
 {
@@ -32,4 +35,16 @@ svo_status svo_i_order_run(svo_i_build *build)
         }
     }
     return SVO_OK;
+}
+
+void svo_i_order_release_scratch(svo_i_build *build)
+{
+    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
+        svo_i_commands_free(&build->commands, &build->cursors[i]);
+    }
+    free(build->cursors);
+    svo_i_surface_free(build);
+    svo_i_commands_free(&build->commands, &build->state);
+    svo_i_commands_free(&build->commands, &build->partials);
+    svo_i_build_release_list(build);
 }

@@ -9,5 +9,7 @@
 svo_status svo_i_order_get_programs(svo_i_build *build, svo_i_warm_up *warm_up);
 /* Everything after the list, by OpenCL. */
 svo_status svo_i_order_run(svo_i_build *build);
+/* Releases everything but the tree, none of it in use any more. */
+void svo_i_order_release_scratch(svo_i_build *build);
 
 #endif

@@ -7,7 +7,6 @@
 
 #include "plan/buffers.h"
 #include "plan/estimate.h"
-#include "stages/surface.h"
 
 svo_status svo_i_build_fail_damaged(svo_i_build *build)
 {
@@ -130,16 +129,4 @@ void svo_i_build_assume_counts(svo_i_build *build)
     info->node_count = nodes + build->fragment_count;
     info->level_begin[info->depth + 1] = limited(info->node_count);
     info->fragments = build->fragment_count;
-}
-
-void svo_i_build_release_scratch(svo_i_build *build)
-{
-    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
-        svo_i_commands_free(&build->commands, &build->cursors[i]);
-    }
-    free(build->cursors);
-    svo_i_surface_free(build);
-    svo_i_commands_free(&build->commands, &build->state);
-    svo_i_commands_free(&build->commands, &build->partials);
-    svo_i_build_release_list(build);
 }

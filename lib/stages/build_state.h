@@ -54,8 +54,6 @@ svo_status svo_i_build_fail_damaged(svo_i_build *build);
 /* What the plan says of a tree; and capacities in place of its counts. */
 void svo_i_build_fill_info(svo_i_build *build);
 void svo_i_build_assume_counts(svo_i_build *build);
-/* Releases everything but the tree, none of it in use any more. */
-void svo_i_build_release_scratch(svo_i_build *build);
 
 SVO_I_SHARED_END
 

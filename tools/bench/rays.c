@@ -19,6 +19,7 @@
 #include "measure/spread.h"
 #include "support/job.h"
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/table.h"
 
 #define DEFAULT_INPUT   "scene:statue:120000"

@@ -5,6 +5,7 @@
  * leaves the court open to the sky. The seed moves small things: tiles, cloths and leaves.
  */
 #include "furnishings.h"
+#include "list.h"
 
 #define BAY         3.0
 #define BAYS_LEFT   5

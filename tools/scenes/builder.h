@@ -66,14 +66,4 @@ void builder_fit(scene_builder *builder, const scene_request *request, detailed_
 /* A number of segments: base at detail 1, never below least. */
 uint32_t detail_segments(double base, double detail, uint32_t least);
 
-/* The scenes, one file each. */
-void scene_atrium(scene_builder *builder, const scene_request *request);
-void scene_statue(scene_builder *builder, const scene_request *request);
-void scene_knot(scene_builder *builder, const scene_request *request);
-void scene_terrain(scene_builder *builder, const scene_request *request);
-void scene_needles(scene_builder *builder, const scene_request *request);
-void scene_dust(scene_builder *builder, const scene_request *request);
-void scene_cornell(scene_builder *builder, const scene_request *request);
-void scene_cube(scene_builder *builder, const scene_request *request);
-
 #endif

@@ -3,6 +3,7 @@
  * cornell: the box of Goral, Torrance, Greenberg, Battaile (SIGGRAPH 1984) as it is drawn since: red and green walls,
  * two boxes and, here, a sphere. The front is open. Its colors come from materials; the seed turns the boxes.
  */
+#include "list.h"
 #include "parts.h"
 
 /* A wall; walls step to more cells at different details, so that the count of triangles grows smoothly. */

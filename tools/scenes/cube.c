@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cube: the unit cube, every face n * n squares and a color of its own; the seed turns the colors. */
+#include "list.h"
 #include "parts.h"
 
 void scene_cube(scene_builder *builder, const scene_request *request)

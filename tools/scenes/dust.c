@@ -4,6 +4,7 @@
  * sixteen falls into one of four cells of 2^-14 of the scene's width, so their lists are very long at any depth.
  * Exactly the asked count.
  */
+#include "list.h"
 #include "parts.h"
 
 #define DENSE_CELLS 4

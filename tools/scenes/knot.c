@@ -3,6 +3,7 @@
  * knot: a tube around the (p, q) torus knot, closed and without a seam; the seed picks the knot and the phase of the
  * colors. The tube's frame is the gradient of the torus, which is smooth and closes on itself.
  */
+#include "list.h"
 #include "parts.h"
 
 typedef struct knot_shape {

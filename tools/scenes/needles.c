@@ -3,6 +3,7 @@
  * needles: slivers from a hundred to a million times longer than wide, in every direction, in a ball: the hard case for
  * rasterizers, whose projected triangles cover pixels without covering their centers. Exactly the asked count.
  */
+#include "list.h"
 #include "parts.h"
 
 static vector3 needle_color(double slimness)

@@ -8,6 +8,7 @@
 
 #include "builder.h"
 #include "fail.h"
+#include "list.h"
 
 struct scene {
     scene_builder builder;

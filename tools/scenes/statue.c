@@ -4,6 +4,7 @@
  * distance functions go (Hart, "Sphere tracing", 1996; blending after Wyvill et al., 1986). The seed moves the arms,
  * the wings, the folds and the veins of the marble.
  */
+#include "list.h"
 #include "parts.h"
 #include "polygonize.h"
 

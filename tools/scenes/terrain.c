@@ -3,6 +3,7 @@
  * terrain: a heightfield of ridged fractal noise (Musgrave, in Ebert et al., "Texturing and Modeling", 1994) around a
  * lake, colored by height and slope. Exactly the asked count: the last row of cells may be incomplete.
  */
+#include "list.h"
 #include "parts.h"
 
 #define LAKE_LEVEL 0.06

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "scenes/scenes.h"
+#include "stress/cases.h"
 #include "stress/stress.h"
 
 #define CASE_DEPTH 6

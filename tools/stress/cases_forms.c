@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "stress/cases.h"
 #include "stress/stress.h"
 #include "support/tree_check.h"
 

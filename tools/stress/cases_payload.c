@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "stress/cases.h"
 #include "stress/stress.h"
 
 /* Sums of the colors below each node; channels, then the number of samples. */

@@ -7,6 +7,7 @@
  * Testing", 2001: thirteen separating axes after moving the box's center to the origin.
  */
 #include "stress/float_methods.h"
+#include "stress/float_raster.h"
 
 #include <math.h>
 #include <stdlib.h>

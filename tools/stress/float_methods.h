@@ -44,9 +44,6 @@ typedef struct float_triangle {
 
 void float_list_add(float_list *list, const float_triangle *triangle, int x, int y, int z);
 
-/* float_raster.c */
-void float_raster(float_method method, const float_triangle *triangle, float_list *list);
-
 /* Appends the pairs of triangles begin .. end - 1 of a tree, in no order, some of them twice; info, arrays: of a
    downloaded tree with lists. */
 void float_method_list(float_method method, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,

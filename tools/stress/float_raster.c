@@ -7,7 +7,7 @@
  */
 #include <math.h>
 
-#include "stress/float_methods.h"
+#include "stress/float_raster.h"
 
 #define SUBPIXELS 256
 

@@ -69,9 +69,4 @@ void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_p
 /* The float ways on the triangles of a tree, one case each. what: the rest of the name. */
 void stress_float_methods(stress *run, const char *what, const stress_tree *built);
 
-/* The cases: by builds against the reference, by closed forms and symmetry, by payload and repetition. */
-void stress_cases_builds(stress *run);
-void stress_cases_forms(stress *run);
-void stress_cases_payload(stress *run);
-
 #endif

@@ -40,7 +40,4 @@ svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, 
    svo_gl_share) and kept. NULL with the reason. */
 svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason);
 
-/* Adds "renderers", and "pairs": what works with each of the devices. */
-void opengl_describe(cJSON *document, svo_device *const *devices, size_t device_count);
-
 #endif

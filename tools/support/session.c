@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens devices by the options, and chooses front ends. */
 #include "support/session.h"
+#include "support/options_parse.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl build: a mesh becomes a tree, a file and a table of what it took. */
 #include "support/build_report.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/plan_report.h"
 #include "support/table.h"

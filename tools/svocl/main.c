@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "scenes/scenes.h"
+#include "support/options_parse.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 #include "svocl/io.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The list of options, and the parser that reads the command line by it. */
-#include "support/options.h"
+#include "support/options_parse.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "scenes/scenes.h"
-#include "support/program.h"
 #include "support/table.h"
 #include "svocl/trace.h"
 
