@@ -4,8 +4,8 @@
 # The arrows' check, a part of `tools/dev check`: which file includes which. Prints what is wrong and exits with 1.
 #
 #   - Rooms have an order: a file includes files of its own room and of the rooms before it, no others.
-#   - Files have no circles, where a header counts as one with the .c file of its name.
-#   - A header declares only what the .c file of its name defines; one without such a file declares no function.
+#   - Files have no circles, where a header counts for the files that define what it declares.
+#   - A header declares what the .c file of its name defines; one without such a file, what the files of its folder do.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -61,52 +61,73 @@ against_the_order()
         }'
 }
 
-# Reads what includes() writes; prints the circles between files.
-circles()
-{
-    sed 's/\.[ch]\b//g' | awk '$1 != $2' | sort -u | tsort 2>&1 >/dev/null | sed -n 's/^tsort: \(.*\/.*\)$/in a circle: \1/p'
-}
-
-# Functions that a header declares and the .c file of its name does not define.
-foreign_declarations()
+# The functions that a header declares: "HEADER NAME".
+declarations()
 {
     files | grep '\.h$' | while read -r header; do
-        local source=${header%.h}.c
-        [[ -e $source ]] || source=/dev/null
+        # Comments, macros and bodies are left out; what then ends in a semicolon and has a name before a parenthesis is
+        # a declaration.
         awk -v header="$header" '
-            # The header first: text without comments, macros and bodies; then the names that are called like functions.
-            FNR == NR {
+            {
                 line = $0
                 gsub(/\/\*([^*]|\*[^\/])*\*\//, "", line)
                 if (in_comment) { if (sub(/.*\*\//, "", line)) in_comment = 0; else next }
                 if (sub(/\/\*.*/, "", line)) in_comment = 1
                 if (line ~ /^#/ || in_macro) { in_macro = line ~ /\\$/; next }
                 text = text " " line
-                next
             }
-            { source = source "\n" $0 }
             END {
-                depth = 0
                 count = split(text, letters, "")
                 for (i = 1; i <= count; ++i) {
                     if (letters[i] == "{") { ++depth; statement = "" }
                     else if (letters[i] == "}") { --depth; statement = "" }
-                    else if (depth == 0 && letters[i] == ";") { check(statement); statement = "" }
+                    else if (depth == 0 && letters[i] == ";") { declared(statement); statement = "" }
                     else if (depth == 0) statement = statement letters[i]
                 }
             }
-            function check(statement,    name) {
-                if (statement ~ /typedef|SVO_RECORD|[sS]tatic_assert|SVO_ASSERT|__attribute__\(\(weak/) return
+            function declared(statement) {
                 sub(/__attribute__.*/, "", statement)
-                if (!match(statement, /[a-z_][a-z0-9_]*\(/)) return
-                name = substr(statement, RSTART, RLENGTH - 1)
-                if (source !~ ("\n[A-Za-z][^\n;=]*[ *]" name "\\(")) print header " declares " name ", which its .c file does not define"
-            }' "$header" "$source"
+                if (statement ~ /typedef|SVO_RECORD|[sS]tatic_assert|SVO_ASSERT/) return
+                if (match(statement, /[a-z_][a-z0-9_]*\(/)) print header, substr(statement, RSTART, RLENGTH - 1)
+            }' "$header"
     done
 }
 
+# Reads what declarations() writes; "HEADER FILE" for each file that defines one of its functions, or "HEADER -NAME" where
+# none does that may: the .c file of the header's name or, where there is none, the files of its folder.
+implementers()
+{
+    while read -r header name; do
+        local candidates=("${header%.h}.c") found
+        [[ -e ${candidates[0]} ]] || candidates=("${header%/*}"/*.c)
+        found=$(grep -l -E "^[A-Za-z].*[ *]$name\\(|^[A-Za-z].*[ *]\\(?$name\\)?\\(" "${candidates[@]}" | head -1) || true
+        printf '%s %s\n' "$header" "${found:--$name}"
+    done | sort -u
+}
+
+# Headers that declare what is defined elsewhere.
+foreign_declarations()
+{
+    sed -n 's/^\(.*\) -\(.*\)$/\1 declares \2, which is not defined in its .c file, or in its folder where it has none/p'
+}
+
+# Reads what includes() and implementers() write. A header is one with its files: it leads to each of them, and their own
+# include of it does not count.
+circles()
+{
+    grep -v ' -' | awk '
+        { from[NR] = $1; to[NR] = $2; if ($1 ~ /\.h$/ && $2 ~ /\.c$/) implements[$2 " " $1] = 1 }
+        END { for (i = 1; i <= NR; ++i) if (!((from[i] " " to[i]) in implements)) print from[i], to[i] }' |
+        sort -u | tsort 2>&1 >/dev/null | sed -n 's/^tsort: \(.*\/.*\)$/in a circle: \1/p'
+}
+
 all=$(includes)
-wrong=$(against_the_order <<<"$all"; circles <<<"$all"; foreign_declarations)
+made=$(declarations | implementers)
+wrong=$(
+    against_the_order <<<"$all"
+    foreign_declarations <<<"$made"
+    circles <<<"$all"$'\n'"$made" || true # where tsort finds circles
+)
 if [[ -n $wrong ]]; then
     printf '%s\n' "$wrong"
     exit 1

@@ -4,6 +4,7 @@
 
 #include "support/devices.h"
 #include "support/opengl.h"
+#include "support/opengl_devices.h"
 #include "svocl/gl.h"
 
 #define RENDERERS_MAX 32

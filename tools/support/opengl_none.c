@@ -2,8 +2,8 @@
 /* In place of opengl.c and opengl_devices.c where svocl is built without svocl::gl: there is no OpenGL. */
 #include <stdio.h>
 
-#include "support/devices.h"
 #include "support/opengl.h"
+#include "support/opengl_devices.h"
 
 #define WITHOUT "this svocl was built without OpenGL"
 

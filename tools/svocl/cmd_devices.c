@@ -10,6 +10,7 @@
 
 #include "support/devices.h"
 #include "support/opengl.h"
+#include "support/opengl_devices.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
@@ -49,15 +50,6 @@ static const char *device_type_name(cl_device_id device)
 }
 
 /* reason: "" if it works. */
-void devices_add_method(cJSON *array, const char *name, const char *reason)
-{
-    cJSON *method = cJSON_CreateObject();
-    json_add_text(method, "name", name);
-    cJSON_AddBoolToObject(method, "works", reason[0] == '\0');
-    json_add_text(method, "reason", reason);
-    cJSON_AddItemToArray(array, method);
-}
-
 /* What works without OpenGL. */
 static void add_frontends(cJSON *object, svo_device *device)
 {
