@@ -140,7 +140,7 @@ static void the_packing_copy_of_sorted_lists(void **state)
     measured_build(&sheet.mesh, DEPTH, &options, &less);
     assert_same_results(&less, &full);
     assert_string_equal(less.result.hash, full.result.hash);
-    assert_only_less_leaves_out(&less, &full, "packing copy");
+    assert_only_less_leaves_out(&less, &full, "packing");
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         assert_only_full_has_buffer(&less, &full, buffers[i]);
     }

@@ -150,7 +150,8 @@ static void missing_drivers_are_one_line(void **state)
     run_badly("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent $SVOCL build scene:cube -d 3 --context egl-device", 1,
               "egl");
     run_badly("$SVOCL build scene:cube -d 3 --gl-device 900", 1, "900");
-    run_badly("$SVOCL build scene:cube -d 3 --gl-device no-such-renderer", 1, "no EGL device matches \"no-such-renderer\"");
+    run_badly("$SVOCL build scene:cube -d 3 --gl-device no-such-renderer", 1,
+              "no EGL device matches \"no-such-renderer\"");
 }
 
 static void a_forced_choice_that_does_not_work_fails(void **state)

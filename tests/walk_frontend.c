@@ -163,11 +163,10 @@ static svo_status make_chunk(const walk *w, const svo_i_chunking *layout, const 
 static svo_status make_chunks(const walk *w, const svo_i_chunking *layout, uint64_t seed, cl_command_queue queue,
                               svo_i_fragment_list *list)
 {
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < layout->chunk_count && status == SVO_OK; ++i) {
-        status = make_chunk(w, layout, &layout->chunks[i], &seed, queue, &list->chunks[i]);
+    for (uint32_t i = 0; i < layout->chunk_count; ++i) {
+        SVO_I_TRY(make_chunk(w, layout, &layout->chunks[i], &seed, queue, &list->chunks[i]));
     }
-    return status;
+    return SVO_OK;
 }
 
 static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
@@ -184,13 +183,11 @@ static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chu
     const svo_plan *plan = commands->plan;
     const double start_ms = svo_i_now_ms();
     walk w;
-    svo_status status = walk_make(plan, &w) ? SVO_OK : no_memory(plan);
-    if (status == SVO_OK) {
-        status = make_chunks(&w, layout, ((const walk_frontend *)self)->seed, commands->queue, list);
-    }
+    SVO_I_TRY(walk_make(plan, &w) ? SVO_OK : no_memory(plan));
+    SVO_I_TRY(make_chunks(&w, layout, ((const walk_frontend *)self)->seed, commands->queue, list));
     walk_free(&w);
     svo_i_report_add(commands->report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
-    return status;
+    return SVO_OK;
 }
 
 static void release(void *self, svo_i_fragment_list *list)

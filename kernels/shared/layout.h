@@ -12,8 +12,8 @@
 
 /* A work-group of every kernel; kernels are compiled for exactly this size. */
 #define SVO_GROUP_ITEMS 64
-/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums). Tests
-   on an interpreter define fewer, for library and kernels alike; always a multiple of SVO_GROUP_ITEMS. */
+/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums).
+   Tests on an interpreter define fewer, for library and kernels alike; always a multiple of SVO_GROUP_ITEMS. */
 #ifndef SVO_SCAN_GROUPS
 #define SVO_SCAN_GROUPS 256
 #endif

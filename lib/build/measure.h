@@ -8,8 +8,8 @@
 
 #include "stages/build_state.h"
 
-/* What a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be NULL, what one
-   that is enqueued does. frontend: NULL for that of OpenCL alone. */
+/* What a build of the plan allocates, into the plan's list of buffers; and into allocations, which may be NULL, what
+   one that is enqueued does. frontend: NULL for that of OpenCL alone. */
 svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chunking *chunking,
                          svo_i_allocations *allocations);
 /* Compiles what a build of the plan needs, and launches kernels that are new to the device once on nothing.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the stages ask of OpenCL: buffers, copies and launches. Every command waits for the one before it by an event, so
- * the caller's queue may be out-of-order.
+ * What the stages ask of OpenCL: buffers, copies and launches. Every command waits for the one before it by an event,
+ * so the caller's queue may be out-of-order.
  */
 #ifndef SVO_LIB_COMMANDS_COMMANDS_H
 #define SVO_LIB_COMMANDS_COMMANDS_H

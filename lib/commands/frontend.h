@@ -31,15 +31,16 @@ struct svo_frontend {
     void *self;
     svo_device *device;
     uint64_t chunk_bytes_max; /* largest chunk the front end can write */
-    /* The list is made by commands of the build's: voxelize runs in every mode, and in those that do not wait the counts
-       stay on the device. Otherwise it runs in SVO_I_MODE_RUN and SVO_I_MODE_ENQUEUE, at once, and counts on the host. */
+    /* The list is made by commands of the build's: voxelize runs in every mode, and in those that do not wait the
+       counts stay on the device. Otherwise it runs in SVO_I_MODE_RUN and SVO_I_MODE_ENQUEUE, at once, and counts on the
+       host. */
     bool on_device;
 
     /* Compiles what the plan's draws need; adds fresh OpenCL programs to warm_up. */
     svo_status (*prepare)(void *self, svo_plan *plan, svo_i_warm_up *warm_up);
     /* Draws into list->chunks, as many as the chunking has, zeroed: one buffer per chunk, counted to the end whether or
-       not it fits. Adds the times of drawing and of handing over to the report's stages, and OpenCL buffers of the front
-       end's own to the plan's list; those of the chunks are listed by the caller in SVO_I_MODE_RUN. */
+       not it fits. Adds the times of drawing and of handing over to the report's stages, and OpenCL buffers of the
+       front end's own to the plan's list; those of the chunks are listed by the caller in SVO_I_MODE_RUN. */
     svo_status (*voxelize)(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
                            svo_i_fragment_list *list);
     /* Releases the buffers of a list, also of one that voxelize left half done. */

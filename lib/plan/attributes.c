@@ -281,18 +281,17 @@ static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = find_textures(plan, mesh);
     const bool textured = plan->textures_used > 0;
-    svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
+    const svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
     free(used);
-    if (status == SVO_OK && textured) {
-        status = copy_uvs(plan, mesh);
+    SVO_I_TRY(status);
+    if (textured) {
+        SVO_I_TRY(copy_uvs(plan, mesh));
     }
-    if (status == SVO_OK && mesh->colors != NULL) {
-        status = copy_colors(plan, mesh);
+    if (mesh->colors != NULL) {
+        SVO_I_TRY(copy_colors(plan, mesh));
     }
-    if (status == SVO_OK) {
-        svo_i_plan_fold_colors(plan);
-    }
-    return status;
+    svo_i_plan_fold_colors(plan);
+    return SVO_OK;
 }
 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
@@ -302,20 +301,16 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
         return SVO_OK;
     }
     plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
-    svo_status status = (plan->info.need & SVO_NEED_COLOR) != 0 ? copy_color_inputs(plan, mesh) : SVO_OK;
-    if (status == SVO_OK && (plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
-        status = copy_normals(plan, mesh);
-        if (status == SVO_OK) {
-            svo_i_plan_fold_normals(plan);
-        }
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(copy_color_inputs(plan, mesh));
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
+        SVO_I_TRY(copy_normals(plan, mesh));
+        svo_i_plan_fold_normals(plan);
     }
     double largest_area = 0.0;
-    if (status == SVO_OK) {
-        status = make_records(plan, mesh, &largest_area);
-    }
-    if (status == SVO_OK) {
-        svo_i_plan_find_constants(plan);
-    }
+    SVO_I_TRY(make_records(plan, mesh, &largest_area));
+    svo_i_plan_find_constants(plan);
     plan->weight_log2 = choose_weight_log2(plan, largest_area);
-    return status;
+    return SVO_OK;
 }

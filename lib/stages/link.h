@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Links the fragments of each leaf into a list, by atomic exchange, by kernels/stages/link.cl. The filter runs it, chunk
- * by chunk.
+ * Links the fragments of each leaf into a list, by atomic exchange, by kernels/stages/link.cl. The filter runs it,
+ * chunk by chunk.
  * Reads: build->cursors[chunk]. Writes: heads; the cursors become the links.
  */
 #ifndef SVO_LIB_STAGES_LINK_H

@@ -199,8 +199,8 @@ static svo_status alloc_fragments(run *r, svo_i_fragments *out)
                                                : svo_i_commands_alloc(r->commands, "fragments", bytes, &out->buffer);
 }
 
-/* Uploads the tiles and draws. Finding the tiles is counted as transfer, with the upload they are for. A build that only
-   measures estimates how many there are, unless they have been found. */
+/* Uploads the tiles and draws. Finding the tiles is counted as transfer, with the upload they are for. A build that
+   only measures estimates how many there are, unless they have been found. */
 static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
 {
     svo_status status = SVO_OK;

@@ -22,12 +22,13 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
     result_table *table = result_add_table(run->results, "e5-conditioning", "E5: ill-conditioned meshes", "");
     result_set_note(
         table,
-        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a closed "
-        "knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays the knot "
+        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
+        "closed knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays "
+        "the knot "
         "is flattened by this factor. Offset: distance of the mesh from the origin along all axes, in widths of the "
         "mesh; float32 methods and Embree get coordinates rounded to float32. Scale ratio: width of the grid over "
-        "three "
-        "edges of a triangle; for rays the distance of their origins in widths of the mesh. Medians of %zu rounds "
+        "three edges of a triangle; for rays the distance of their origins in widths of the mesh. Medians of %zu "
+        "rounds "
         "after "
         "a warm-up round; methods run interleaved.",
         triangle_count, 1u << depth, ray_count, run->rounds);

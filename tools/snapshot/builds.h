@@ -15,7 +15,8 @@ typedef struct opened {
     svo_gl *host, *copy; /* NULL: that share does not work */
 } opened;
 
-/* On failure the message says why, and nothing stays open. That there is no OpenGL is no failure: its cases report it. */
+/* On failure the message says why, and nothing stays open. That there is no OpenGL is no failure: its cases report
+   it. */
 svo_status opened_create(opened *out, svo_message *message);
 void opened_release(opened *released);
 

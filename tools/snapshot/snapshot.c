@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints digests of all that svocl makes of a table of cases, NAME<TAB>VALUE a line: trees, files, reports, plans, pictures,
- * hits, calls of OpenCL. `tools/dev snapshot` sorts and compares them: a refactoring changes none.
+ * Prints digests of all that svocl makes of a table of cases, NAME<TAB>VALUE a line: trees, files, reports, plans,
+ * pictures, hits, calls of OpenCL. `tools/dev snapshot` sorts and compares them: a refactoring changes none.
  *
  * Times and names of devices are left out, so that the lines are the same in each run on one machine.
  */
