@@ -115,7 +115,8 @@ function drawContents(all, tables) {
 function drawMachine(machine) {
   const facts = [
     ["OpenCL device", machine.device], ["Driver", machine.driver], ["Platform", machine.platform],
-    ["OpenGL renderer", machine.renderer], ["CPU threads", machine.cpu_threads], ["svocl", machine.svocl],
+    ["OpenGL renderer", machine.renderer], ["CPU threads", machine.cpu_threads],
+    ["Instruction set", machine.instruction_set], ["svocl", machine.svocl],
     ["Date", machine.date]
   ];
   return facts.filter(([, text]) => text !== undefined && text !== "")
