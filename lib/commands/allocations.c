@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Places scratch buffers with known lifetimes in one piece of memory: each, in order, at the lowest offset at which no
- * other one lies that is needed at the same time (first fit: Knuth, "The Art of Computer Programming", volume 1, 2.5).
+ * Records allocations and places scratch buffers with known lifetimes in one block of memory. In order, each buffer
+ * gets the lowest offset that overlaps no buffer with an overlapping lifetime (first fit: Knuth, "The Art of Computer
+ * Programming", volume 1, section 2.5).
  */
 #include "commands/allocations.h"
 
@@ -39,7 +40,7 @@ static uint64_t aligned(uint64_t bytes, uint64_t alignment)
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/* The end of an earlier entry that lies across [offset, offset + bytes) while the entry is needed, or 0: it is free. */
+/* The end of an earlier entry that overlaps this one in time and, at the given offset, in memory; 0 without one. */
 static uint64_t blocked_until(const svo_i_allocations *list, size_t index, uint64_t offset)
 {
     const svo_i_allocation *entry = &list->entries[index];

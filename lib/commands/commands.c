@@ -38,7 +38,7 @@ void svo_i_commands_end(svo_i_commands *commands)
     }
 }
 
-/* Measuring, a buffer is known by a handle that is no object but its allocation's index, plus one. */
+/* A measuring build has no buffers. Its handles are indices of allocations, plus one so that none is NULL. */
 static cl_mem handle_of(size_t index)
 {
     return (cl_mem)(uintptr_t)(index + 1);
@@ -55,7 +55,7 @@ static svo_status measure(svo_i_commands *commands, const char *name, uint64_t b
     return SVO_OK;
 }
 
-/* The next of the allocations that were measured. */
+/* Takes the next of the recorded allocations. */
 static svo_status take(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
 {
     const svo_i_allocations *list = commands->allocations;
@@ -83,7 +83,7 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
     return SVO_OK;
 }
 
-/* Makes event the newest; on failure turns the error into a status. */
+/* Makes event the newest command, or converts the error of its call into a status. */
 static svo_status follow(svo_i_commands *commands, const char *call, cl_int error, cl_event event)
 {
     if (error != CL_SUCCESS) {
@@ -117,15 +117,15 @@ svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, con
     return svo_i_commands_write(commands, *out, data, bytes);
 }
 
-/* Nothing to do: no bytes, no work-items, or the build only measures. */
-static bool is_idle(const svo_i_commands *commands, uint64_t amount)
+/* Whether a copy or fill is to be skipped: it has no bytes, or the build only measures. */
+static bool skips(const svo_i_commands *commands, uint64_t bytes)
 {
-    return amount == 0 || commands->mode == SVO_I_MODE_MEASURE;
+    return bytes == 0 || commands->mode == SVO_I_MODE_MEASURE;
 }
 
 svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const void *data, uint64_t bytes)
 {
-    if (is_idle(commands, bytes)) {
+    if (skips(commands, bytes)) {
         return SVO_OK;
     }
     cl_event event = NULL;
@@ -141,7 +141,6 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
         *buffer = NULL;
         return;
     }
-    size_t bytes = 0;
     if (commands->mode == SVO_I_MODE_MEASURE) {
         const size_t index = (size_t)(uintptr_t)*buffer - 1;
         svo_i_plan_buffer_remove(commands->plan, commands->allocations->entries[index].bytes);
@@ -149,6 +148,7 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
         *buffer = NULL;
         return;
     }
+    size_t bytes = 0;
     clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     svo_i_plan_buffer_remove(commands->plan, bytes);
     clReleaseMemObject(*buffer);
@@ -158,7 +158,7 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
 svo_status svo_i_commands_fill(svo_i_commands *commands, cl_mem buffer, const void *pattern, size_t pattern_bytes,
                                uint64_t bytes)
 {
-    if (is_idle(commands, bytes)) {
+    if (skips(commands, bytes)) {
         return SVO_OK;
     }
     cl_event event = NULL;
@@ -175,7 +175,7 @@ svo_status svo_i_commands_fill_zero(svo_i_commands *commands, cl_mem buffer, uin
 
 svo_status svo_i_commands_copy(svo_i_commands *commands, cl_mem from, cl_mem to, uint64_t to_offset, uint64_t bytes)
 {
-    if (is_idle(commands, bytes)) {
+    if (skips(commands, bytes)) {
         return SVO_OK;
     }
     cl_event event = NULL;
@@ -193,7 +193,7 @@ svo_status svo_i_commands_wait(svo_i_commands *commands)
 
 svo_status svo_i_commands_read(svo_i_commands *commands, cl_mem buffer, void *to, size_t bytes)
 {
-    if (is_idle(commands, bytes)) {
+    if (skips(commands, bytes)) {
         return SVO_OK;
     }
     cl_event event = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the API says of every front end. */
+/* The public functions that all front ends share. */
 #include "commands/frontend.h"
 
 void svo_frontend_destroy(svo_frontend **frontend)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Times of stages. Enqueued builds keep the events and are timed when they are done. */
+/* Times of stages. Enqueued builds keep their events; svo_i_stage_collect reads them after the build. */
 #include "commands/timing.h"
 
 void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
@@ -17,7 +17,7 @@ void svo_i_stage_begin(svo_i_commands *commands)
     commands->stage_start_ms = svo_i_now_ms();
 }
 
-/* From the start of the first to the end of the last launch; negative where the queue does not say. */
+/* Milliseconds from the start of the first to the end of the last command; negative if profiling has no figures. */
 static double event_span_ms(cl_event first, cl_event last)
 {
     cl_ulong start = 0;
@@ -29,7 +29,7 @@ static double event_span_ms(cl_event first, cl_event last)
     return (double)(end - start) * 1e-6;
 }
 
-/* Keeps the open stage's events, for svo_i_stage_collect; without room for them its time is not told. */
+/* Keeps the current stage's events for svo_i_stage_collect. Without profiling or room its time is not reported. */
 static void keep_span(svo_i_commands *commands, svo_stage stage)
 {
     if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling) {

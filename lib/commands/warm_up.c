@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Launching kernels on nothing. A build that measures (build/measure.c) says which ones, and how large. */
+/* Warm-up launches. The measuring build in build/measure.c passes every launch of a build with its size. */
 #include "commands/warm_up.h"
 
 #include <string.h>
 
 #include "shared/layout.h"
 
-/* PoCL compiles launches of up to 65535 work-items apart from larger ones. */
+/* PoCL compiles kernels separately for launches of at most 65535 work-items and for larger ones. */
 #define LARGE_ITEMS 131072u
-/* What a buffer holds: counts of nothing, and room for the sums of nothing. The radix sort's are the largest. */
+/* Size of a buffer of zeros: kernels that read zero counts still write the sums. The radix sort's are the largest. */
 #define ZERO_BYTES (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
-/* The largest params struct fits. */
+/* At least the largest params struct. */
 #define PARAMS_BYTES  256
 #define ARGUMENTS_MAX (SVO_I_WARM_UP_BUFFERS + 8)
 
@@ -28,7 +28,7 @@ void svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program)
     }
 }
 
-/* Makes event the newest. */
+/* Makes event the newest command, or converts the error of its call into a status. */
 static svo_status follow(svo_i_warm_up *warm_up, const char *call, cl_int error, cl_event event)
 {
     if (error != CL_SUCCESS) {
@@ -41,7 +41,7 @@ static svo_status follow(svo_i_warm_up *warm_up, const char *call, cl_int error,
     return SVO_OK;
 }
 
-/* The buffer for an argument, made when one needs it first. */
+/* The buffer of zeros for the buffer argument with this index, created on first use. */
 static svo_status get_zeros(svo_i_warm_up *warm_up, cl_uint index, cl_mem **out)
 {
     static const cl_uint zero = 0;
@@ -68,8 +68,8 @@ static bool is_fresh(const svo_i_warm_up *warm_up, cl_program program)
     return false;
 }
 
-/* Whether the launch is still to be made, and then writes down that it was. */
-static bool take_note(svo_i_warm_up *warm_up, cl_kernel kernel, bool is_large)
+/* Records the launch. Returns false if it is to be skipped. */
+static bool record_launch(svo_i_warm_up *warm_up, cl_kernel kernel, bool is_large)
 {
     svo_i_warm_launch launch = {.is_large = is_large};
     clGetKernelInfo(kernel, CL_KERNEL_PROGRAM, sizeof launch.program, &launch.program, NULL);
@@ -91,23 +91,23 @@ svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const 
                                 cl_uint argument_count, uint64_t items)
 {
     static const unsigned char no_params[PARAMS_BYTES] = {0};
-    svo_i_argument on_nothing[ARGUMENTS_MAX];
+    svo_i_argument zeroed[ARGUMENTS_MAX];
     const bool is_large = items >= LARGE_ITEMS / 2;
-    if (argument_count > ARGUMENTS_MAX || !take_note(warm_up, kernel, is_large)) {
+    if (argument_count > ARGUMENTS_MAX || !record_launch(warm_up, kernel, is_large)) {
         return SVO_OK;
     }
     cl_uint buffers = 0;
     for (cl_uint i = 0; i < argument_count; ++i) {
-        on_nothing[i] = arguments[i];
+        zeroed[i] = arguments[i];
         if (arguments[i].is_buffer) {
             cl_mem *zeros = NULL;
             SVO_I_TRY(get_zeros(warm_up, buffers++, &zeros));
-            on_nothing[i].value = zeros;
+            zeroed[i].value = zeros;
         } else if (arguments[i].value != NULL) {
-            on_nothing[i].value = no_params;
+            zeroed[i].value = no_params;
         }
     }
-    SVO_I_TRY(svo_i_kernel_set(warm_up->device, function, kernel, on_nothing, argument_count));
+    SVO_I_TRY(svo_i_kernel_set(warm_up->device, function, kernel, zeroed, argument_count));
     const size_t local = SVO_GROUP_ITEMS;
     const size_t global = is_large ? LARGE_ITEMS : SVO_GROUP_ITEMS;
     cl_event event = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Drivers compile a kernel when it is first launched. Launching every kernel of a fresh program once on nothing counts
- * that time as compilation, so that no stage of the first build looks slow.
+ * Warm-up launches. Some drivers compile a kernel at its first launch. Launching every kernel of a newly compiled
+ * program once, on empty input, counts that time as compilation and not as a stage of the first build.
  */
 #ifndef SVO_LIB_COMMANDS_WARM_UP_H
 #define SVO_LIB_COMMANDS_WARM_UP_H
@@ -12,7 +12,7 @@
 #define SVO_I_WARM_UP_LAUNCHES 64
 #define SVO_I_WARM_UP_PROGRAMS 8
 
-/* A kernel that was launched, and whether the launch was a large one: drivers may compile the two apart. */
+/* A warm-up launch. Drivers may compile a kernel once for small and once for large launches. */
 typedef struct svo_i_warm_launch {
     char name[48];
     cl_program program;
@@ -22,9 +22,9 @@ typedef struct svo_i_warm_launch {
 typedef struct svo_i_warm_up {
     svo_device *device;
     cl_command_queue queue;
-    cl_program programs[SVO_I_WARM_UP_PROGRAMS]; /* the fresh ones; only their kernels are launched */
+    cl_program programs[SVO_I_WARM_UP_PROGRAMS]; /* newly compiled; only their kernels are launched */
     size_t program_count;
-    cl_mem zeros[SVO_I_WARM_UP_BUFFERS]; /* a buffer of its own for each argument, so that none aliases another */
+    cl_mem zeros[SVO_I_WARM_UP_BUFFERS]; /* one per buffer argument, so that no two arguments alias */
     svo_i_warm_launch launches[SVO_I_WARM_UP_LAUNCHES];
     size_t launch_count;
     cl_event last;
@@ -32,7 +32,8 @@ typedef struct svo_i_warm_up {
 
 svo_i_warm_up svo_i_warm_up_begin(svo_device *device, cl_command_queue queue);
 void svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program);
-/* Launches the kernel with arguments of the same kinds and sizes, on zeros, unless a launch of that size was made. */
+/* Launches the kernel on zeros, with arguments of the same kinds and sizes. Kernels that were warmed up at this launch
+   size, and kernels of programs that are not new, are skipped. */
 svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_i_argument *arguments,
                                 cl_uint argument_count, uint64_t items);
 /* Waits for the launches and releases the buffers. */

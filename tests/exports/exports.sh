@@ -14,7 +14,8 @@ failed=0
 expect_same()
 {
     local difference
-    difference=$(diff <(sort -u <<<"$2") <(sort -u <<<"$3") | grep '^[<>]') || return 0
+    difference=$(diff <(sort -u <<<"$2") <(sort -u <<<"$3")) && return 0
+    difference=$(grep '^[<>]' <<<"$difference")
     printf '%s:\n%s\n' "$1" "$difference"
     failed=1
 }
