@@ -80,6 +80,12 @@ static svo_status pending_rename(pending_file *file, svo_message *message)
     return SVO_OK;
 }
 
+static svo_status pending_commit(pending_file *file, svo_message *message)
+{
+    const svo_status status = pending_flush(file, message);
+    return status != SVO_OK ? status : pending_rename(file, message);
+}
+
 /* Removes the temporary file unless it was renamed. */
 static void pending_release(pending_file *file)
 {
@@ -146,46 +152,66 @@ static void put_mtl(FILE *stream, const svo_mesh *mesh)
     }
 }
 
-/* library: the material library's file name, without folders. */
-static void put_obj(FILE *stream, const svo_mesh *mesh, const char *library)
+static void put_obj(FILE *stream, const svo_mesh *mesh, const char *library_path)
 {
     (void)fprintf(stream, "# svocl scene: %zu vertices, %zu triangles\n", mesh->vertex_count, mesh->triangle_count);
     if (mesh->material_count > 0) {
-        (void)fprintf(stream, "mtllib %s\n", library);
+        const char *slash = strrchr(library_path, '/');
+        (void)fprintf(stream, "mtllib %s\n", slash == NULL ? library_path : slash + 1);
     }
     put_obj_vertices(stream, mesh);
     put_obj_faces(stream, mesh);
 }
 
+static svo_status write_mtl(const svo_mesh *mesh, const char *path, svo_message *message)
+{
+    pending_file file = {NULL, NULL, NULL};
+    svo_status status = pending_open(&file, path, message);
+    if (status != SVO_OK) {
+        goto cleanup;
+    }
+    put_mtl(file.stream, mesh);
+    status = pending_commit(&file, message);
+
+cleanup:
+    pending_release(&file);
+    return status;
+}
+
+static svo_status write_obj_and_mtl(const svo_mesh *mesh, const char *path, const char *library_path,
+                                    svo_message *message)
+{
+    pending_file file = {NULL, NULL, NULL};
+    svo_status status = pending_open(&file, path, message);
+    if (status != SVO_OK) {
+        goto cleanup;
+    }
+    put_obj(file.stream, mesh, library_path);
+    status = pending_flush(&file, message);
+    if (status != SVO_OK) {
+        goto cleanup;
+    }
+    /* The library is renamed first: an object without its library would be half a result. */
+    if (mesh->material_count > 0) {
+        status = write_mtl(mesh, library_path, message);
+        if (status != SVO_OK) {
+            goto cleanup;
+        }
+    }
+    status = pending_rename(&file, message);
+
+cleanup:
+    pending_release(&file);
+    return status;
+}
+
 static svo_status write_obj(const svo_mesh *mesh, const char *path, svo_message *message)
 {
-    pending_file object = {NULL, NULL, NULL};
-    pending_file library = {NULL, NULL, NULL};
     char *library_path = join_text(path, strlen(path) - strlen(".obj"), ".mtl");
-    svo_status status = library_path != NULL
-                            ? pending_open(&object, path, message)
-                            : scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for a file name");
-    if (status == SVO_OK && mesh->material_count > 0) {
-        status = pending_open(&library, library_path, message);
+    if (library_path == NULL) {
+        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for a file name");
     }
-    if (status == SVO_OK) {
-        const char *slash = strrchr(library_path, '/');
-        put_obj(object.stream, mesh, slash == NULL ? library_path : slash + 1);
-        status = pending_flush(&object, message);
-    }
-    if (status == SVO_OK && mesh->material_count > 0) {
-        put_mtl(library.stream, mesh);
-        status = pending_flush(&library, message);
-    }
-    /* The library first: an object without its library would be half a result. */
-    if (status == SVO_OK && mesh->material_count > 0) {
-        status = pending_rename(&library, message);
-    }
-    if (status == SVO_OK) {
-        status = pending_rename(&object, message);
-    }
-    pending_release(&object);
-    pending_release(&library);
+    const svo_status status = write_obj_and_mtl(mesh, path, library_path, message);
     free(library_path);
     return status;
 }
@@ -261,23 +287,27 @@ static void put_ply(FILE *stream, const svo_mesh *mesh, const uint8_t *colors)
 static svo_status write_ply(const svo_mesh *mesh, const char *path, svo_message *message)
 {
     bool shared = false;
+    pending_file file = {NULL, NULL, NULL};
     uint8_t *colors = baked_colors(mesh, &shared);
     if (colors == NULL) {
         return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for %zu colors", mesh->vertex_count);
     }
-    pending_file file = {NULL, NULL, NULL};
-    svo_status status = shared ? scene_fail(message, SVO_UNSUPPORTED,
-                                            "scene_write: '%s': triangles of different base colors share a vertex, "
-                                            "which a .ply file cannot say; write an .obj file",
-                                            path)
-                               : pending_open(&file, path, message);
-    if (status == SVO_OK) {
-        put_ply(file.stream, mesh, colors);
-        status = pending_flush(&file, message);
+    svo_status status = SVO_OK;
+    if (shared) {
+        status = scene_fail(message, SVO_UNSUPPORTED,
+                            "scene_write: '%s': triangles of different base colors share a vertex, which a .ply file "
+                            "cannot store; write an .obj file",
+                            path);
+        goto cleanup;
     }
-    if (status == SVO_OK) {
-        status = pending_rename(&file, message);
+    status = pending_open(&file, path, message);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
+    put_ply(file.stream, mesh, colors);
+    status = pending_commit(&file, message);
+
+cleanup:
     pending_release(&file);
     free(colors);
     return status;

@@ -88,6 +88,12 @@ static int run_requests(run *state)
     return EXIT_SUCCESS;
 }
 
+static svo_status build_downloaded(const opened *session, const svo_mesh *mesh, const request *asked, build *made)
+{
+    const svo_status status = build_run(session, mesh, asked, &methods[0], made);
+    return status != SVO_OK ? status : svo_tree_download(made->tree, session->queue);
+}
+
 static int run_queries(run *state)
 {
     for (size_t i = 0; i < query_request_count; ++i) {
@@ -99,10 +105,7 @@ static int run_queries(run *state)
             return fail(query_requests[i].scene, message.text);
         }
         request_name(&query_requests[i], name, sizeof name);
-        svo_status status = build_run(&state->session, mesh, &query_requests[i], &methods[0], &made);
-        if (status == SVO_OK) {
-            status = svo_tree_download(made.tree, state->session.queue);
-        }
+        const svo_status status = build_downloaded(&state->session, mesh, &query_requests[i], &made);
         if (status == SVO_OK) {
             describe_queries(name, &state->session, made.tree);
         } else {

@@ -58,28 +58,42 @@ void stress_end(stress *run, const stress_case *one)
     run->cases[run->case_count++] = *one;
 }
 
+static svo_status build_tree(const stress *run, svo_frontend *frontend, svo_plan *plan, stress_tree *out)
+{
+    const session *opened = &run->opened;
+    const svo_status status =
+        svo_build(plan, frontend != NULL ? frontend : opened->frontend, opened->queue, &out->tree, &out->report);
+    return status != SVO_OK ? status : svo_tree_download(out->tree, opened->queue);
+}
+
+/* Plans, builds and downloads; out->ms covers all three, also after a failure. */
+static svo_status build_timed(const stress *run, svo_frontend *frontend, const svo_mesh *mesh, unsigned depth,
+                              const svo_plan_options *plan_options, stress_tree *out)
+{
+    svo_plan *plan = NULL;
+    const double started_ms = input_now_ms();
+    svo_status status = svo_plan_create(run->opened.device, mesh, depth, plan_options, &plan);
+    if (status != SVO_OK) {
+        goto cleanup;
+    }
+    status = build_tree(run, frontend, plan, out);
+
+cleanup:
+    out->ms = input_now_ms() - started_ms;
+    svo_plan_destroy(&plan);
+    return status;
+}
+
 bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, unsigned depth,
                   const svo_plan_options *plan_options, stress_case *one, stress_tree *out)
 {
-    const session *opened = &run->opened;
     svo_plan_options sized = *plan_options;
     sized.struct_size = sizeof sized;
     *out = (stress_tree){.report = {.struct_size = sizeof out->report}};
-    svo_plan *plan = NULL;
-    const double started_ms = input_now_ms();
-    svo_status status = svo_plan_create(opened->device, mesh, depth, &sized, &plan);
-    if (status == SVO_OK) {
-        status =
-            svo_build(plan, frontend != NULL ? frontend : opened->frontend, opened->queue, &out->tree, &out->report);
-    }
-    if (status == SVO_OK) {
-        status = svo_tree_download(out->tree, opened->queue);
-    }
-    out->ms = input_now_ms() - started_ms;
+    const svo_status status = build_timed(run, frontend, mesh, depth, &sized, out);
     one->ms += out->ms;
-    svo_plan_destroy(&plan);
     if (status != SVO_OK) {
-        stress_fail(one, "%s", program_words(svo_device_message(opened->device)));
+        stress_fail(one, "%s", program_words(svo_device_message(run->opened.device)));
         stress_tree_free(out);
         return false;
     }

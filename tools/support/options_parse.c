@@ -17,7 +17,6 @@
 typedef struct choice {
     const char *name;
     int value;
-    bool refused; /* known, but not in this version */
 } choice;
 
 typedef struct rule rule;
@@ -33,42 +32,36 @@ struct rule {
     const char *help;
 };
 
-static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO, false},
-                                   {"cl", OPTION_FRONTEND_CL, false},
-                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND, false},
-                                   {"gl-hw", OPTION_FRONTEND_GL_HW, false},
-                                   {NULL, 0, false}};
-static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO, false},
-                                {"interop", SVO_GL_SHARE_INTEROP, false},
-                                {"host", SVO_GL_SHARE_HOST, false},
-                                {"copy", SVO_GL_SHARE_COPY, false},
-                                {NULL, 0, false}};
-static const choice builders[] = {{"cl", SVO_BUILDER_CL, false},
-                                  {"sorted", SVO_BUILDER_SORTED, false},
-                                  {"gl-compute", OPTION_BUILDER_GL_COMPUTE, false},
-                                  {NULL, 0, false}};
-static const choice coverages[] = {{"half-open", SVO_COVERAGE_HALF_OPEN, false},
-                                   {"closed", SVO_COVERAGE_CLOSED, false},
-                                   {"thin", SVO_COVERAGE_THIN, false},
-                                   {NULL, 0, false}};
-static const choice weights[] = {{"area", SVO_WEIGHTS_AREA, false},
-                                 {"uniform", SVO_WEIGHTS_UNIFORM, false},
-                                 {"center", SVO_WEIGHTS_CENTER, false},
-                                 {NULL, 0, false}};
-static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO, false},
-                                  {"surfaceless", SVO_GL_SURFACELESS, false},
-                                  {"egl-device", SVO_GL_EGL_DEVICE, false},
-                                  {"osmesa", SVO_GL_OSMESA, false},
-                                  {NULL, 0, false}};
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
+                                   {"cl", OPTION_FRONTEND_CL},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND},
+                                   {"gl-hw", OPTION_FRONTEND_GL_HW},
+                                   {NULL, 0}};
+static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO},
+                                {"interop", SVO_GL_SHARE_INTEROP},
+                                {"host", SVO_GL_SHARE_HOST},
+                                {"copy", SVO_GL_SHARE_COPY},
+                                {NULL, 0}};
+static const choice builders[] = {
+    {"cl", SVO_BUILDER_CL}, {"sorted", SVO_BUILDER_SORTED}, {"gl-compute", OPTION_BUILDER_GL_COMPUTE}, {NULL, 0}};
+static const choice coverages[] = {
+    {"half-open", SVO_COVERAGE_HALF_OPEN}, {"closed", SVO_COVERAGE_CLOSED}, {"thin", SVO_COVERAGE_THIN}, {NULL, 0}};
+static const choice weights[] = {
+    {"area", SVO_WEIGHTS_AREA}, {"uniform", SVO_WEIGHTS_UNIFORM}, {"center", SVO_WEIGHTS_CENTER}, {NULL, 0}};
+static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO},
+                                  {"surfaceless", SVO_GL_SURFACELESS},
+                                  {"egl-device", SVO_GL_EGL_DEVICE},
+                                  {"osmesa", SVO_GL_OSMESA},
+                                  {NULL, 0}};
 
-static const choice views[] = {{"shaded", SVO_VIEW_SHADED, false},
-                               {"normal", SVO_VIEW_NORMAL, false},
-                               {"depth", SVO_VIEW_DEPTH, false},
-                               {"steps", SVO_VIEW_STEPS, false},
-                               {"level", SVO_VIEW_LEVEL, false},
-                               {"triangles", SVO_VIEW_TRIANGLES, false},
-                               {NULL, 0, false}};
-static const choice rivals[] = {{"none", 0, false}, {"embree", 1, false}, {NULL, 0, false}};
+static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
+                               {"normal", SVO_VIEW_NORMAL},
+                               {"depth", SVO_VIEW_DEPTH},
+                               {"steps", SVO_VIEW_STEPS},
+                               {"level", SVO_VIEW_LEVEL},
+                               {"triangles", SVO_VIEW_TRIANGLES},
+                               {NULL, 0}};
+static const choice rivals[] = {{"none", 0}, {"embree", 1}, {NULL, 0}};
 
 static void *field(program *state, const rule *option)
 {
@@ -111,33 +104,26 @@ static int read_count(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
-/* "auto, gl-expand, gl-hw": what this version takes. */
+/* "auto, cl, gl-expand, gl-hw" */
 static void list_choices(const choice *choices, char *text, size_t text_bytes)
 {
     size_t used = 0;
     text[0] = '\0';
     for (const choice *one = choices; one->name != NULL && used < text_bytes; ++one) {
-        if (!one->refused) {
-            used += (size_t)snprintf(text + used, text_bytes - used, "%s%s", used == 0 ? "" : ", ", one->name);
-        }
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s%s", used == 0 ? "" : ", ", one->name);
     }
 }
 
 static int read_choice(program *state, const rule *option, const char *value)
 {
+    for (const choice *one = option->choices; one->name != NULL; ++one) {
+        if (strcmp(one->name, value) == 0) {
+            *(int *)field(state, option) = one->value;
+            return PROGRAM_DONE;
+        }
+    }
     char known[128];
     list_choices(option->choices, known, sizeof known);
-    for (const choice *one = option->choices; one->name != NULL; ++one) {
-        if (strcmp(one->name, value) != 0) {
-            continue;
-        }
-        if (one->refused) {
-            return program_fail(state, PROGRAM_FAILED, "--%s %s: not in this version, which has %s", option->name,
-                                value, known);
-        }
-        *(int *)field(state, option) = one->value;
-        return PROGRAM_DONE;
-    }
     return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is none of %s", option->name, value, known);
 }
 

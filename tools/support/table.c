@@ -58,11 +58,32 @@ void table_cell(table *rows, const char *format, ...)
     }
 }
 
+/* Names of files and devices may hold more than ASCII: widths are in characters of UTF-8, not in bytes. */
+static bool begins_character(char byte)
+{
+    return ((unsigned char)byte & 0xc0u) != 0x80u;
+}
+
+static size_t text_width(const char *text)
+{
+    size_t width = 0;
+    for (; *text != '\0'; ++text) {
+        width += begins_character(*text);
+    }
+    return width;
+}
+
+/* printf pads by bytes. */
+static int padded_bytes(const char *text, size_t width)
+{
+    return (int)(width + strlen(text) - text_width(text));
+}
+
 static void measure(const table *rows, size_t widths[TABLE_COLUMNS_MAX])
 {
     memset(widths, 0, TABLE_COLUMNS_MAX * sizeof widths[0]);
     for (size_t i = 0; i < rows->cell_count; ++i) {
-        const size_t width = strlen(rows->cells[i]);
+        const size_t width = text_width(rows->cells[i]);
         const size_t column = i % rows->column_count;
         if (width > widths[column]) {
             widths[column] = width;
@@ -80,18 +101,21 @@ static size_t line_width(void)
     return ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
 }
 
-/* The characters of text that fit into width, up to a space if there is one. */
+/* The bytes of text that fit into width, up to a space if there is one. */
 static size_t fitting_length(const char *text, size_t width)
 {
-    const size_t length = strlen(text);
-    if (length <= width) {
-        return length;
+    size_t end = 0, last_space = 0, used = 0;
+    for (; text[end] != '\0'; ++end) {
+        if (!begins_character(text[end])) {
+            continue;
+        }
+        last_space = text[end] == ' ' ? end : last_space;
+        if (used == width) {
+            return last_space > 0 ? last_space : end;
+        }
+        ++used;
     }
-    size_t end = width;
-    while (end > 0 && text[end] != ' ') {
-        --end;
-    }
-    return end > 0 ? end : width;
+    return end;
 }
 
 /* The last cell of a row, wrapped under its own beginning. */
@@ -114,9 +138,9 @@ static void print_cell(const table *rows, size_t index, const size_t widths[TABL
     const bool last = column + 1 == rows->column_count || index + 1 == rows->cell_count;
     const char *text = rows->cells[index];
     if (rows->alignment[column] == 'r') {
-        printf("  %*s%s", (int)widths[column], text, last ? "\n" : "");
+        printf("  %*s%s", padded_bytes(text, widths[column]), text, last ? "\n" : "");
     } else if (!last) {
-        printf("  %-*s", (int)widths[column], text);
+        printf("  %-*s", padded_bytes(text, widths[column]), text);
     } else {
         size_t indent = 2;
         for (size_t i = 0; i < column; ++i) {

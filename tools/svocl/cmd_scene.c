@@ -87,12 +87,13 @@ int command_scene(program *state)
     scene *made = NULL;
     svo_message message = {""};
     svo_status status = scene_create(spec, &made, &message);
-    if (status == SVO_OK) {
-        progress_step(state->progress, "writing the mesh");
-        status = scene_write(scene_mesh(made), state->options.output_path, &message);
+    if (status != SVO_OK) {
+        return program_fail_scene(state, status, message.text);
     }
+    progress_step(state->progress, "writing the mesh");
+    status = scene_write(scene_mesh(made), state->options.output_path, &message);
     exit_code =
-        status == SVO_OK ? report_scene(state, scene_mesh(made)) : program_fail_scene(state, status, message.text);
+        status != SVO_OK ? program_fail_scene(state, status, message.text) : report_scene(state, scene_mesh(made));
     scene_destroy(&made);
     return exit_code;
 }
