@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-#include "svocl/ray_types.h"
 #include "svocl/mesh.h"
+#include "svocl/ray_types.h"
 
 typedef enum ray_target {
     TARGET_RANDOM = 0, /* from a sphere around the mesh to random points of its bounding box */
