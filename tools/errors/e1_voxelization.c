@@ -17,9 +17,9 @@ static result_table *begin_table(error_run *run)
         "exact set for its coverage: closed voxels for the two separating-axis tests, half-open ones for the others. "
         "The "
         "float32 methods run on %u host threads; the two tests visit every voxel of a triangle's bounds. The exact "
-        "methods run on the device or renderer named above (stage voxelize). Medians of %zu rounds after a warm-up "
-        "round; methods run interleaved.",
-        run->threads, run->rounds);
+        "methods run on the device or renderer named above (stage voxelize). %s; "
+        "methods run interleaved.",
+        run->threads, run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");
     result_add_column(table, "method", "");

@@ -25,9 +25,9 @@ static result_table *begin_table(error_run *run, size_t ray_count)
         "hits. svocl and \"voxels alone\" run on the OpenCL device. The float32 tests run on %u host threads in one "
         "BVH "
         "with conservative bounds, so that they differ in the test only; Embree runs on as many threads. \"Voxels "
-        "alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. Medians of %zu rounds after a "
-        "warm-up round; methods run interleaved.",
-        ray_count, run->threads, run->rounds);
+        "alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. %s; "
+        "methods run interleaved.",
+        ray_count, run->threads, run->rounds_note);
     result_add_column(table, "triangles", "");
     result_add_column(table, "rays", "");
     result_add_column(table, "method", "");

@@ -15,8 +15,8 @@ static result_table *begin_table(error_run *run)
                     "receive precomputed samples, one per (voxel, triangle) pair, and average leaves only; svocl's "
                     "times (stages link and filter) include sampling, clipping and all levels above. Order: difference "
                     "between orders of the samples or triangles. All methods run on the OpenCL device, interleaved. "
-                    "Medians of %zu rounds after a warm-up round.",
-                    run->rounds);
+                    "%s.",
+                    run->rounds_note);
     result_add_column(table, "attribute", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "samples per voxel", "");

@@ -23,10 +23,8 @@ static result_table *begin_table(error_run *run)
         "Hausdorff distance), found by svo_tree_nearest; the surface never leaves its voxels. Area, compared with the "
         "mesh: the sum of the leaves' fill, and the common estimate from the number of outer voxel faces. Volume, "
         "compared with the mesh: the enclosed voxels, with those of the surface counted half. Distances in %% are "
-        "relative to the edge of the grid. Time: plan and build of nodes and fill. Size: nodes and fill. Medians of "
-        "%zu "
-        "rounds after a warm-up round.",
-        run->rounds);
+        "relative to the edge of the grid. Time: plan and build of nodes and fill. Size: nodes and fill. %s.",
+        run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "voxels", "");

@@ -27,11 +27,9 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
         "the knot "
         "is flattened by this factor. Offset: distance of the mesh from the origin along all axes, in widths of the "
         "mesh; float32 methods and Embree get coordinates rounded to float32. Scale ratio: width of the grid over "
-        "three edges of a triangle; for rays the distance of their origins in widths of the mesh. Medians of %zu "
-        "rounds "
-        "after "
-        "a warm-up round; methods run interleaved.",
-        triangle_count, 1u << depth, ray_count, run->rounds);
+        "three edges of a triangle; for rays the distance of their origins in widths of the mesh. %s; "
+        "methods run interleaved.",
+        triangle_count, 1u << depth, ray_count, run->rounds_note);
     result_add_column(table, "problem", "");
     result_add_column(table, "conditioning", "");
     result_add_column(table, "value", "");

@@ -2,6 +2,8 @@
 /* What the experiments share: rounds, threads, scenes and failures. */
 #include "errors/errors.h"
 
+#include <stdio.h>
+
 #include "measure/threads.h"
 
 #define QUICK_ROUNDS 2u
@@ -19,6 +21,12 @@ error_run errors_begin(const suite *all)
                                : all->quick ? QUICK_ROUNDS
                                             : FULL_ROUNDS,
                      .results = all->results};
+    if (run.rounds > 1) {
+        (void)snprintf(run.rounds_note, sizeof run.rounds_note, "Medians of %zu rounds after a warm-up round",
+                       run.rounds);
+    } else {
+        (void)snprintf(run.rounds_note, sizeof run.rounds_note, "Times of one round without a warm-up round");
+    }
     run.opened.frontend = run.opened.gl != NULL ? opengl_frontend(run.opened.gl) : run.opened.cl;
     return run;
 }

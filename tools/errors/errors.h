@@ -18,7 +18,8 @@ typedef struct error_run {
     session opened; /* borrowed; frontend: OpenGL's where there is one */
     bool quick; /* smaller sizes, fewer rounds: the same methods and columns */
     unsigned threads; /* of methods that run on the host: as many as the device's */
-    size_t rounds; /* times are medians of so many, after a warm-up round */
+    size_t rounds; /* times are medians of so many, after a warm-up round where there are more than one */
+    char rounds_note[64]; /* the same in words, for the tables' notes */
     result_set *results;
 } error_run;
 

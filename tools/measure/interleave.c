@@ -10,12 +10,13 @@ bool interleave_measure(interleaved_method *methods, size_t method_count, size_t
 {
     double *times = calloc(method_count * round_count + 1, sizeof *times);
     bool worked = times != NULL;
-    for (size_t round = 0; round <= round_count && worked; ++round) {
+    const size_t warm_up_count = round_count > 1 ? 1 : 0;
+    for (size_t round = 0; round < warm_up_count + round_count && worked; ++round) {
         for (size_t i = 0; i < method_count && worked; ++i) {
             const double ms = methods[i].work_ms(methods[i].user);
             worked = ms >= 0.0;
-            if (round > 0) {
-                times[i * round_count + round - 1] = ms;
+            if (round >= warm_up_count) {
+                times[i * round_count + round - warm_up_count] = ms;
             }
         }
     }
