@@ -21,7 +21,7 @@ static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
         out->indices = build->tree->buffers[SVO_TREE_INDICES];
         return SVO_OK;
     }
-    if (plan->work.places) {
+    if (plan->work.positions) {
         SVO_I_TRY(upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices));
     }
     return upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices);
