@@ -1,7 +1,7 @@
 # svocl_embed(target name FILE... [FOLDERS folder...]): compiles the text of the files into target as
-# "extern const char name[]", so that no kernel or shader is looked for at run time. What they include by #include "..."
-# comes first, each file once. It is looked for beside the file that includes it, then in the folders, then in kernels/
-# and include/. When any of these files changes, the text is made again.
+# "extern const char name[]", so that no kernel or shader is read from a file at run time. Files that they include by
+# #include "..." come first, each once. They are searched for in the folder of the file that includes them, then in the
+# given folders, then in kernels/ and include/. A change of any of these files generates the text again.
 function(svocl_embed target name)
   cmake_parse_arguments(PARSE_ARGV 2 embed "" "" "FOLDERS")
   set(output ${CMAKE_CURRENT_BINARY_DIR}/embedded/${target}/${name}.c)

@@ -1,10 +1,10 @@
-# Writes OUTPUT, a C file that holds the text of FILES as the NUL-terminated array NAME, and OUTPUT.d, which lists the
-# files that were read. A file named in #include "..." comes before the first file that includes it, once, whatever
-# conditions stand around that line; it is looked for beside the file that includes it, then in FOLDERS. The lines
-# themselves are left out; #include <...> stays.
+# Writes OUTPUT, a C file with the text of FILES as the NUL-terminated array NAME, and OUTPUT.d, which lists the files
+# that were read. A file named in #include "..." comes once, before the first file that includes it, regardless of #if
+# around that line. It is searched for in the folder of the file that includes it, then in FOLDERS. The #include "..."
+# lines are removed; #include <...> lines are kept.
 cmake_minimum_required(VERSION 3.25)
 
-# find_included(name file variable): the path of what `#include "name"` in file means.
+# find_included(name file variable): sets variable to the path that `#include "name"` in file refers to.
 function(find_included name file variable)
   cmake_path(GET file PARENT_PATH own_folder)
   foreach(folder IN LISTS own_folder FOLDERS)
@@ -17,7 +17,7 @@ function(find_included name file variable)
   message(FATAL_ERROR "${file}: \"${name}\" is not in ${own_folder};${FOLDERS}")
 endfunction()
 
-# append_file(path): appends to the global property EMBEDDED_TEXT first what the file includes, then the file.
+# append_file(path): appends the files that the file includes, then the file, to the global property EMBEDDED_TEXT.
 function(append_file path)
   get_property(paths GLOBAL PROPERTY EMBEDDED_PATHS)
   if(path IN_LIST paths)
@@ -46,7 +46,7 @@ string(HEX "${text}" hex)
 string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
 string(REPEAT "." 100 line)
 string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
-# Bytes above 127 do not fit a signed char as numbers.
+# As numbers, bytes above 127 do not fit a signed char.
 string(REGEX REPLACE "0x([89a-f].)," "'\\\\x\\1'," bytes "${bytes}")
 file(WRITE ${OUTPUT}.tmp "extern const char ${NAME}[];\nconst char ${NAME}[] = {\n${bytes}0};\n")
 file(RENAME ${OUTPUT}.tmp ${OUTPUT})

@@ -1,9 +1,9 @@
-# Installing: the libraries, their headers, a CMake package and pkg-config files, the program. Each library is an export
-# of its own, so that a user of svocl::svocl needs OpenCL and nothing that svocl::gl or svocl::io stand on.
+# Installs the libraries, their headers, a CMake package, pkg-config files and the program. Each library has its own
+# export, so that users of svocl::svocl need OpenCL only, not the dependencies of svocl::gl and svocl::io.
 include(CMakePackageConfigHelpers)
 set(svocl_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/svocl)
 set(svocl_pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-# The way from the pkg-config files up to the prefix: the installed tree can be moved.
+# The relative path from the pkg-config files to the prefix, so that the installed tree can be moved.
 string(REGEX REPLACE "[^/]+" ".." svocl_pkgconfig_to_prefix ${svocl_pkgconfig_dir})
 
 # svocl_install_library(target component name): installs target as svocl::component with svocl-component.cmake and

@@ -1,5 +1,5 @@
-# `svocl bench peers` measures OpenVDB when libopenvdb-dev and libboost-dev are there: 15 MB to download, and most of a minute
-# to compile one file, so they are no part of the set-up. It is the program's only C++, which is enabled for it alone.
+# `svocl bench peers` measures OpenVDB if libopenvdb-dev and libboost-dev are installed. They are no part of the set-up:
+# they take 15 MB to download, and one file takes most of a minute to compile. C++ is enabled for this file alone.
 option(SVOCL_OPENVDB "measure OpenVDB in svocl bench, where it is installed" ON)
 set(SVOCL_OPENVDB_FOUND OFF)
 if(SVOCL_OPENVDB)

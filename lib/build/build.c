@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_build: a build that waits. Has the fragment list made, runs the stages and hands out the tree. */
+/* svo_build, the blocking build: makes the fragment list, runs the stages and returns the tree. */
 #include "build/default_frontend.h"
 #include "build/list.h"
 #include "build/measure.h"
@@ -8,7 +8,7 @@
 #include "plan/buffers.h"
 #include "stages/constants.h"
 
-/* Refuses what the fragment estimate says cannot fit, before anything is allocated. */
+/* Refuses a scene that, by the fragment estimate, does not fit the device. Nothing is allocated yet. */
 static svo_status check_size(svo_i_build *build)
 {
     const svo_plan *plan = build->commands.plan;
@@ -39,7 +39,7 @@ static svo_status run_stages(svo_i_build *build)
     return svo_i_constants_store(build);
 }
 
-/* Which argument is wrong, or NULL. */
+/* Why an argument is wrong, or NULL. */
 static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue,
                                   svo_tree *const *out)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The front end of callers who name none: OpenCL alone, one per device handle. */
+/* The front end of a build whose caller passes NULL: one "cl" per device handle. */
 #include "build/default_frontend.h"
 
 #include <stdlib.h>
 
-/* The device's own front end, attached to it. */
+/* Attaches the front end to its device. */
 typedef struct own_frontend {
     svo_i_attachment attachment;
     svo_frontend *frontend;

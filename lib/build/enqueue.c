@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds that do not wait: the stages of build.c in a workspace's memory, with the plan's capacities in place of
- * counts. What the device counts is read when the tree is finished.
+ * Enqueued builds: the stages run in a workspace's memory, with the plan's capacities instead of counts. The device's
+ * counts are read when the tree is finished.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -11,20 +11,35 @@
 #include "build/report.h"
 #include "plan/estimate.h"
 
-/* The tree's buffers become allocations of the workspace's, to be handed out to its build; and the tree's again. */
-static void lend_buffers(svo_workspace *workspace, svo_tree *tree, bool back)
+static void move_buffer(cl_mem *from, cl_mem *to)
+{
+    *to = *from;
+    *from = NULL;
+}
+
+/* Moves the tree's buffers to the workspace's allocations, from which the build takes them. */
+static void lend_buffers(svo_workspace *workspace, svo_tree *tree)
 {
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
-            *(back ? buffer : &entry->memory) = back ? entry->memory : *buffer;
-            *(back ? &entry->memory : buffer) = NULL;
+            move_buffer(&tree->buffers[svo_i_tree_buffer_named(entry->name)], &entry->memory);
         }
     }
 }
 
-/* Waits for the caller's events and for the build before. */
+/* Moves them back to the tree. */
+static void return_buffers(svo_workspace *workspace, svo_tree *tree)
+{
+    for (size_t i = 0; i < workspace->allocations.count; ++i) {
+        svo_i_allocation *entry = &workspace->allocations.entries[i];
+        if (entry->persistent) {
+            move_buffer(&entry->memory, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
+        }
+    }
+}
+
+/* Enqueues a wait for the caller's events and for the workspace's previous build. */
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
     cl_event *all = calloc((size_t)num_wait + 1, sizeof *all);
@@ -47,7 +62,7 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
                : svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clEnqueueMarkerWithWaitList", error);
 }
 
-/* The list of a front end that draws at once, and waits for what the build waits for: the host has its count. */
+/* Draws the list with a front end that does not issue the build's commands. The host waits first and gets the count. */
 static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
@@ -56,7 +71,7 @@ static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
     }
-    pending->owns_list = true;
+    pending->releases_list = true;
     SVO_I_TRY(frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list));
     const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
     pending->counter[0] = (cl_uint)needed;
@@ -79,7 +94,7 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
                : draw_now(workspace, pending);
 }
 
-/* All stages, and the counts on their way to the host. */
+/* Enqueues all stages and the read of the counts. */
 static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
@@ -88,7 +103,7 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     svo_i_build_fill_info(build);
     svo_i_build_assume_counts(build);
     SVO_I_TRY(make_list(workspace, pending));
-    if (pending->state.overflow != 0) { /* known already */
+    if (pending->state.overflow != 0) { /* draw_now has counted the fragments */
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_order_run(build));
@@ -98,7 +113,7 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     return svo_i_commands_read(commands, build->state, &pending->state, sizeof pending->state);
 }
 
-/* What the build holds on to when it has been enqueued, or given up. */
+/* Returns the tree's buffers and keeps the last command, after success and failure. */
 static void close_build(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
@@ -106,7 +121,7 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
         clReleaseEvent(build->commands.stage_first);
         build->commands.stage_first = NULL;
     }
-    lend_buffers(workspace, build->tree, true);
+    return_buffers(workspace, build->tree);
     if (build->commands.last != NULL) {
         if (workspace->last != NULL) {
             clReleaseEvent(workspace->last);
@@ -118,6 +133,19 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
     }
 }
 
+static void begin_build(svo_workspace *workspace, svo_i_pending *pending, svo_tree *tree, cl_command_queue queue)
+{
+    svo_i_build *build = &pending->build;
+    *build = (svo_i_build){.commands = svo_i_commands_begin(workspace->plan, queue, &pending->report),
+                           .frontend = workspace->frontend,
+                           .in_place = true,
+                           .tree = tree};
+    build->commands.mode = SVO_I_MODE_ENQUEUE;
+    build->commands.allocations = &workspace->allocations;
+    memcpy(build->programs, workspace->programs, sizeof build->programs);
+}
+
+/* Why an argument is wrong, or NULL. */
 static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree *tree, cl_command_queue queue,
                                  cl_uint num_wait, const cl_event *wait)
 {
@@ -152,17 +180,10 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
     }
     svo_status status = SVO_OK;
-    svo_i_build *build = &pending->build;
-    *build = (svo_i_build){.commands = svo_i_commands_begin(workspace->plan, queue, &pending->report),
-                           .frontend = workspace->frontend,
-                           .in_place = true,
-                           .tree = tree};
-    build->commands.mode = SVO_I_MODE_ENQUEUE;
-    build->commands.allocations = &workspace->allocations;
-    memcpy(build->programs, workspace->programs, sizeof build->programs);
+    begin_build(workspace, pending, tree, queue);
     svo_i_tree_forget(tree);
-    lend_buffers(workspace, tree, false);
-    SVO_I_TRY_CLEANUP(wait_first(workspace, build, num_wait, wait));
+    lend_buffers(workspace, tree);
+    SVO_I_TRY_CLEANUP(wait_first(workspace, &pending->build, num_wait, wait));
     SVO_I_TRY_CLEANUP(enqueue_stages(workspace, pending));
 cleanup:
     close_build(workspace, pending);
@@ -179,7 +200,7 @@ cleanup:
     return SVO_OK;
 }
 
-/* The tree's counts, or what it would have needed. */
+/* Sets the tree's counts, or fails with the capacities that the build would have needed. */
 static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
@@ -206,7 +227,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
     return svo_i_build_take_state(build, state, &fits);
 }
 
-/* Payload that is stored once is zero in a tree without leaves. */
+/* Zeroes constant payload in a tree without leaves. */
 static svo_status clear_constants(svo_tree *tree, cl_command_queue queue)
 {
     static const unsigned char none[8] = {0};
@@ -222,7 +243,7 @@ static svo_status clear_constants(svo_tree *tree, cl_command_queue queue)
     return SVO_OK;
 }
 
-/* A copy of the front of a buffer in place of it. */
+/* Replaces a buffer by one of the tree's real size. */
 static svo_status trim_buffer(svo_tree *tree, svo_tree_buffer which, cl_command_queue queue)
 {
     const size_t bytes = (size_t)svo_i_tree_element_count(&tree->info, which) * svo_i_tree_element_bytes(which);
@@ -233,11 +254,8 @@ static svo_status trim_buffer(svo_tree *tree, svo_tree_buffer which, cl_command_
     }
     cl_mem exact = NULL;
     cl_event copied = NULL;
-    const svo_status status = svo_i_device_buffer(tree->device, "svo_tree_finish", svo_tree_buffer_name(which),
-                                                  CL_MEM_READ_WRITE, bytes, &exact);
-    if (status != SVO_OK) {
-        return status;
-    }
+    SVO_I_TRY(svo_i_device_buffer(tree->device, "svo_tree_finish", svo_tree_buffer_name(which), CL_MEM_READ_WRITE,
+                                  bytes, &exact));
     cl_int error = CL_SUCCESS;
     if (bytes > 0) {
         error = clEnqueueCopyBuffer(queue, tree->buffers[which], exact, 0, 0, bytes, 0, NULL, &copied);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The fragment list of a build: the front end draws it into chunks, and again with more room where they were too small,
- * until all fragments are there.
+ * The fragment list of a blocking build, and svo_plan_count. The front end draws the list into chunks. If chunks were
+ * too small, it draws again with larger ones.
  */
 #include "build/list.h"
 
@@ -14,10 +14,10 @@
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 
-/* Cutting chunks in halves until they fit ends long before this. */
+/* A bound on halving chunks, far above what a list can need. */
 #define RERUNS_MAX 32u
 
-/* What a chunk may take: the front end's, the device's and the request's limit. */
+/* Largest chunk: the least of the front end's, the device's and the request's limits. */
 static uint64_t chunk_bytes(const svo_plan *plan, const svo_frontend *frontend)
 {
     uint64_t bytes = frontend->chunk_bytes_max;
@@ -26,8 +26,8 @@ static uint64_t chunk_bytes(const svo_plan *plan, const svo_frontend *frontend)
     return asked != 0 && asked < bytes ? asked : bytes;
 }
 
-/* The list's counts; whether every chunk held its fragments. */
-static bool list_is_whole(svo_i_build *build, uint64_t *needed)
+/* Counts the list's fragments. Returns whether all of them fitted their chunks. */
+static bool count_list(svo_i_build *build, uint64_t *needed)
 {
     bool whole = true;
     build->fragment_count = 0;
@@ -39,12 +39,12 @@ static bool list_is_whole(svo_i_build *build, uint64_t *needed)
     return whole;
 }
 
-/* Lists the chunks' buffers, which live while the front end draws into them and after; or takes them off again. */
-static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool live)
+/* Adds the chunks' buffers to the plan's list, or removes them. */
+static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool add)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         const uint64_t bytes = chunking->chunks[i].capacity * svo_i_plan_fragment_bytes(build->commands.plan);
-        if (live) {
+        if (add) {
             svo_i_plan_buffer_add(build->commands.plan, "fragments", bytes);
         } else {
             svo_i_plan_buffer_remove(build->commands.plan, bytes);
@@ -52,7 +52,7 @@ static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool
     }
 }
 
-/* A list without fragments; needed: counts of its chunks. */
+/* Allocates an empty list, and *needed for the counts of its chunks. */
 static svo_status alloc_list(svo_i_build *build, uint32_t chunk_count, uint64_t **needed)
 {
     build->list.chunks = calloc(chunk_count + 1u, sizeof *build->list.chunks);
@@ -65,12 +65,12 @@ static svo_status alloc_list(svo_i_build *build, uint32_t chunk_count, uint64_t 
     return SVO_OK;
 }
 
-/* One attempt at the list, with the chunking as it is; afterwards *chunking is one in which it fits. */
+/* Draws the list once. If it did not fit, *whole is false and *chunking becomes one in which it should fit. */
 static svo_status draw_list(svo_i_build *build, svo_i_chunking *chunking, uint64_t limit, bool *whole)
 {
     svo_status status = SVO_OK;
     svo_frontend *frontend = build->frontend;
-    const bool has_buffers = frontend->make_tree == NULL; /* else the list stays with the front end */
+    const bool has_buffers = frontend->make_tree == NULL; /* else the front end keeps the list */
     uint64_t *needed = NULL;
     bool listed = false;
     SVO_I_TRY_CLEANUP(alloc_list(build, chunking->chunk_count, &needed));
@@ -79,7 +79,7 @@ static svo_status draw_list(svo_i_build *build, svo_i_chunking *chunking, uint64
         listed = true;
     }
     SVO_I_TRY_CLEANUP(frontend->voxelize(frontend->self, &build->commands, chunking, &build->list));
-    *whole = list_is_whole(build, needed);
+    *whole = count_list(build, needed);
 cleanup:
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
@@ -124,7 +124,7 @@ cleanup:
     return status;
 }
 
-/* How many fragments a chunking has, without keeping them: one per chunk at most. */
+/* Counts the fragments of a chunking. Each chunk has room for one fragment, so none is kept. */
 static svo_status count_fragments(svo_i_commands *commands, svo_frontend *frontend, svo_i_chunking *chunking,
                                   uint64_t *total)
 {
@@ -160,8 +160,8 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
     }
     svo_status status = SVO_OK;
-    svo_build_report unread = {0};
-    svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &unread), .frontend = frontend};
+    svo_build_report discarded = {0};
+    svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &discarded), .frontend = frontend};
     svo_i_chunking chunking = {0};
     uint64_t total = 0;
     SVO_I_TRY_CLEANUP(svo_i_compile_frontend(&build));
@@ -174,7 +174,7 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
                                    (unsigned long long)total, SVO_I_FRAGMENTS_MAX);
         goto cleanup;
     }
-    plan->counted = one_chunk; /* several chunks have room to spare each */
+    plan->counted = one_chunk; /* the capacities of several chunks add up to more than the count */
     plan->info.fragments = total;
     plan->options.fragment_capacity = total > 0 ? total : 1;
     plan->built = false;

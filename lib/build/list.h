@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The fragment list of a build that waits: drawn again with more room until it is whole. */
+/* The fragment list of a blocking build. */
 #ifndef SVO_LIB_BUILD_LIST_H
 #define SVO_LIB_BUILD_LIST_H
 
 #include "stages/build_state.h"
 
+/* Has the front end draw the list, again with larger chunks until all fragments fit. Sets build->list and
+   build->fragment_count. */
 svo_status svo_i_list_make(svo_i_build *build);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Measuring what a build allocates and launches: for plans, workspaces and warm-up. */
+/* Measuring builds: see measure.h. */
 #include "build/measure.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "plan/estimate.h"
 #include "stages/voxelize.h"
 
-/* Lists of more chunks are measured as if they had this many. */
+/* Lists of more chunks are measured with this many. */
 #define CHUNKS_MAX 32
 
 /* How much of a build is measured. */
@@ -27,10 +27,10 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunk
                                  chunking->chunk_count);
     }
     build->owns_list = true;
-    if (build->frontend == NULL || build->frontend->on_device) { /* others have their lists in memory of their own */
+    if (build->frontend == NULL || build->frontend->on_device) { /* other front ends allocate their lists themselves */
         SVO_I_TRY(svo_i_voxelize(NULL, commands, chunking, &build->list));
     }
-    if (!build->in_place) { /* a build that waits has read them by now */
+    if (!build->in_place) { /* a blocking build has read them by now */
         svo_i_commands_free(commands, &build->list.counters);
     }
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
@@ -42,7 +42,7 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunk
     return extent == ALL_STAGES ? svo_i_order_run(build) : SVO_OK;
 }
 
-/* The handles in a measured tree are none: the allocations behind them are the tree's. */
+/* Marks the allocations of the tree. The handles in a measured tree are no buffers, but indices of allocations. */
 static void mark_persistent(svo_i_build *build)
 {
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
@@ -53,17 +53,17 @@ static void mark_persistent(svo_i_build *build)
     }
 }
 
-/* build: its frontend, in_place, and the allocations and warm_up of its commands are set. */
+/* Runs a measuring build. build: its frontend, in_place, and the allocations and warm_up of its commands are set. */
 static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *chunking, build_extent extent)
 {
-    svo_i_allocations unread = {0};
+    svo_i_allocations discarded = {0};
     svo_build_report report = {0};
     build->commands.mode = SVO_I_MODE_MEASURE;
     build->commands.device = plan->device;
     build->commands.plan = plan;
     build->commands.report = &report;
     if (build->commands.allocations == NULL) {
-        build->commands.allocations = &unread;
+        build->commands.allocations = &discarded;
     }
     build->tree = svo_i_tree_new();
     if (build->tree == NULL) {
@@ -73,7 +73,7 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
     const svo_status status = measure_stages(build, chunking, extent);
     svo_i_order_release_scratch(build);
     mark_persistent(build);
-    svo_i_allocations_free(&unread);
+    svo_i_allocations_free(&discarded);
     svo_tree_destroy(&build->tree);
     return status;
 }
@@ -86,8 +86,7 @@ svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chu
     return run(&build, plan, chunking, ALL_STAGES);
 }
 
-/* Equal chunks, for a list that would be cut into many more: cutting it in earnest takes time and memory that a plan
-   should not. */
+/* Makes CHUNKS_MAX equal chunks for a list of more. An exact cut would take a plan too much time and memory. */
 static svo_status cut_roughly(const svo_plan *plan, svo_i_chunking *chunking)
 {
     const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
@@ -120,18 +119,18 @@ svo_status svo_i_predict(svo_plan *plan)
     return status;
 }
 
-/* Runs the stages over nothing, for the kernels of fresh programs. */
+/* Warms up the kernels of newly compiled programs, by a measuring build. */
 static svo_status warm_up_stages(const svo_i_build *build, svo_i_warm_up *warm_up, build_extent extent)
 {
     svo_plan *plan = build->commands.plan;
     const svo_plan before = *plan;
     svo_i_chunking chunking = {0};
-    svo_i_build on_nothing = {.commands = {.plan = plan, .warm_up = warm_up}, .frontend = build->frontend};
-    memcpy(on_nothing.programs, build->programs, sizeof on_nothing.programs);
+    svo_i_build measuring = {.commands = {.plan = plan, .warm_up = warm_up}, .frontend = build->frontend};
+    memcpy(measuring.programs, build->programs, sizeof measuring.programs);
     SVO_I_TRY(cut(plan, &chunking));
-    const svo_status status = run(&on_nothing, plan, &chunking, extent);
+    const svo_status status = run(&measuring, plan, &chunking, extent);
     svo_i_chunking_destroy(&chunking);
-    *plan = before; /* nothing but its list of buffers was changed */
+    *plan = before; /* restores its list of buffers */
     return status;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs the stages that the plan has, one after the other. */
+/* Compiles and runs the stages that the plan needs. */
 #include "build/order.h"
 
 #include <stdlib.h>

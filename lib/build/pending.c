@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What becomes of enqueued builds when they end, fail, or lose their tree. */
+/* The end of enqueued builds: finished, failed, or with their tree destroyed. */
 #include "build/pending.h"
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@ void svo_i_pending_release(svo_i_pending *pending)
         clReleaseEvent(pending->done);
     }
     svo_i_stage_collect(&pending->build.commands);
-    if (pending->owns_list) {
+    if (pending->releases_list) {
         svo_frontend *frontend = pending->build.frontend;
         frontend->release(frontend->self, &pending->build.list);
     }
@@ -39,8 +39,7 @@ void svo_i_pending_release_given_up(svo_workspace *workspace, bool all)
     }
 }
 
-/* Of a build that failed half-way: its commands may still wait for what the caller has not done yet, and write to
-   it. */
+/* The commands of a failed build may still wait for the caller's events, and write to the pending build. */
 void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending)
 {
     if (pending->done == NULL || is_done(pending->done)) {
@@ -51,7 +50,7 @@ void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending)
     }
 }
 
-/* No more builds go into the tree. */
+/* Removes the tree from its workspace's list. */
 static void leave_workspace(svo_tree *tree)
 {
     svo_tree **at = tree->workspace != NULL ? &tree->workspace->trees : NULL;

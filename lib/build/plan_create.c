@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_plan_create: makes a plan, and has the stages measure what its build will allocate. */
+/* svo_plan_create: creates a plan and predicts what its build allocates. */
 #include "build/measure.h"
 #include "build/stage_table.h"
 #include "plan/plan.h"

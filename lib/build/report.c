@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of builds, as large as the caller has them. */
+/* Writing build reports, and reading their stage times. */
 #include "build/report.h"
 
 #include "core/struct_size.h"
@@ -11,7 +11,6 @@ const char *svo_stage_name(svo_stage stage)
     return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
 }
 
-/* The sizes of svo_build_report. Its stage times are its last field, so that shorter reports have none. */
 svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report)
 {
     return report == NULL ? SVO_OK

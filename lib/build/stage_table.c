@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The table of stages. A plan takes from it which stages run, which kernels are compiled and what each buffer's bytes
- * follow from; a build runs it from top to bottom.
+ * The table of stages, in the order in which they run. A plan takes from it which stages run, which kernels are
+ * compiled and what the size of each buffer depends on. A build runs it from top to bottom.
  */
 #include "build/stage_table.h"
 
@@ -17,17 +17,13 @@
 #include "stages/subdivide.h"
 #include "stages/surface.h"
 
-static bool has(const svo_plan *plan, svo_need bit)
+/* Whether kernels compute this payload for each node. */
+static bool computes(const svo_plan *plan, svo_need bit)
 {
     return (plan->work.made & (uint32_t)bit) != 0;
 }
 
-static void add(char *text, size_t bytes, const char *define)
-{
-    (void)snprintf(text, bytes, "%s", define);
-}
-
-/* ---- when they run ---- */
+/* ---- when a stage runs ---- */
 
 static bool voxelize_runs(const svo_plan *plan)
 {
@@ -76,7 +72,7 @@ static bool bottom_up_ranges_runs(const svo_plan *plan)
 
 static bool material_runs(const svo_plan *plan)
 {
-    return has(plan, SVO_NEED_MATERIAL);
+    return computes(plan, SVO_NEED_MATERIAL);
 }
 
 static bool link_runs(const svo_plan *plan)
@@ -94,7 +90,7 @@ static bool constants_runs(const svo_plan *plan)
     return plan->work.constant != 0;
 }
 
-/* ---- why they do not ---- */
+/* ---- why a stage is left out ---- */
 
 static const char *no_voxelization(const svo_plan *plan)
 {
@@ -117,23 +113,23 @@ static const char *no_packing(const svo_plan *plan)
                              : "there are no lists to pack";
 }
 
-/* ---- what is compiled for them ---- */
+/* ---- the defines that select a stage's kernels ---- */
 
 static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)plan;
-    add(text, bytes, " -DSVO_SORT");
+    (void)snprintf(text, bytes, " -DSVO_SORT");
 }
 
 static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)plan;
-    add(text, bytes, " -DSVO_LEVELS");
+    (void)snprintf(text, bytes, " -DSVO_LEVELS");
 }
 
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    add(text, bytes, plan->work.lists ? " -DSVO_RANGES -DSVO_LISTS" : " -DSVO_RANGES");
+    (void)snprintf(text, bytes, " -DSVO_RANGES%s", plan->work.lists ? " -DSVO_LISTS" : "");
 }
 
 static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -147,50 +143,29 @@ static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
 static void material_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)plan;
-    add(text, bytes, " -DSVO_MATERIAL");
+    (void)snprintf(text, bytes, " -DSVO_MATERIAL");
 }
 
 static void filter_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)snprintf(text, bytes, "%s%s%s", has(plan, SVO_NEED_COLOR) ? " -DSVO_COLOR" : "",
-                   has(plan, SVO_NEED_NORMAL) ? " -DSVO_NORMAL" : "", has(plan, SVO_NEED_FILL) ? " -DSVO_FILL" : "");
+    (void)snprintf(text, bytes, "%s%s%s", computes(plan, SVO_NEED_COLOR) ? " -DSVO_COLOR" : "",
+                   computes(plan, SVO_NEED_NORMAL) ? " -DSVO_NORMAL" : "",
+                   computes(plan, SVO_NEED_FILL) ? " -DSVO_FILL" : "");
 }
 
 /* ---- the rows ---- */
 
-#define MESH(name)                 \
-    {                              \
-        name, SVO_I_OF_MESH, false \
+/* A buffer of a stage: scratch, or part of the tree. basis: what its bytes depend on. */
+#define SCRATCH(name, basis)          \
+    {                                 \
+        name, SVO_I_OF_##basis, false \
     }
-#define FRAGMENTS(name)                 \
-    {                                   \
-        name, SVO_I_OF_FRAGMENTS, false \
-    }
-#define LEAVES(name)                 \
+#define TREE(name, basis)            \
     {                                \
-        name, SVO_I_OF_LEAVES, false \
-    }
-#define NODES(name)                 \
-    {                               \
-        name, SVO_I_OF_NODES, false \
-    }
-#define TREE_MESH(name)           \
-    {                             \
-        name, SVO_I_OF_MESH, true \
-    }
-#define TREE_FRAGMENTS(name)           \
-    {                                  \
-        name, SVO_I_OF_FRAGMENTS, true \
-    }
-#define TREE_LEAVES(name)           \
-    {                               \
-        name, SVO_I_OF_LEAVES, true \
-    }
-#define TREE_NODES(name)           \
-    {                              \
-        name, SVO_I_OF_NODES, true \
+        name, SVO_I_OF_##basis, true \
     }
 
+/* svo_i_stage (plan/plan_data.h) describes the columns. */
 static const svo_i_stage rows[] = {
     {.name = "voxelize",
      .stage = SVO_STAGE_VOXELIZE,
@@ -199,9 +174,9 @@ static const svo_i_stage rows[] = {
      .reason = no_voxelization,
      .program = SVO_I_PROGRAM_VOXELIZE,
      .kernels = {"svo_k_voxelize"},
-     /* Tiles: about as many as the large triangles have columns. */
-     .buffers = {MESH("mesh_vertices"), MESH("mesh_indices"), MESH("mesh_items"), NODES("mesh_tiles"), MESH("counters"),
-                 FRAGMENTS("fragments")}},
+     /* The number of tiles is an estimate, as that of nodes is. */
+     .buffers = {SCRATCH("mesh_vertices", MESH), SCRATCH("mesh_indices", MESH), SCRATCH("mesh_items", MESH),
+                 SCRATCH("mesh_tiles", NODES), SCRATCH("counters", MESH), SCRATCH("fragments", FRAGMENTS)}},
     {.name = "sort",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = sort_runs,
@@ -210,15 +185,16 @@ static const svo_i_stage rows[] = {
      .defines = sort_defines,
      .kernels = {"svo_k_sort_count", "svo_k_sort_scatter", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials",
                  "svo_k_scan_lists_add"},
-     .buffers = {FRAGMENTS("sorted"), MESH("sort_counts"), MESH("partials")}},
+     .buffers = {SCRATCH("sorted", FRAGMENTS), SCRATCH("sort_counts", MESH), SCRATCH("partials", MESH)}},
     {.name = "bottom_up",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = sort_runs,
      .run = svo_i_bottom_up,
      .program = SVO_I_PROGRAM_SORT,
      .kernels = {"svo_k_bottom_up_count", "svo_k_bottom_up_flags", "svo_k_bottom_up_leaves", "svo_k_bottom_up_nodes"},
-     .buffers = {FRAGMENTS("cursors"), MESH("level_counts"), MESH("state"), FRAGMENTS("begin_flags"),
-                 NODES("level_codes"), TREE_NODES("child_mask"), TREE_NODES("first_child")}},
+     .buffers = {SCRATCH("cursors", FRAGMENTS), SCRATCH("level_counts", MESH), SCRATCH("state", MESH),
+                 SCRATCH("begin_flags", FRAGMENTS), SCRATCH("level_codes", NODES), TREE("child_mask", NODES),
+                 TREE("first_child", NODES)}},
     {.name = "subdivide",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = subdivide_runs,
@@ -227,15 +203,16 @@ static const svo_i_stage rows[] = {
      .defines = subdivide_defines,
      .kernels = {"svo_k_take_count", "svo_k_mark", "svo_k_descend", "svo_k_scan_masks_reduce",
                  "svo_k_scan_masks_partials", "svo_k_scan_masks_add"},
-     .buffers = {FRAGMENTS("cursors"), MESH("state"), MESH("partials"), NODES("child_mask_pool"),
-                 NODES("first_child_pool"), TREE_NODES("child_mask"), TREE_NODES("first_child")}},
+     .buffers = {SCRATCH("cursors", FRAGMENTS), SCRATCH("state", MESH), SCRATCH("partials", MESH),
+                 SCRATCH("child_mask_pool", NODES), SCRATCH("first_child_pool", NODES), TREE("child_mask", NODES),
+                 TREE("first_child", NODES)}},
     {.name = "geometry",
      .stage = SVO_STAGE_TRANSFER,
      .runs = geometry_runs,
      .run = svo_i_geometry_upload,
      .left_out = "leaf lists",
      .reason = no_lists,
-     .buffers = {TREE_MESH("vertices"), TREE_MESH("indices"), TREE_MESH("triangle_ids")}},
+     .buffers = {TREE("vertices", MESH), TREE("indices", MESH), TREE("triangle_ids", MESH)}},
     {.name = "pack",
      .stage = SVO_STAGE_PACK,
      .runs = pack_runs,
@@ -246,23 +223,24 @@ static const svo_i_stage rows[] = {
      .defines = pack_defines,
      .kernels = {"svo_k_count", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials", "svo_k_scan_lists_add",
                  "svo_k_scatter", "svo_k_sort_short", "svo_k_sort_long"},
-     .buffers = {TREE_LEAVES("list_begin"), LEAVES("list_counts"), TREE_FRAGMENTS("list"), FRAGMENTS("list_spare"),
-                 FRAGMENTS("long_leaves")}},
+     .buffers = {TREE("list_begin", LEAVES), SCRATCH("list_counts", LEAVES), TREE("list", FRAGMENTS),
+                 SCRATCH("list_spare", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS)}},
     {.name = "bottom_up lists",
      .stage = SVO_STAGE_PACK,
      .runs = bottom_up_lists_runs,
      .run = svo_i_bottom_up_lists,
      .program = SVO_I_PROGRAM_SORT,
      .kernels = {"svo_k_bottom_up_lists"},
-     .buffers = {TREE_LEAVES("list_begin"), TREE_FRAGMENTS("list")}},
+     .buffers = {TREE("list_begin", LEAVES), TREE("list", FRAGMENTS)}},
     {.name = "surface",
      .stage = SVO_STAGE_TRANSFER,
      .runs = surface_runs,
      .run = svo_i_surface_upload,
      .program = SVO_I_PROGRAM_BUILD,
      .defines = surface_defines,
-     .buffers = {MESH("vertices"), MESH("indices"), MESH("records"), MESH("vertex_colors"), MESH("vertex_normals"),
-                 MESH("uvs"), MESH("material_records"), MESH("texels")}},
+     .buffers = {SCRATCH("vertices", MESH), SCRATCH("indices", MESH), SCRATCH("records", MESH),
+                 SCRATCH("vertex_colors", MESH), SCRATCH("vertex_normals", MESH), SCRATCH("uvs", MESH),
+                 SCRATCH("material_records", MESH), SCRATCH("texels", MESH)}},
     {.name = "ranges",
      .stage = SVO_STAGE_PACK,
      .runs = ranges_runs,
@@ -270,14 +248,14 @@ static const svo_i_stage rows[] = {
      .program = SVO_I_PROGRAM_BUILD,
      .defines = pack_defines,
      .kernels = {"svo_k_count", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials", "svo_k_scan_lists_add"},
-     .buffers = {LEAVES("list_begin"), LEAVES("list_counts")}},
+     .buffers = {SCRATCH("list_begin", LEAVES), SCRATCH("list_counts", LEAVES)}},
     {.name = "bottom_up ranges",
      .stage = SVO_STAGE_PACK,
      .runs = bottom_up_ranges_runs,
      .run = svo_i_bottom_up_lists,
      .program = SVO_I_PROGRAM_SORT,
      .kernels = {"svo_k_bottom_up_lists"},
-     .buffers = {LEAVES("list_begin")}},
+     .buffers = {SCRATCH("list_begin", LEAVES)}},
     {.name = "material",
      .stage = SVO_STAGE_FILTER,
      .runs = material_runs,
@@ -285,13 +263,14 @@ static const svo_i_stage rows[] = {
      .program = SVO_I_PROGRAM_BUILD,
      .defines = material_defines,
      .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_merge"},
-     .buffers = {TREE_NODES("materials"), NODES("entry_counts"), NODES("entry_begins"), FRAGMENTS("entries")}},
-    {.name = "link", /* the filter runs it, chunk by chunk */
+     .buffers = {TREE("materials", NODES), SCRATCH("entry_counts", NODES), SCRATCH("entry_begins", NODES),
+                 SCRATCH("entries", FRAGMENTS)}},
+    {.name = "link", /* filter launches it, chunk by chunk */
      .stage = SVO_STAGE_LINK,
      .runs = link_runs,
      .program = SVO_I_PROGRAM_BUILD,
      .kernels = {"svo_k_link"},
-     .buffers = {LEAVES("heads")}},
+     .buffers = {SCRATCH("heads", LEAVES)}},
     {.name = "filter",
      .stage = SVO_STAGE_FILTER,
      .runs = filter_runs,
@@ -299,13 +278,13 @@ static const svo_i_stage rows[] = {
      .program = SVO_I_PROGRAM_BUILD,
      .defines = filter_defines,
      .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_filter"},
-     .buffers = {NODES("weights"), NODES("color_sums"), NODES("normal_sums"), TREE_NODES("colors"),
-                 TREE_NODES("normals"), TREE_NODES("fills")}},
+     .buffers = {SCRATCH("weights", NODES), SCRATCH("color_sums", NODES), SCRATCH("normal_sums", NODES),
+                 TREE("colors", NODES), TREE("normals", NODES), TREE("fills", NODES)}},
     {.name = "constants",
      .stage = SVO_STAGE_TRANSFER,
      .runs = constants_runs,
      .run = svo_i_constants_store,
-     .buffers = {TREE_NODES("colors"), TREE_NODES("normals"), TREE_NODES("materials")}},
+     .buffers = {TREE("colors", NODES), TREE("normals", NODES), TREE("materials", NODES)}},
 };
 
 const svo_i_stage *svo_i_stage_table(size_t *count)

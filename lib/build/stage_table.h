@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of stages, in the order in which they run. A new stage is a row here and files of its own in lib/stages. */
+/* The table of stages, in the order in which they run. A new stage is a row of it; CONTRIBUTING.md has the recipe. */
 #ifndef SVO_LIB_BUILD_STAGE_TABLE_H
 #define SVO_LIB_BUILD_STAGE_TABLE_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All the memory that builds of a plan need, measured by the builder's own stages and made once, for builds that do not
- * wait (enqueue.c).
+ * Workspaces: all the memory that enqueued builds of a plan need. A measuring build finds the sizes; the memory is
+ * allocated once.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -31,8 +31,8 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
     return SVO_OK;
 }
 
-/* One chunk that holds the whole list. */
-static svo_status lay_out(svo_workspace *workspace)
+/* Cuts the list, which must be one chunk. */
+static svo_status cut_list(svo_workspace *workspace)
 {
     const svo_plan *plan = workspace->plan;
     const uint64_t allocation = workspace->device->max_allocation_bytes;
@@ -57,13 +57,13 @@ static uint64_t alignment_of(const svo_device *device)
     return bits >= 1024 ? bits / 8 : 128;
 }
 
-/* Lists the allocations of a build and places its scratch. The plan's list of buffers becomes theirs. */
+/* Records the allocations of a build and places its scratch. The plan's list of buffers becomes that of the build. */
 static svo_status measure(svo_workspace *workspace)
 {
     svo_i_allocations *list = &workspace->allocations;
     SVO_I_TRY(check(workspace->plan, workspace->frontend));
-    SVO_I_TRY(lay_out(workspace));
-    workspace->plan->built = true; /* capacities are what is allocated */
+    SVO_I_TRY(cut_list(workspace));
+    workspace->plan->built = true; /* sizes are exact: capacities are what is allocated */
     SVO_I_TRY(svo_i_measure(workspace->plan, workspace->frontend, &workspace->chunking, list));
     workspace->info.scratch_alignment = alignment_of(workspace->device);
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
@@ -105,11 +105,11 @@ svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend, svo_wor
         (void)svo_i_struct_write(NULL, "", "info", &measured.info, info, SIZES_OF_INFO);
     }
     release(&measured);
-    *plan = before; /* nothing but its list was changed */
+    *plan = before; /* restores its list of buffers */
     return status;
 }
 
-/* The caller's scratch, checked, or a buffer of the workspace's. */
+/* Checks and retains the caller's scratch memory, or allocates it. */
 static svo_status get_scratch(svo_workspace *workspace, const svo_workspace_options *options)
 {
     const svo_workspace_info *info = &workspace->info;
@@ -139,7 +139,7 @@ static svo_status get_scratch(svo_workspace *workspace, const svo_workspace_opti
     return SVO_OK;
 }
 
-/* A sub-buffer for every scratch entry. */
+/* Creates a sub-buffer for every scratch entry. */
 static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
 {
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
@@ -160,8 +160,8 @@ static svo_status cut_scratch(svo_workspace *workspace, uint64_t offset_bytes)
 
 static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
 {
-    svo_build_report unread = {0};
-    svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &unread),
+    svo_build_report discarded = {0};
+    svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &discarded),
                          .frontend = workspace->frontend};
     const svo_status status = svo_i_compile(&build);
     svo_i_commands_end(&build.commands);
@@ -169,6 +169,7 @@ static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
     return status;
 }
 
+/* Why an argument is wrong, or NULL. */
 static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, svo_workspace *const *out)
 {
     if (out == NULL) {
@@ -205,7 +206,7 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     return SVO_OK;
 cleanup:
     svo_workspace_destroy(&workspace);
-    *plan = before; /* its list */
+    *plan = before; /* restores its list of buffers */
     return status;
 }
 
@@ -233,7 +234,7 @@ svo_status svo_workspace_get_info(const svo_workspace *workspace, svo_workspace_
                               SIZES_OF_INFO);
 }
 
-/* Takes a tree out of its workspace when the tree is destroyed. */
+/* Attached to a tree: removes it from its workspace when it is destroyed. */
 typedef struct membership {
     svo_i_attachment attachment;
     svo_tree *tree;
@@ -245,7 +246,7 @@ static void end_membership(svo_i_attachment *attachment)
     free(attachment);
 }
 
-/* An empty tree that leaves the workspace when it is destroyed, or NULL when out of memory. */
+/* A new empty tree in the workspace's list; NULL when out of memory. */
 static svo_tree *new_member(svo_workspace *workspace)
 {
     svo_tree *tree = svo_i_tree_new();

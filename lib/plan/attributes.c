@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the payload is made of: the mesh's colors, normals, texture coordinates and materials as integers, so that the
- * filter kernels need no floats. Only what the request reads and the mesh has is kept.
+ * The payload inputs: the mesh's colors, normals, texture coordinates and materials as integers, so that payload
+ * kernels need no floats. Only attributes that the request reads and the mesh has are copied.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -15,14 +15,14 @@
 #define UV_LIMIT   32767.0
 #define NORMAL_ONE 32767.0
 
-#define STRETCH_ONE 1073741824.0 /* svo_triangle_record.stretch: 2^30 */
+#define STRETCH_ONE 1073741824.0 /* 1 in svo_triangle_record.stretch: 2^30 */
 
-/* Limits on the unit of weight, as powers of two: what one pair may weigh when its part's corners are rounded at their
-   worst, which doubles a tiny area; what all may, with what closed voxels count twice; and a face at least. */
+/* Limits on weights, as powers of two: the largest weight of a pair, where rounding may double a tiny area; the largest
+   sum of all weights, where closed voxels count some area twice; the least weight of a voxel's face. */
 #define PAIR_LOG2_MAX  31
 #define TOTAL_LOG2_MAX 44
 #define FACE_LOG2_MIN  (SVO_I_FILL_LOG2 + 1u)
-/* More than the largest cut of a plane through a voxel: sqrt(2) faces. */
+/* Above sqrt(2), the largest area of a plane inside a voxel, in faces. */
 #define CUT_FACES_MAX 1.5
 
 static svo_status no_memory(svo_plan *plan)
@@ -31,7 +31,7 @@ static svo_status no_memory(svo_plan *plan)
                              "svo_plan_create: no memory for the attributes of %u vertices", plan->vertex_count);
 }
 
-/* A kept triangle's material; one that is out of range is the first. */
+/* A kept triangle's material; 0 if it is out of range. */
 static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t triangle)
 {
     const uint32_t material =
@@ -39,8 +39,8 @@ static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t
     return material < plan->material_count ? material : 0;
 }
 
-/* Which textures a kept triangle has, one byte each, and how many; owned by the caller. NULL: no memory. None is used
-   where the vertices have no coordinates. */
+/* One byte per texture: whether kept triangles use it. Without texture coordinates none is used. The caller owns the
+   array. Returns NULL when out of memory. */
 static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = calloc(mesh->texture_count + 1, 1);
@@ -120,7 +120,7 @@ static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
     return SVO_OK;
 }
 
-/* All used textures one after the other; *offsets (owned by the caller) receives where each begins, in texels. */
+/* Concatenates the used textures. *offsets, owned by the caller, receives where each begins, in texels. */
 static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used, uint32_t **offsets)
 {
     uint64_t total = 0;
@@ -151,7 +151,7 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_
     return SVO_OK;
 }
 
-/* used: which textures are; NULL: none. */
+/* used: one byte per texture; NULL: none is used. */
 static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
 {
     uint32_t *offsets = NULL;
@@ -185,7 +185,7 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uin
     return SVO_OK;
 }
 
-/* Whether an attribute of count numbers a vertex is the same at the three corners. */
+/* Whether an attribute of some bytes per vertex is the same at the three corners. */
 static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
 {
     const uint8_t *a = attribute;
@@ -193,13 +193,13 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* Of a snapped triangle. Components of the normal are at most 2^61; doubles hold their first 53 bits on every host
-   alike. */
+/* The shape of a snapped triangle. Components of its normal are at most 2^61; their conversion to double is the same on
+   every host. */
 typedef struct shape {
-    int16_t unit[3]; /* its own normal */
+    int16_t unit[3]; /* unit normal */
     uint32_t axis; /* of the normal's largest component */
     double area; /* square grid units */
-    double stretch; /* the area over that of the projection along the axis; 1 for no area */
+    double stretch; /* ratio of the area to that of the projection along the axis; 1 for degenerate triangles */
 } shape;
 
 static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
@@ -219,7 +219,7 @@ static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
     return s;
 }
 
-/* Whether the attributes are the same all over the triangle. */
+/* Whether the triangle's attributes are constant. */
 static bool is_flat(const svo_plan *plan, const uint32_t corners[3], uint32_t material)
 {
     const bool textured = plan->uvs != NULL && plan->materials[material].width != 0;
@@ -227,13 +227,13 @@ static bool is_flat(const svo_plan *plan, const uint32_t corners[3], uint32_t ma
            (plan->normals == NULL || same(plan->normals, 4 * sizeof(int16_t), corners));
 }
 
-/* Half the bits of a record's normal. */
+/* One component of a record's normal, in 16 bits. */
 static uint32_t half_word(int16_t value)
 {
     return (uint16_t)value;
 }
 
-/* largest_area: of a triangle, in square grid units. */
+/* *largest_area: the largest area of a triangle, in square grid units. */
 static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *largest_area)
 {
     plan->records = calloc((size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
@@ -256,7 +256,7 @@ static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *lar
     return SVO_OK;
 }
 
-/* The least power of two above x; that of 1 for 0. */
+/* The exponent of the least power of two above x; 0 for 0. */
 static int power_above(double x)
 {
     int power = 0;
@@ -264,7 +264,7 @@ static int power_above(double x)
     return power;
 }
 
-/* The finest unit of weight with which neither a pair nor the whole tree can overflow. Areas in faces of a voxel. */
+/* The finest unit of weight for which neither a pair nor the whole tree can overflow. Areas are in voxel faces. */
 static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
 {
     const double face = ldexp(1.0, 2 * (int)plan->voxel_log2);
@@ -276,7 +276,7 @@ static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
     return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
 }
 
-/* What colors are made of. */
+/* Copies the inputs of colors. */
 static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
 {
     uint8_t *used = find_textures(plan, mesh);

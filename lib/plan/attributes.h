@@ -5,7 +5,7 @@
 
 #include "plan/plan_data.h"
 
-/* Resolves the request's needs and fills the payload inputs. */
+/* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
 
 #endif

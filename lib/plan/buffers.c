@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of buffers: kept while a build allocates, and while one measures what it would allocate. */
+/* The list of buffers. Builds and measuring builds add to it as they allocate. */
 #include <string.h>
 
 #include "plan/buffers.h"
@@ -11,7 +11,7 @@ void svo_i_plan_buffers_reset(svo_plan *plan)
     plan->peak_bytes = 0;
 }
 
-/* What the table of stages says of a buffer: a stage that runs, or any other. NULL: it is not in the table. */
+/* The table's entry for a buffer, preferably of a stage that runs; NULL if the table has none. */
 static const svo_i_buffer_kind *kind_of(const svo_plan *plan, const char *name)
 {
     const svo_i_buffer_kind *found = NULL;

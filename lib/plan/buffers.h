@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The plan's list of buffers, with the largest sum of bytes that is allocated at one time. */
+/* The plan's list of buffers, and the peak of the bytes that are allocated at one time. */
 #ifndef SVO_LIB_PLAN_BUFFERS_H
 #define SVO_LIB_PLAN_BUFFERS_H
 
 #include "plan/plan_data.h"
 
-SVO_I_SHARED_BEGIN
-
+/* Empties the list. */
 void svo_i_plan_buffers_reset(svo_plan *plan);
+/* Adds an allocation to the entry of its name. name: a static string. */
 void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
+/* Counts a release. The entry remains in the list. */
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);
-
-SVO_I_SHARED_END
 
 #endif

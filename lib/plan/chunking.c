@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cutting the fragment list into chunks: which triangles, and for huge ones which tile of the screen, write to which
- * chunk. Every chunk is at most what a storage block and an allocation may be; no result depends on the cut.
+ * Assigns triangles to chunks of the fragment list, and tiles of triangles that are too large for a chunk. A chunk is
+ * no larger than a storage block and an allocation may be. No result depends on the cut.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +9,9 @@
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 
-/* Tiles are halved down to one pixel; a column gives at most four fragments per triangle, so that always fits. */
+/* Tiles are halved down to one pixel. A column has at most four fragments per triangle, so such a tile always fits. */
 #define TILE_PIXELS_MIN 1u
-/* Tiles along an axis that one triangle is cut into at first; where they turn out too large they are split later. */
+/* Most tiles along an axis that a triangle is cut into at first. Tiles that are too large are split later. */
 #define TILES_MAX 1024u
 
 static svo_status no_memory(const svo_plan *plan)
@@ -74,12 +74,12 @@ static bool add_items(const svo_plan *plan, svo_i_chunking *chunking, svo_i_clas
     return true;
 }
 
-/* What the walk over the items has gathered for the chunk that is open. */
+/* State of the cut: the chunk that is being filled. */
 typedef struct cutter {
     const svo_plan *plan;
     svo_i_chunking *chunking;
     double room; /* expected fragments a chunk should hold */
-    double held;
+    double held; /* expected fragments of the current chunk */
     uint32_t first_draw;
     uint64_t limit; /* fragments a chunk can hold */
 } cutter;
@@ -97,7 +97,7 @@ static bool close_chunk(cutter *c)
     return added;
 }
 
-/* One triangle that a chunk cannot be expected to hold: tiles of their own chunk each. */
+/* Cuts a triangle that is too large for a chunk into tiles, each with a chunk of its own. */
 static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
 {
     const uint32_t pixels = 1u << c->plan->info.depth;
@@ -109,7 +109,7 @@ static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
     const uint32_t edge = pixels / tiles;
     for (uint32_t k = 0; k < tiles * tiles; ++k) {
         const svo_i_draw draw = {class_id, item, 1, k % tiles * edge, k / tiles * edge, edge, edge};
-        /* A tile may be covered whole: up to four fragments per pixel, of which two are usual. */
+        /* The triangle may cover the whole tile: at most four fragments per pixel, usually two. */
         c->held = (double)edge * edge * 2.5;
         if (!add_draw(c->chunking, draw) || !close_chunk(c)) {
             return false;
@@ -147,7 +147,7 @@ svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo
 {
     memset(chunking, 0, sizeof *chunking);
     cutter c = {.plan = plan, .chunking = chunking, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
-    /* Leaves the slack and the least allocation of svo_i_with_slack inside the limit. */
+    /* The capacity that svo_i_with_slack makes of it stays within the limit. */
     c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
     for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
         if (!cut_class(&c, class_id)) {
@@ -166,7 +166,7 @@ svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo
     return SVO_OK;
 }
 
-/* Splits a draw in two: its triangles, or for a single triangle its tile. False where nothing is left to split. */
+/* Splits a draw in two: its triangles, or for a single triangle its tile. Returns false if it cannot be split. */
 static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
 {
     halves[0] = *draw;
@@ -192,8 +192,8 @@ static bool split_draw(const svo_i_draw *draw, svo_i_draw halves[2])
     return true;
 }
 
-/* A chunk that turned out too small becomes larger; above the limit every draw in it gets a chunk of its own, in two
-   halves where it can be split. */
+/* Enlarges a chunk that was too small. Above the limit, each of its draws gets a chunk of its own, or two if it can be
+   split. */
 static bool regrow_chunk(const svo_i_chunking *old, uint32_t chunk_index, uint64_t needed, uint64_t limit,
                          svo_i_chunking *chunking)
 {

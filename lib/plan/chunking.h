@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cutting the fragment list into chunks. */
+/* The cut of the fragment list into chunks. */
 #ifndef SVO_LIB_PLAN_CHUNKING_H
 #define SVO_LIB_PLAN_CHUNKING_H
 
@@ -7,12 +7,14 @@
 
 SVO_I_SHARED_BEGIN
 
+/* Cuts the list into chunks of at most chunk_bytes, by the fragment estimate. */
 svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_chunking *chunking);
-/* Replaces a chunking whose chunks were too small by one in which needed[i] fragments of chunk i fit. */
-svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed,
-                               svo_i_chunking *chunking);
 void svo_i_chunking_destroy(svo_i_chunking *chunking);
 
 SVO_I_SHARED_END
+
+/* Replaces a chunking with chunks that were too small. needed: number of fragments of each chunk. */
+svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed,
+                               svo_i_chunking *chunking);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Decides what a build of a plan does. Nothing else looks at the request and the scene to find out: stages run, kernels
- * are compiled and buffers are listed by what svo_i_work says, and whatever is left out is named here with its reason.
+ * Determines what a build of a plan does, from the request and the scene. Everything later follows plan->work: which
+ * stages run, which kernels are compiled, which buffers are allocated. Whatever is left out is listed with its reason.
  */
 #include <stdarg.h>
 #include <stdio.h>
@@ -27,7 +27,7 @@ static void leave_out(svo_i_work *work, const char *what, const char *format, ..
     va_end(arguments);
 }
 
-/* Leaf lists, and where each leaf's entries begin. */
+/* The builder, leaf lists, and the ranges of the leaves' entries. */
 static void configure_lists(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
@@ -36,7 +36,7 @@ static void configure_lists(svo_plan *plan)
     work->ranges = work->lists || (work->made & SVO_NEED_MATERIAL) != 0;
 }
 
-/* Stages that do not run, with the reasons that the table of stages has for it. */
+/* Lists stages that do not run, with the reasons from the table of stages. */
 static void leave_out_stages(svo_plan *plan)
 {
     for (size_t i = 0; i < plan->stage_count; ++i) {
@@ -57,7 +57,7 @@ static void leave_out_payload(svo_plan *plan, svo_need bit, const char *what)
     }
 }
 
-/* What is the same in every node. */
+/* Lists payload that is the same in every node. */
 static void leave_out_constants(svo_i_work *work)
 {
     if ((work->constant & SVO_NEED_COLOR) != 0) {
@@ -78,7 +78,7 @@ static void leave_out_constants(svo_i_work *work)
 static void leave_out_clipping(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    if (!work->places) {
+    if (!work->positions) {
         leave_out(work, "clipping", "uniform weights do not ask where in its voxel a triangle is");
     } else if (plan->options.weights == SVO_WEIGHTS_CENTER) {
         leave_out(work, "clipping", "with weights by center every pair weighs 1");
@@ -99,7 +99,7 @@ static void leave_out_textures(svo_plan *plan)
     }
 }
 
-/* What payload is made of. */
+/* Lists payload inputs that no stage reads. */
 static void leave_out_inputs(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
@@ -127,7 +127,7 @@ static void configure_payload(svo_plan *plan)
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
     work->filter = (work->made & SVO_I_NEED_FILTER) != 0;
     work->surface = work->made != 0;
-    work->places = work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM;
+    work->positions = work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM;
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && plan->colors != NULL;
     work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && plan->normals != NULL;
     work->textures = (work->made & SVO_NEED_COLOR) != 0 && plan->texels != NULL;
@@ -147,7 +147,7 @@ static uint32_t class_count(const svo_plan *plan, svo_i_class class_id)
     return plan->class_begin[class_id + 1] - plan->class_begin[class_id];
 }
 
-/* Which overlap tests run. Triangles inside one voxel are not tested: any kernel will do for them. */
+/* Selects the overlap tests. Triangles inside one voxel need none; any variant works for them. */
 static void configure_tests(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
@@ -200,7 +200,7 @@ bool svo_i_plan_needs_program(const svo_plan *plan, svo_i_program_kind program)
     return false;
 }
 
-/* Room for the defines of one more program. */
+/* Adds a program; returns the array for its defines. */
 static char *add_kernels(svo_i_work *work, const char *name)
 {
     work->kernels[work->kernels_count].name = name;
@@ -210,8 +210,7 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    work->builder_kernels = svo_i_plan_needs_program(plan, SVO_I_PROGRAM_BUILD);
-    if (work->builder_kernels) {
+    if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_BUILD)) {
         svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
     }
     if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_SORT)) {
@@ -242,7 +241,7 @@ void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *define
                    plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
 }
 
-/* Every option begins with a space: some compilers choke on options that end in one. */
+/* Every option begins with a space, because some compilers fail on options that end in one. */
 void svo_i_plan_defines(const svo_plan *plan, svo_i_program_kind program, char *defines, size_t bytes)
 {
     (void)snprintf(defines, bytes, "%s", plan->work.long_codes ? " -DSVO_CODE48" : "");

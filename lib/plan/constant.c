@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Payload that is the same all over the scene: it is stored once instead of per node, and no kernel runs for it. The
- * mean of equal values, rounded half up, is that value, so what is stored is what every node would have had.
+ * Payload that is the same in the whole scene. It is stored once instead of per node, and no kernel computes it. The
+ * mean of equal values, rounded half up, is that value, so every node would have had the stored one.
  */
 #include <stdlib.h>
 #include <string.h>
 
 #include "plan/constant.h"
 
-/* Calls visit for every corner of a kept triangle, until it says false; whether it never does. */
+/* Whether visit returns true for every corner of the kept triangles. first: the first corner's vertex. */
 static bool every_corner(const svo_plan *plan, bool (*visit)(const svo_plan *plan, uint32_t vertex, uint32_t first))
 {
     const size_t corners = (size_t)plan->triangle_count * 3;
@@ -31,7 +31,7 @@ static bool same_normal(const svo_plan *plan, uint32_t vertex, uint32_t first)
     return memcmp(plan->normals + (size_t)vertex * 4, plan->normals + (size_t)first * 4, bytes) == 0;
 }
 
-/* a * b / 255 per channel, rounded half up, as kernels/attribute.clh has it. */
+/* a * b / 255 per channel, rounded half up, as in kernels/stages/attribute.clh. */
 static uint32_t modulate(uint32_t a, uint32_t b)
 {
     uint32_t product = 0;
@@ -61,7 +61,7 @@ void svo_i_plan_fold_normals(svo_plan *plan)
     }
     if (plan->triangle_count > 0) {
         const int16_t *normal = plan->normals + (size_t)plan->indices[0] * 4;
-        plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* a vertex without one has the triangle's own */
+        plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* zero normals stand for the triangle's own */
         memcpy(plan->work.constant_normal, normal, sizeof plan->work.constant_normal);
     }
     free(plan->normals);
@@ -87,7 +87,7 @@ static bool same_own_normal(const svo_triangle_record *a, const svo_triangle_rec
     return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
 }
 
-/* Of the triangles themselves, where the mesh has no other. */
+/* Whether the mesh has no vertex normals and all triangles have the same normal. */
 static bool has_one_own_normal(const svo_plan *plan)
 {
     for (uint32_t t = 0; t < plan->triangle_count && plan->normals == NULL; ++t) {
@@ -109,7 +109,7 @@ static void free_colors(svo_plan *plan)
 void svo_i_plan_find_constants(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    const svo_triangle_record *first = &plan->records[0]; /* all zero without triangles, as the payload then is */
+    const svo_triangle_record *first = &plan->records[0]; /* all zero without triangles, like the payload */
     if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan)) {
         work->constant |= SVO_NEED_COLOR;
         work->constant_color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;

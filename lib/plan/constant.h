@@ -5,8 +5,9 @@
 
 #include "plan/plan_data.h"
 
-/* Equal vertex colors become part of the materials; equal normals become the plan's constant normal. */
+/* Moves vertex colors that are all equal into the materials. */
 void svo_i_plan_fold_colors(svo_plan *plan);
+/* Moves vertex normals that are all equal into the plan's constant normal. */
 void svo_i_plan_fold_normals(svo_plan *plan);
 /* Finds the payload that is the same in every node, and frees its inputs. */
 void svo_i_plan_find_constants(svo_plan *plan);

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The fragment estimate: how many voxels a triangle is expected to touch. For bounding widths w, area A and unit normal
- * n, over random offsets of a grid of edge h, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2. The last
- * product is the sum of the areas of the three projections.
+ * The fragment estimate: the expected number of voxels that a triangle touches, over random offsets of the grid. For
+ * bounding widths w, area A, unit normal n and voxels of edge h it is
  *
- * Of a triangle that reaches outside the grid only the part inside counts: it is clipped to the cube (Sutherland and
- * Hodgman, "Reentrant Polygon Clipping", 1974). Doubles are enough here: the law only sizes buffers, and what does not
- * fit is counted and drawn again.
+ *   E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2.
+ *
+ * The last product is the sum of the areas of the three projections.
+ *
+ * Triangles that reach outside the grid are clipped to it (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974).
+ * Doubles suffice: the estimate only sizes buffers, and a list that does not fit is drawn again.
  */
 #include <math.h>
 
 #include "plan/estimate.h"
 
-/* Leaves are about as large as the triangles where a triangle is in this many of them. */
+/* Fragments per triangle at which leaves are about as large as triangles. */
 #define RAY_PAIRS_PER_TRIANGLE 6.0
-/* The deepest tree of a grid of 2^20 units. */
+/* The largest depth of a grid of 2^20 units. */
 #define RAY_DEPTH_MAX 12u
 
 /* A triangle cut by six planes has at most nine corners. */
@@ -136,7 +138,7 @@ unsigned svo_plan_ray_depth(const svo_plan *plan)
 
 uint64_t svo_i_with_slack(double expected)
 {
-    const double least = expected + 64.0; /* few triangles stray further from what is expected of them */
+    const double least = expected + 64.0; /* with few triangles the relative error is larger */
     return expected > 0.0 ? (uint64_t)(expected * 1.125 + fmin(least, 1024.0)) : 0;
 }
 
@@ -149,7 +151,7 @@ uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t f
 {
     uint64_t nodes = UINT64_C(1) << (3 * level);
     if (level == 0) {
-        return nodes; /* the root is always there */
+        return nodes; /* the root always exists */
     }
     nodes = nodes > fragments ? fragments : nodes;
     const uint64_t likely = svo_i_with_slack(svo_i_plan_expected(plan, level));

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which front end is the faster one for a plan: rules of thumb, all of them here. Nothing is run to find out.
+ * The rules that predict which front end is faster. None of them runs anything.
  *
- * Measured on two cores with PoCL 3.1 and llvmpipe: OpenCL alone makes six times as many fragments per second as the
- * software rasterizer, and a million of them in half the time that OpenGL takes to start (15 and 30 ms). That hardware
- * draws faster than a CPU computes, and that a list which goes through the host costs a GPU more than drawing saves, is
- * taken for granted.
+ * On two cores with PoCL 3.1 and llvmpipe, OpenCL alone makes six times as many fragments per second as the software
+ * rasterizer. It makes a million of them in 15 ms; OpenGL takes 30 ms to start. Two rules are assumptions, not
+ * measurements: a GPU rasterizes faster than a CPU computes, and copying a GPU's list through the host costs more than
+ * rasterization saves.
  */
 #include "plan/frontend_choice.h"
 
-/* Fewer expected fragments than this are made before OpenGL has started. */
+/* OpenCL makes fewer fragments than this before OpenGL has started. */
 #define FEW_FRAGMENTS 1048576.0
 
 int svo_frontend_cl_suffices(const svo_plan *plan, svo_message *reason)

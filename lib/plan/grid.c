@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From the caller's mesh to the snapped one: which triangles are accepted, the grid, integer vertices, and per triangle
- * what the front end must know. First stage of the pipeline.
+ * The first step of the pipeline: accepts triangles, fits the grid, snaps vertices to integers, makes the draw items.
  *
- * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. From here on the integers
- * are the geometry.
+ * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. After it the integers are
+ * the geometry.
  */
 #include <float.h>
 #include <math.h>
@@ -16,16 +15,16 @@
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
-/* Beyond this many grid units from the origin the overlap test's arithmetic ends. */
+/* Largest distance from the origin, in grid units, for which the overlap test's arithmetic is exact. */
 #define UNITS_MAX (1 << 29)
-/* Where vertices beyond that are put: still on the right side of the grid. */
+/* Coordinate of vertices beyond that, with their sign, so that they are on the correct side of the grid. */
 #define UNITS_FAR (1 << 30)
-/* Largest bounding box, in grid units, whose lines fit 32 bits. */
+/* Largest bounding box, in grid units, for which edge functions fit 32 bits. */
 #define NARROW_UNITS (1 << 14)
-/* Largest grid, as a power of two of its units, whose planes fit 64 bits. */
+/* Largest grid, as a power of two of its units, for which the overlap test fits 64 bits. */
 #define REGULAR_BITS 20u
-/* A triangle this many times as long as high is drawn by its bounds: the corners of its expanded form lie too far out
-   for float arithmetic. */
+/* Triangles with this ratio of length to height are drawn by their bounds, because the corners of the expanded triangle
+   are too far away for float arithmetic. */
 #define NEEDLE_RATIO 4096.0
 
 static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
@@ -53,7 +52,7 @@ static bool acceptable(const svo_mesh *mesh, const uint8_t *flags, size_t triang
     return true;
 }
 
-/* Marks finite vertices, and those an accepted triangle uses; returns the number of refused triangles. */
+/* Marks finite vertices and those that accepted triangles use. Returns the number of refused triangles. */
 static uint64_t mark_vertices(const svo_mesh *mesh, uint8_t *flags)
 {
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
@@ -81,7 +80,7 @@ static double divide_toward_zero(double x, double y)
     return fma(quotient, y, -x) > 0.0 ? nextafter(quotient, 0.0) : quotient;
 }
 
-/* The default grid: the smallest cube over the used vertices; its far face is the last unit. */
+/* The default grid: the smallest cube that contains the used vertices. Its far faces are at the last unit. */
 static void fit_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
@@ -100,7 +99,7 @@ static void fit_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
     }
     double edge = 0.0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        plan->info.origin[axis] = any ? low[axis] + 0.0 : 0.0; /* + 0.0 turns -0 into 0, which the hash tells apart */
+        plan->info.origin[axis] = any ? low[axis] + 0.0 : 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
         edge = any && high[axis] - low[axis] > edge ? high[axis] - low[axis] : edge;
     }
     plan->info.edge = edge > 0.0 ? edge : 1.0;
@@ -126,7 +125,7 @@ static svo_status make_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t 
     return SVO_OK;
 }
 
-/* Snaps the used vertices; the largest error is over those inside the arithmetic's reach. */
+/* Snaps the used vertices. snap_error is the largest error of those within UNITS_MAX. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
     const svo_plan_info *info = &plan->info;
@@ -137,7 +136,7 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
             const double q = rint((x - info->origin[axis]) * info->scale);
             if (fabs(q) < UNITS_MAX) {
                 plan->vertices[v * 3 + axis] = (int32_t)q;
-                /* On grids near the end of the doubles the way back may overflow. */
+                /* On grids near the largest double, converting back may overflow. */
                 const double error = fmin(fabs(q / info->scale + info->origin[axis] - x), DBL_MAX);
                 largest = error > largest ? error : largest;
             } else {
@@ -148,18 +147,18 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
     plan->info.snap_error = largest;
 }
 
-/* A snapped triangle against the grid. */
+/* The position of a snapped triangle in the grid. */
 typedef struct placed {
     int32_t low[3], high[3]; /* grid units */
     int32_t first[3], last[3]; /* voxels, clamped to the grid */
     bool far; /* a vertex is beyond UNITS_MAX */
-    bool outside; /* misses the grid */
+    bool outside; /* does not meet the grid */
 } placed;
 
 static placed place(const svo_plan *plan, const uint32_t corners[3])
 {
     const int32_t units = (int32_t)(1u << plan->info.snap_bits);
-    /* A closed voxel owns its far faces: a face on the border of two voxels touches both. */
+    /* Closed voxels contain their far faces: what lies on a common face touches both voxels. */
     const int32_t closed = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
     placed p = {.far = false, .outside = false};
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -237,9 +236,9 @@ static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsi
     return longest;
 }
 
-/* The axis of projection: the largest component of the normal, ties to the first; without a normal the shortest extent
-   (outside the grid too), so that a column has at most four voxels. Needles (altitude under a pixel) and what reaches
-   outside are drawn by their bounds. */
+/* The axis of projection is that of the normal's largest component, ties to the first. Degenerate triangles are
+   projected along their shortest extent. So a column has at most four voxels. Needles (less than a pixel high) and
+   triangles that reach outside the grid are drawn by their bounds. */
 static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], const placed *p, const int64_t normal[3])
 {
     unsigned axis = 0;
@@ -258,8 +257,8 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
     return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
 }
 
-/* Keeps accepted triangles that meet the grid, counts the others. Items come in the order of the mesh; classes[] says
-   where each belongs. */
+/* Keeps accepted triangles that meet the grid, and counts the others. Items are in the order of the mesh; classes[]
+   receives the class of each. */
 static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
 {
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
@@ -288,7 +287,7 @@ static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *
     }
 }
 
-/* Vertices that no kept triangle uses become 0: those far outside may not even be in range. */
+/* Sets vertices that no kept triangle uses to 0, since they may be out of range. */
 static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
 {
     memset(flags, 0, plan->vertex_count);
@@ -302,7 +301,7 @@ static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
     }
 }
 
-/* Sorts the items by class, stable. */
+/* Sorts the items by class, with a stable counting sort. */
 static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
 {
     const size_t count = plan->triangle_count;
@@ -356,10 +355,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     plan->vertex_count = (uint32_t)vertices;
     plan->info.triangles = triangles;
     plan->info.refused_triangles = mark_vertices(mesh, flags);
-    status = make_grid(plan, mesh, flags);
-    if (status != SVO_OK) {
-        goto cleanup;
-    }
+    SVO_I_TRY_CLEANUP(make_grid(plan, mesh, flags));
     snap_vertices(plan, mesh, flags);
     keep_triangles(plan, mesh, flags, classes);
     clear_unused_vertices(plan, flags);

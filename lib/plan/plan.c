@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plan: checks the request, runs the host stages (grid.c, attributes.c) and configures the build. Its sizes are
- * predicted by a build that only measures (build/predict.c). Everything later in the pipeline obeys it.
+ * Creates plans: checks the request, runs the host's steps (grid.c, attributes.c) and configures the build. A measuring
+ * build predicts the sizes later (build/measure.c). All later steps of the pipeline follow the plan.
  */
 #include "plan/plan.h"
 #include "core/struct_size.h"
@@ -14,12 +14,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Grid units per axis as a power of two: the same for all depths up to 12, so that their trees nest; above, 2^8 units
-   to a voxel. */
+/* Grid units per axis, as a power of two. It is the same for all depths up to 12, so that their trees nest. Above, a
+   voxel has 2^8 units. */
 #define SNAP_BITS           20u
 #define SNAP_BITS_DEPTH_MAX 12u
 #define DEEP_VOXEL_LOG2     8u
-/* A chunk holds at least the fragments of one column of one triangle, with a lot to spare. */
+/* Far above the fragments of one column of one triangle, which a chunk must hold. */
 #define CHUNK_BYTES_MIN 16384
 
 const char *svo_coverage_name(svo_coverage coverage)
@@ -163,7 +163,7 @@ static svo_status check_arguments(svo_device *device, const svo_mesh *mesh, unsi
     return SVO_OK;
 }
 
-/* Fills a plan whose device, options and depth are set. */
+/* Fills a plan whose device, options, depth and stages are set. */
 static svo_status make_plan(svo_plan *plan, const svo_mesh *mesh)
 {
     const double start_ms = svo_i_now_ms();

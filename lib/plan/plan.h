@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Making a plan, up to the prediction of its sizes (build/predict.c), which needs the stages. */
+/* Creates a plan without the prediction of its sizes, which needs the stages (build/measure.c). */
 #ifndef SVO_LIB_PLAN_PLAN_H
 #define SVO_LIB_PLAN_PLAN_H
 
 #include "plan/plan_data.h"
 
-/* A plan for the request, not yet predicted. stages: the table of stages, which must outlive it. */
+/* Checks the request and creates a plan for it. stages: the table of stages, which must outlive the plan. */
 svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
                           const svo_i_stage *stages, size_t stage_count, svo_plan **out);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The data of a plan: the snapped mesh, what to draw, what a build does, what it allocates. Made by plan.c and its
- * neighbors in this folder; read by the front ends and the stages.
+ * The data of a plan: the snapped mesh, the draws, the configuration of a build, its buffers. plan.c and the other
+ * files of this folder fill it; front ends and stages read it.
  */
 #ifndef SVO_LIB_PLAN_PLAN_DATA_H
 #define SVO_LIB_PLAN_PLAN_DATA_H
@@ -13,18 +13,18 @@
 #include "svocl/build.h"
 #include "svocl/plan.h"
 
-/* How kernels/voxelize.cl decides whether a triangle touches a voxel. */
+/* Variants of the overlap test in kernels/stages/voxelize.cl; kernels/shared/overlap.clh explains them. */
 typedef enum svo_i_test {
-    SVO_I_TEST_NONE = 0, /* every triangle lies inside one voxel */
-    SVO_I_TEST_NARROW, /* lines in 32 bits */
-    SVO_I_TEST_REGULAR, /* lines in 64 bits */
-    SVO_I_TEST_WIDE, /* the plane in 93 bits */
+    SVO_I_TEST_NONE = 0, /* no test: every triangle is inside one voxel */
+    SVO_I_TEST_NARROW, /* 32-bit edge functions */
+    SVO_I_TEST_REGULAR, /* 64-bit edge functions */
+    SVO_I_TEST_WIDE, /* plane test in 93 bits */
     SVO_I_TEST_COUNT
 } svo_i_test;
 
 #define SVO_I_LEFT_OUT_MAX  24
 #define SVO_I_DEFINES_BYTES 256
-/* Of the builder, of its sort, and one per test. */
+/* The programs "build" and "sort", and one voxelizer per test. */
 #define SVO_I_KERNELS_MAX (2 + SVO_I_TEST_COUNT)
 
 typedef struct svo_i_left_out {
@@ -32,25 +32,25 @@ typedef struct svo_i_left_out {
     svo_message reason;
 } svo_i_left_out;
 
+/* The configuration of a build: what runs, and what is left out. */
 typedef struct svo_i_work {
-    /* svo_need bits: of the payload that kernels make per node, and of that which is the same in every node. */
-    uint32_t made, constant;
+    uint32_t made; /* svo_need bits of payload that kernels compute per node */
+    uint32_t constant; /* svo_need bits of payload that is the same in every node */
     uint32_t constant_color; /* RGBA8 */
     int16_t constant_normal[3];
     uint16_t constant_material;
 
-    bool builder_kernels; /* any of kernels/subdivide.cl to filter.cl; nodes and lists by sorting do without */
-    bool sorted; /* nodes are made of the sorted list, else level by level */
+    bool sorted; /* SVO_BUILDER_SORTED: nodes from the sorted list */
     bool lists; /* sorted leaf lists */
-    bool ranges; /* where each leaf's entries begin: for the lists, or to choose materials from */
-    bool filter; /* means and sums over triangles: color, normal, fill */
-    bool surface; /* some stage looks at the mesh's attributes */
-    bool places; /* ... at where in the voxel the triangle is */
-    bool vertex_colors, vertex_normals, textures; /* that vary over the mesh, and are read */
+    bool ranges; /* the range of each leaf's entries: for leaf lists or materials */
+    bool filter; /* color, normal or fill per node */
+    bool surface; /* some stage reads the mesh's attributes */
+    bool positions; /* some stage reads vertex positions to weigh a triangle's part in a voxel */
+    bool vertex_colors, vertex_normals, textures; /* inputs that vary over the mesh and are read */
     bool long_codes; /* Morton codes of more than 32 bits */
-    bool tests[SVO_I_TEST_COUNT]; /* which variants of the overlap test run */
+    bool tests[SVO_I_TEST_COUNT]; /* the variants of the overlap test that run */
 
-    /* The programs of kernels: name and -D options. */
+    /* The programs: name and -D options. */
     struct {
         const char *name;
         char defines[SVO_I_DEFINES_BYTES];
@@ -61,21 +61,21 @@ typedef struct svo_i_work {
     size_t left_out_count;
 } svo_i_work;
 
-/* Triangles by the arithmetic their overlap test needs; see kernels/overlap.clh. */
+/* Classes of triangles, by the arithmetic that their overlap test needs; see kernels/shared/overlap.clh. */
 typedef enum svo_i_class {
     SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
-    SVO_I_CLASS_NARROW, /* bounding box of voxels up to 2^14 units: lines in 32 bits */
+    SVO_I_CLASS_NARROW, /* the bounding box in voxels is at most 2^14 units wide: 32 bits */
     SVO_I_CLASS_REGULAR, /* inside a grid of 2^20 units: 64 bits */
-    SVO_I_CLASS_WIDE, /* reaching outside, or on a finer grid: the plane in 93 bits */
+    SVO_I_CLASS_WIDE, /* reaches outside the grid, or the grid is finer: 93 bits */
     SVO_I_CLASS_COUNT
 } svo_i_class;
 
-/* Pixels of a viewport, both ways, as a power of two: grids of more voxels are drawn viewport by viewport. Positions in
-   a viewport of this size are exact enough in float. */
+/* Width and height of a viewport in pixels, as a power of two. Larger grids are drawn viewport by viewport. Float
+   positions in a viewport of this size are accurate enough. */
 #define SVO_I_VIEW_LOG2 13u
 
-/* A part of the drawing that goes to one chunk of the list: consecutive items of one class, in a tile of the grid's
-   projection (a viewport, or less for single triangles too large for a chunk). */
+/* A draw writes to one chunk of the list: consecutive items of one class, in a tile of the grid's projection. The tile
+   is a viewport, or smaller for a single triangle that is too large for a chunk. */
 typedef struct svo_i_draw {
     svo_i_class class_id;
     uint32_t first_item, item_count;
@@ -89,30 +89,30 @@ typedef struct svo_i_chunk {
 
 struct svo_i_tile_cache; /* tiles.h */
 
-/* How the list is cut into chunks of a limited size. */
+/* The cut of the list into chunks of limited size. */
 typedef struct svo_i_chunking {
     svo_i_draw *draws;
     uint32_t draw_count, draw_capacity;
     svo_i_chunk *chunks;
     uint32_t chunk_count, chunk_capacity;
-    struct svo_i_tile_cache *tile_cache; /* borrowed; of a list of one chunk that is drawn many times; NULL: none */
+    struct svo_i_tile_cache *tile_cache; /* borrowed; for a list of one chunk that is drawn repeatedly; NULL: none */
 } svo_i_chunking;
 
-/* Fragments and nodes are counted in 32 bits, and scans run over whole tiles of them. */
+/* Fragments and nodes are counted in 32 bits, and scans round their number up. */
 #define SVO_I_FRAGMENTS_MAX (UINT32_MAX - 65536u)
 
 #define SVO_I_BUFFERS_MAX 48
 
-/* The needs that are means or sums over triangles (filter.c), and all that are made of the mesh's attributes. */
+/* svo_need bits of payload that stages/filter.c computes, and of all payload. */
 #define SVO_I_NEED_FILTER  ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL)
 #define SVO_I_NEED_PAYLOAD (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL)
 
-/* A node's face as its fill counts it. */
+/* Unit of fill: a node's face is 2^SVO_I_FILL_LOG2. */
 #define SVO_I_FILL_LOG2 12u
 
 struct svo_i_build; /* stages/build_state.h */
 
-/* What the number of bytes of a buffer follows from. */
+/* What the size of a buffer depends on. */
 typedef enum svo_i_basis { SVO_I_OF_MESH, SVO_I_OF_FRAGMENTS, SVO_I_OF_LEAVES, SVO_I_OF_NODES } svo_i_basis;
 
 typedef struct svo_i_buffer_kind {
@@ -124,21 +124,21 @@ typedef struct svo_i_buffer_kind {
 #define SVO_I_STAGE_KERNELS_MAX 8
 #define SVO_I_STAGE_BUFFERS_MAX 14
 
-/* One row of the table of stages: all that the plan and the build know of a stage. */
+/* A row of the table of stages: all that plans and builds know of a stage. */
 typedef struct svo_i_stage {
     const char *name;
-    svo_stage stage; /* what its time is counted as */
-    bool (*runs)(const svo_plan *plan);
-    /* The launches, in a build whose earlier stages are done. NULL: the front end runs it. */
+    svo_stage stage; /* under which its time is reported */
+    bool (*runs)(const svo_plan *plan); /* whether builds of the plan need the stage */
+    /* Runs the stage; earlier stages have run. NULL: a front end or another stage runs it. */
     svo_status (*run)(struct svo_i_build *build);
-    /* What the plan says when it does not run; NULL: nothing. */
+    /* What the plan lists as left out when the stage does not run, and why. NULL: nothing. */
     const char *left_out;
-    const char *(*reason)(const svo_plan *plan); /* static string */
-    /* The program its kernels are part of, and the defines that select them: appended to text, a space before each. */
-    svo_i_program_kind program;
+    const char *(*reason)(const svo_plan *plan); /* returns a static string */
+    svo_i_program_kind program; /* that its kernels are part of */
+    /* Writes the defines that select its kernels, a space before each. NULL: none. */
     void (*defines)(const svo_plan *plan, char *text, size_t bytes);
     const char *kernels[SVO_I_STAGE_KERNELS_MAX];
-    /* The buffers it allocates. */
+    /* All buffers that the stage may allocate. */
     svo_i_buffer_kind buffers[SVO_I_STAGE_BUFFERS_MAX];
 } svo_i_stage;
 
@@ -147,44 +147,44 @@ struct svo_plan {
     svo_plan_info info;
     svo_plan_options options;
     svo_i_work work; /* what a build does */
-    const svo_i_stage *stages; /* the table of stages, in the order in which they run; build/stage_table.c */
+    const svo_i_stage *stages; /* the table of stages, in build/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 
-    /* The snapped mesh. Vertices no kept triangle uses are 0. */
+    /* The snapped mesh. Vertices that no kept triangle uses are 0. */
     int32_t *vertices; /* vertex_count * 3 */
     uint32_t vertex_count;
     uint32_t *indices; /* triangle_count * 3 */
-    uint32_t *triangle_ids; /* of the kept triangles: accepted, and not outside */
+    uint32_t *triangle_ids; /* mesh indices of the kept triangles: accepted and not outside the grid */
     uint32_t triangle_count;
 
-    /* What to draw: kept triangles by class. */
+    /* The draw items: kept triangles, sorted by class. */
     svo_draw_item *items;
-    float *item_fragments; /* expected, parallel to items */
+    float *item_fragments; /* expected fragments of each item */
     uint32_t class_begin[SVO_I_CLASS_COUNT + 1];
-    double estimate[3]; /* sums over the kept triangles: 1, widths, projected areas; in grid units */
+    double estimate[3]; /* sums over the kept triangles: their number, widths, projected areas; in grid units */
 
-    /* Payload inputs; NULL where the request or the mesh has no use for them. */
+    /* Payload inputs; NULL where the request does not read them or the mesh has none. */
     svo_triangle_record *records;
     uint32_t *colors; /* RGBA8 per vertex */
     int16_t *normals; /* x, y, z, 0 per vertex */
     int32_t *uvs; /* u, v per vertex, 65536 = 1 */
     svo_material_record *materials;
     uint32_t material_count; /* at least 1 */
-    bool materials_vary; /* not all kept triangles have that of the first */
-    bool one_normal; /* the same everywhere: work.constant_normal */
+    bool materials_vary; /* the kept triangles have more than one material */
+    bool one_normal; /* all normals are work.constant_normal */
     uint32_t *texels;
     uint64_t texel_count;
-    size_t textures_given, textures_used; /* of the mesh; by kept triangles */
-    uint32_t weight_log2; /* a voxel's face in units of weight, at least SVO_I_FILL_LOG2 + 1 */
+    size_t textures_given, textures_used; /* textures of the mesh, and of kept triangles */
+    uint32_t weight_log2; /* weight of a voxel's face, as a power of two; at least SVO_I_FILL_LOG2 + 1 */
 
-    /* What a build allocates. */
+    /* The buffers that a build allocates. */
     svo_buffer_info buffers[SVO_I_BUFFERS_MAX];
     size_t buffer_count;
     uint64_t live_bytes, peak_bytes;
     uint64_t predicted_bytes; /* peak_bytes before the first build */
-    bool counted; /* info.expected_fragments is the real number */
-    bool built; /* the list of buffers is a build's, not a prediction */
+    bool counted; /* the capacity of the list is the exact number of fragments */
+    bool built; /* buffers are those of a build, not a prediction */
 };
 
 #endif

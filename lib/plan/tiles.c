@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cutting large triangles for the OpenCL front end: which tiles of columns a triangle's projection can meet, so that
- * one huge triangle is work for many work-items. The kernel (kernels/voxelize.cl) finds the same bounds for every
- * triangle and passes over those that have more columns than a tile.
+ * Finds the tiles of columns that the projection of a large triangle can meet, so that many work-items share one
+ * triangle. The kernel (kernels/stages/voxelize.cl) computes the same bounds for every triangle and skips those that
+ * have more columns than a tile.
  */
 #include "plan/tiles.h"
 
@@ -15,7 +15,7 @@ typedef struct projection {
     int32_t first_u, first_v, end_u, end_v; /* its columns inside the draw */
 } projection;
 
-/* First and last voxel on an axis, as the kernel has them. */
+/* First and last voxel on an axis, as in the kernel. */
 static void voxel_bounds(const svo_plan *plan, const int32_t *corners[3], unsigned axis, int32_t *first, int32_t *last)
 {
     const int32_t limit = (int32_t)(1u << plan->info.depth) - 1;
@@ -68,7 +68,7 @@ static bool is_large(const projection *p)
     return width > 0 && height > 0 && width * height > most;
 }
 
-/* The least and greatest u of the projection between two values of v; low is above high where there is none. */
+/* The range of u of the projection between two values of v; low is above high if the projection is not there. */
 static void band_reach(const projection *p, double from, double to, double *low, double *high)
 {
     *low = INFINITY;
@@ -79,7 +79,7 @@ static void band_reach(const projection *p, double from, double to, double *low,
         if (rise == 0.0 && (p->v[corner] < from || p->v[corner] > to)) {
             continue;
         }
-        /* Where the edge enters and leaves the band, as a share of its length. */
+        /* Where the edge enters and leaves the band, as fractions of its length. */
         const double at_from = rise != 0.0 ? (from - p->v[corner]) / rise : 0.0;
         const double at_to = rise != 0.0 ? (to - p->v[corner]) / rise : 1.0;
         double enter = fmin(at_from, at_to);
@@ -110,8 +110,8 @@ static bool add_tile(svo_i_tiles *tiles, uint32_t item, uint32_t u, uint32_t v)
     return true;
 }
 
-/* The tiles of one row that the projection can meet. Doubles are enough: a voxel more on every side swallows their
-   rounding, and that a voxel's far faces may belong to it. */
+/* Adds the tiles of one row that the projection can meet. A margin of one voxel on every side covers the rounding of
+   doubles and closed voxels' far faces. */
 static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int32_t v)
 {
     double low;
@@ -131,8 +131,8 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
     return true;
 }
 
-/* Below this many expected fragments a triangle inside the grid has no more columns than a tile: with widths wu and wv
-   in voxels it has less than (wu + 3) (wv + 3), and the law expects more than wu + wv + 1 fragments. */
+/* With fewer expected fragments a triangle inside the grid has no more columns than a tile: for widths wu and wv in
+   voxels it has less than (wu + 3) (wv + 3) columns, and the estimate is above wu + wv + 1 fragments. */
 #define SMALL_FRAGMENTS (2.0f * (SVO_TILE_EDGE - 3) + 1.0f)
 
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Large triangles cut into tiles of columns, for the OpenCL front end. */
+/* Tiles of columns of large triangles, for the front end "cl". */
 #ifndef SVO_LIB_PLAN_TILES_H
 #define SVO_LIB_PLAN_TILES_H
 
@@ -10,15 +10,16 @@ typedef struct svo_i_tiles {
     size_t count, capacity;
 } svo_i_tiles;
 
-/* The tiles of all draws of one chunk. A list that is drawn many times finds them once. */
+/* The tiles of all draws of a list of one chunk. Repeated draws of the list reuse them. */
 typedef struct svo_i_tile_cache {
     svo_i_tiles tiles;
-    size_t *begin; /* per draw, and the end; NULL: not found yet */
+    size_t *begin; /* index of each draw's first tile, and the end; NULL: empty cache */
 } svo_i_tile_cache;
 
-/* Adds the tiles that the draw's triangles of more than SVO_TILE_COLUMNS columns can touch, those inside the draw.
-   False: out of memory. */
+/* Adds the tiles inside the draw that its triangles of more than SVO_TILE_COLUMNS columns can touch. Returns false when
+   out of memory. */
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles);
-void svo_i_tiles_free(svo_i_tiles *tiles); /* one that is all zero is allowed */
+/* Frees the tiles; a struct that is all zero is allowed. */
+void svo_i_tiles_free(svo_i_tiles *tiles);
 
 #endif

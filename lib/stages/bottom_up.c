@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The same tree from the leaves up. Every level's codes follow from those of the level below. All sizes are known after
- * one count, so nodes are never made twice, and lists come out packed.
+ * Makes the tree of the builder "sorted". The codes of a level follow from those of the level below. One count gives
+ * the sizes of all levels, so nothing runs twice. The sorted list already has the order of the leaf lists.
  */
 #include "stages/bottom_up.h"
 
@@ -9,8 +9,8 @@
 
 typedef struct level_maker {
     svo_i_build *build;
-    cl_mem flags, indices; /* of a level: where nodes begin, and the exclusive sums of that */
-    cl_mem codes[2]; /* of nodes of levels whose distance from the leaves is even, and odd */
+    cl_mem flags, indices; /* of a level: 1 where a node begins, and the exclusive sums of that */
+    cl_mem codes[2]; /* Morton codes of nodes; index: distance of the level from the leaves, modulo 2 */
     cl_mem level_counts;
 } level_maker;
 
@@ -21,7 +21,7 @@ static svo_status launch(level_maker *m, const char *name, const svo_i_argument 
                               argument_count, items);
 }
 
-/* Counts the nodes of all levels, from where neighbors in the list part. */
+/* Counts the nodes of all levels. Adjacent fragments have different nodes from some level on. */
 static svo_status read_counts(level_maker *m, cl_uint counts[SVO_LEVELS_MAX])
 {
     svo_i_build *build = m->build;
@@ -37,14 +37,14 @@ static svo_status read_counts(level_maker *m, cl_uint counts[SVO_LEVELS_MAX])
     return svo_i_commands_read(&build->commands, m->level_counts, counts, bytes);
 }
 
-/* Where each level begins. */
+/* Sets the tree's counts, and where each level begins. */
 static svo_status take_counts(svo_i_build *build, const cl_uint counts[SVO_LEVELS_MAX])
 {
     svo_tree_info *info = &build->tree->info;
     uint64_t nodes = 0;
     uint64_t begin = 0;
     for (uint32_t level = 0; level <= info->depth; ++level) {
-        nodes += level == 0 ? 1 : counts[level]; /* there is a root also without any fragment */
+        nodes += level == 0 ? 1 : counts[level]; /* the root exists even without fragments */
         info->level_begin[level] = (uint32_t)begin;
         begin += level == 0 || build->fragment_count > 0 ? nodes : 0;
         info->level_begin[level + 1] = (uint32_t)begin;
@@ -66,7 +66,7 @@ static svo_status count_levels(level_maker *m)
     cl_uint counts[SVO_LEVELS_MAX] = {0};
     SVO_I_TRY(read_counts(m, counts));
     if (build->commands.mode == SVO_I_MODE_MEASURE) {
-        return SVO_OK; /* capacities stay */
+        return SVO_OK; /* the counts remain capacities */
     }
     return counts[build->tree->info.depth + 1] != 0 ? svo_i_build_fail_damaged(build) : take_counts(build, counts);
 }
@@ -87,7 +87,7 @@ static svo_status allocate_nodes(level_maker *m)
     return svo_i_commands_alloc(&build->commands, "level_codes", parents * code_bytes, &m->codes[1]);
 }
 
-/* The indices of the nodes that begin in a sequence of codes. */
+/* Numbers the nodes of a sequence of codes, in the order of their first code. */
 static svo_status number_nodes(level_maker *m, cl_mem codes, svo_bottom_up_params params)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(codes), SVO_I_ARGUMENT(m->flags), SVO_I_ARGUMENT(params)};
@@ -133,7 +133,7 @@ static svo_status make_level(level_maker *m, uint32_t level)
     return launch(m, "svo_k_bottom_up_nodes", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
-/* A tree without leaves: a root without children. */
+/* Makes a root without children, for a tree without leaves. */
 static svo_status make_empty_root(level_maker *m)
 {
     svo_i_build *build = m->build;

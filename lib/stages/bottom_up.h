@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Nodes from the leaves up, of a sorted list, by kernels/stages/bottom_up.cl; and leaf lists, which the list already is
- * in the order of.
- * Reads: the sorted list. Writes: the same as subdivide; the same as pack.
+ * Makes the nodes from the leaves up, and the leaf lists. Kernels: kernels/stages/bottom_up.cl, scan.cl.
+ *
+ * Reads: the fragment list; svo_i_bottom_up_lists also build->cursors.
+ * Writes: svo_i_bottom_up writes what subdivide writes; svo_i_bottom_up_lists writes what pack writes.
+ * Needs: a list that sort has sorted; svo_i_bottom_up before svo_i_bottom_up_lists.
  */
 #ifndef SVO_LIB_STAGES_BOTTOM_UP_H
 #define SVO_LIB_STAGES_BOTTOM_UP_H

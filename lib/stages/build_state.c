@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What several stages do to a build in progress. */
+/* Operations on a build in progress that several stages use. */
 #include "stages/build_state.h"
 
 #include <stdlib.h>
@@ -72,7 +72,7 @@ void svo_i_build_release_list(svo_i_build *build)
     if (build->list.chunks == NULL) {
         return;
     }
-    if (build->owns_list) { /* by buffers of the build's */
+    if (build->owns_list) {
         for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
             svo_i_commands_free(&build->commands, &build->list.chunks[i].buffer);
         }
@@ -108,7 +108,7 @@ void svo_i_build_fill_info(svo_i_build *build)
     to->fragments = build->fragment_count;
 }
 
-/* Of a tree too large to be built: builds refuse it, plans are made of it. */
+/* Plans may describe trees of too many nodes; builds refuse them. */
 static uint32_t limited(uint64_t nodes)
 {
     return nodes < UINT32_MAX ? (uint32_t)nodes : UINT32_MAX;

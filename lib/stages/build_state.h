@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One build in progress: what its stages share. build/build.c and build/enqueue.c begin one and run the table of stages
- * over it.
+ * A build in progress: the data that its stages share. build/build.c and build/enqueue.c create one and run the table
+ * of stages on it.
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H
 #define SVO_LIB_STAGES_BUILD_STATE_H
@@ -11,50 +11,53 @@
 #include "commands/timing.h"
 #include "core/tree.h"
 
-/* The mesh's attributes on the device; NULL where the plan does not have them. */
+/* The mesh's attributes on the device. Buffers that the plan does not need are NULL. */
 typedef struct svo_i_surface {
     cl_mem vertices, indices;
-    bool is_borrowed; /* those two are the tree's */
+    bool is_borrowed; /* the tree owns vertices and indices */
     cl_mem records, colors, normals, uvs, materials, texels;
 } svo_i_surface;
 
 typedef struct svo_i_build {
     svo_i_commands commands;
-    cl_program programs[SVO_I_PROGRAM_KINDS]; /* the device's; those that the plan needs */
-    svo_frontend *frontend; /* NULL: the build only measures */
+    cl_program programs[SVO_I_PROGRAM_KINDS]; /* owned by the device; NULL where the plan does not need them */
+    svo_frontend *frontend; /* NULL where a plan is measured before a front end is known */
 
     svo_i_fragment_list list;
-    bool owns_list; /* its buffers are the build's own, else the front end's */
+    bool owns_list; /* the build owns the list's buffers, not the front end */
     uint64_t fragment_count; /* in all chunks */
 
     /* Scratch. */
-    cl_mem *cursors; /* of the fragments, one buffer per chunk */
-    cl_mem state, partials;
-    svo_build_state host_state; /* what state was filled from */
-    uint64_t inner_capacity;
-    bool in_place; /* nodes stay where they were made, in arrays as large as the capacities */
+    cl_mem *cursors; /* the current node of each fragment; one buffer per chunk */
+    cl_mem state; /* svo_build_state: counts that kernels read and write */
+    cl_mem partials; /* partial sums of a scan */
+    svo_build_state host_state; /* source of the write to state, which may not block */
+    uint64_t inner_capacity; /* inner nodes that the tree's arrays can hold */
+    bool in_place; /* nodes are made in the tree's own arrays, of the plan's capacities, and never trimmed */
     svo_i_surface surface;
 
-    /* The tree in the making. */
-    svo_tree *tree;
+    svo_tree *tree; /* incomplete until the last stage has run */
 } svo_i_build;
 
+/* Writes level_begin to build->state, which is allocated on first use. */
+svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
 SVO_I_SHARED_BEGIN
 
-/* Puts levels into the state on the device, which is made if there is none. */
-svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
-/* What the device's counts say at the end of the subdivision: *fits, and then the tree's counts. */
+/* Checks the counts that subdivide left in the state. *fits: whether all inner nodes fit; if so, sets the tree's
+   counts. Fails if the list has an invalid fragment or the tree has too many nodes. */
 svo_status svo_i_build_take_state(svo_i_build *build, const svo_build_state *state, bool *fits);
-/* Cursors for the list's fragments. */
-svo_status svo_i_build_alloc_cursors(svo_i_build *build);
-/* Releases the list, whosever it is. */
-void svo_i_build_release_list(svo_i_build *build);
-/* The status and the message for a list with fragments that none can be. */
-svo_status svo_i_build_fail_damaged(svo_i_build *build);
-/* What the plan says of a tree; and capacities in place of its counts. */
-void svo_i_build_fill_info(svo_i_build *build);
-void svo_i_build_assume_counts(svo_i_build *build);
 
 SVO_I_SHARED_END
+
+/* Allocates build->cursors for the list's fragments. */
+svo_status svo_i_build_alloc_cursors(svo_i_build *build);
+/* Releases the list, whether the build or the front end owns it. */
+void svo_i_build_release_list(svo_i_build *build);
+/* Fails with the message for a list that has a fragment outside the grid or of no triangle. */
+svo_status svo_i_build_fail_damaged(svo_i_build *build);
+/* Copies what the plan knows of the tree to the tree's info. */
+void svo_i_build_fill_info(svo_i_build *build);
+/* Sets the tree's counts to the plan's capacities. */
+void svo_i_build_assume_counts(svo_i_build *build);
 
 #endif

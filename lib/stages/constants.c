@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Constant payload: one element in the tree's buffer. */
+/* Stores constant payload as one element per buffer. */
 #include "stages/constants.h"
 
 #include "stages/surface.h"
 
-/* Payload that is the same in every node, once. Without any leaf all payload is zero. */
+/* The payload of a tree without leaves is zero. */
 svo_status svo_i_constants_store(svo_i_build *build)
 {
     static const unsigned char none[8] = {0};
@@ -16,7 +16,7 @@ svo_status svo_i_constants_store(svo_i_build *build)
     } constants[] = {{SVO_NEED_COLOR, SVO_TREE_COLORS, &work->constant_color},
                      {SVO_NEED_NORMAL, SVO_TREE_NORMALS, work->constant_normal},
                      {SVO_NEED_MATERIAL, SVO_TREE_MATERIALS, &work->constant_material}};
-    svo_i_surface_free(build); /* nothing reads it any more */
+    svo_i_surface_free(build);
     svo_i_stage_begin(&build->commands);
     for (unsigned i = 0; i < sizeof constants / sizeof constants[0]; ++i) {
         const svo_tree_buffer array = constants[i].array;

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Payload that is the same in every node, stored once. The last stage: nothing reads the mesh's attributes any more.
- * Reads: the plan's configuration. Writes: those of SVO_TREE_COLORS, _NORMALS and _MATERIALS that are constant.
+ * Stores payload that is the same in every node, as one element. Kernels: none.
+ *
+ * Reads: the plan's configuration.
+ * Writes: SVO_TREE_COLORS, _NORMALS and _MATERIALS, as far as they are constant. Releases build->surface.
+ * Needs: all stages that read build->surface before it.
  */
 #ifndef SVO_LIB_STAGES_CONSTANTS_H
 #define SVO_LIB_STAGES_CONSTANTS_H

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/link.cl and kernels/filter.cl: the leaves' fragments are linked and their contributions summed up, then
- * sums travel up level by level and every node's color, normal and fill are written.
+ * Links the fragments of each leaf and sums their contributions. Then the sums go up level by level, and the color,
+ * normal and fill of every node are written.
  *
- * A list of one chunk, the usual case, is gathered straight into the sums of the deepest inner level. Otherwise lists
- * are linked and gathered chunk by chunk, and the leaves need sums of their own in between.
+ * Usually the list has one chunk. Its contributions are summed directly into the deepest inner level. A list of several
+ * chunks is linked and summed chunk by chunk, into sums of the leaves.
  */
 #include "stages/filter.h"
 
@@ -22,13 +22,13 @@ typedef struct filterer {
     svo_i_build *build;
     bool color, normal, fill;
     cl_mem heads;
-    level_sums sums[2]; /* of levels whose distance from the leaves is even, and odd */
+    level_sums sums[2]; /* index: distance of the level from the leaves, modulo 2 */
     cl_kernel link, gather, filter;
     bool one_chunk;
     svo_filter_params params;
 } filterer;
 
-/* Sums of a level's nodes, if a level above will read them. */
+/* Allocates the sums of a level, if a level above reads them. */
 static svo_status allocate_sums(filterer *f, level_sums *sums, uint32_t level, uint64_t nodes)
 {
     if (level < f->params.payload_level) {
@@ -44,7 +44,7 @@ static svo_status allocate_sums(filterer *f, level_sums *sums, uint32_t level, u
     return SVO_OK;
 }
 
-/* Sums of two levels, one above the other. The leaves have some only where they are gathered chunk by chunk. */
+/* Allocates the sums of two adjacent levels. The leaves have sums only if the list has several chunks. */
 static svo_status allocate_all_sums(filterer *f)
 {
     const svo_tree_info *info = &f->build->tree->info;
@@ -80,12 +80,12 @@ static svo_status allocate(filterer *f)
 
 static svo_status create_kernels(filterer *f)
 {
-    SVO_I_TRY(
-        svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_link", &f->link));
-    SVO_I_TRY(svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD],
-                                    f->one_chunk ? "svo_k_gather_level" : "svo_k_gather", &f->gather));
-    return svo_i_commands_kernel(&f->build->commands, f->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_filter",
-                                 &f->filter);
+    svo_i_commands *commands = &f->build->commands;
+    cl_program program = f->build->programs[SVO_I_PROGRAM_BUILD];
+    const char *gather = f->one_chunk ? "svo_k_gather_level" : "svo_k_gather";
+    SVO_I_TRY(svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
+    SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
 }
 
 static void release(filterer *f)
@@ -103,7 +103,7 @@ static void release(filterer *f)
     }
 }
 
-/* Gathers a chunk: into the leaves' sums, or where it is the only one into those of the level above. */
+/* Sums a chunk's contributions: into the leaves, or into the level above if it is the only chunk. */
 static svo_status gather_chunk(filterer *f, uint32_t chunk)
 {
     svo_i_build *build = f->build;
@@ -157,7 +157,7 @@ static svo_status gather_leaves(filterer *f)
     return SVO_OK;
 }
 
-/* The nodes of one level take up their children's sums. */
+/* Adds up the children's sums for the nodes of one level. */
 static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes)
 {
     svo_tree *tree = f->build->tree;
@@ -181,7 +181,7 @@ static svo_status filter_levels(filterer *f)
 {
     const uint32_t depth = f->build->tree->info.depth;
     const uint32_t first = f->params.payload_level;
-    const uint32_t last_level = first > 0 ? first - 1 : 0; /* its nodes write the payload of their children */
+    const uint32_t last_level = first > 0 ? first - 1 : 0; /* inner nodes write the payload of their children too */
     svo_i_stage_begin(&f->build->commands);
     for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > last_level;) {
         const unsigned odd = (depth - level) % 2;
@@ -191,11 +191,11 @@ static svo_status filter_levels(filterer *f)
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
-/* A tree without leaves: a root whose payload is zero. */
+/* Zeroes the root's payload, for a tree without leaves. */
 static svo_status clear_payload(filterer *f)
 {
     svo_i_build *build = f->build;
-    if (f->params.payload_level > 0) { /* the root has none */
+    if (f->params.payload_level > 0) { /* the root has no payload */
         return SVO_OK;
     }
     if (f->color) {
@@ -214,7 +214,7 @@ static svo_status run(filterer *f)
 {
     const bool is_empty = f->build->tree->info.leaf_count == 0;
     SVO_I_TRY(allocate(f));
-    if (is_empty || f->build->commands.mode == SVO_I_MODE_ENQUEUE) { /* that may turn out to be empty */
+    if (is_empty || f->build->commands.mode == SVO_I_MODE_ENQUEUE) { /* an enqueued tree may turn out empty */
         SVO_I_TRY(clear_payload(f));
     }
     if (is_empty) {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Colors, normals and fills of all nodes, by kernels/stages/filter.cl.
- * Reads: the list, build->cursors (uses them up), build->surface. Writes: those of SVO_TREE_COLORS, _NORMALS and _FILLS
- * that are not constant.
+ * Computes the colors, normals and fills of all nodes. Kernels: kernels/stages/filter.cl.
+ *
+ * Reads: the fragment list, build->cursors, build->state, build->surface, SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD.
+ * Writes: SVO_TREE_COLORS, _NORMALS and _FILLS, as far as they are not constant. Overwrites the cursors.
+ * Needs: subdivide or bottom_up, surface. Runs after all other stages that read the cursors.
  */
 #ifndef SVO_LIB_STAGES_FILTER_H
 #define SVO_LIB_STAGES_FILTER_H

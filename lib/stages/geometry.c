@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The snapped mesh in the tree's buffers. */
+/* Uploads the snapped mesh to the tree's buffers. */
 #include "stages/geometry.h"
 
 svo_status svo_i_geometry_upload(svo_i_build *build)

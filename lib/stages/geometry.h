@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What rays need of the mesh, in the tree's buffers.
- * Reads: the plan's snapped mesh. Writes: SVO_TREE_VERTICES, _INDICES and _TRIANGLE_IDS.
+ * Stores the snapped mesh in the tree, for rays. Kernels: none.
+ *
+ * Reads: the plan's snapped mesh.
+ * Writes: SVO_TREE_VERTICES, _INDICES and _TRIANGLE_IDS, and their counts in the tree's info.
+ * Needs: nothing.
  */
 #ifndef SVO_LIB_STAGES_GEOMETRY_H
 #define SVO_LIB_STAGES_GEOMETRY_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Links the fragments of a chunk to their leaves. */
+/* Launches kernels/stages/link.cl for one chunk. */
 #include "stages/link.h"
 
 svo_status svo_i_link(svo_i_build *build, cl_kernel kernel, uint32_t chunk, cl_mem heads, svo_filter_params params)

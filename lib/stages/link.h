@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Links the fragments of each leaf into a list, by atomic exchange, by kernels/stages/link.cl. The filter runs it,
- * chunk by chunk.
- * Reads: build->cursors[chunk]. Writes: heads; the cursors become the links.
+ * Links the fragments of each leaf into a list, by atomic exchange. Kernels: kernels/stages/link.cl.
+ *
+ * Reads: build->cursors of a chunk, build->state.
+ * Writes: heads, the first fragment of each leaf; the cursors, which become the links.
+ * Needs: subdivide or bottom_up. filter calls it, chunk by chunk.
  */
 #ifndef SVO_LIB_STAGES_LINK_H
 #define SVO_LIB_STAGES_LINK_H

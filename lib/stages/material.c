@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/material.cl: the material of every node. Comes before the filter, which turns the fragments' cursors
- * into links.
+ * Collects the materials and weights of each leaf, sorts them, and merges them level by level up to the root. Each node
+ * gets the material of the largest weight.
  */
 #include "stages/material.h"
 
 #include "stages/payload_params.h"
 
-/* Where the entries of a level's nodes are. */
+/* The entries of a level's nodes: pairs of a material and a weight. */
 typedef struct level_entries {
     cl_mem begins, counts, entries;
 } level_entries;
@@ -15,7 +15,7 @@ typedef struct level_entries {
 typedef struct sorter {
     svo_i_build *build;
     cl_mem list_begin, materials;
-    level_entries levels[2]; /* of levels whose distance from the leaves is even, and odd */
+    level_entries levels[2]; /* index: distance of the level from the leaves, modulo 2 */
     cl_kernel merge;
     svo_filter_params params;
 } sorter;
@@ -121,7 +121,7 @@ static svo_status run(sorter *s)
     return SVO_OK;
 }
 
-/* Ranges of entries that only the materials need are not kept. */
+/* Releases the ranges of entries if only the materials needed them. */
 static void free_ranges(svo_i_build *build)
 {
     if (!build->commands.plan->work.lists) {
@@ -132,7 +132,8 @@ static void free_ranges(svo_i_build *build)
 static svo_status make_materials(svo_i_build *build)
 {
     const svo_tree_info *info = &build->tree->info;
-    const bool may_be_empty = info->leaf_count == 0 || build->commands.mode == SVO_I_MODE_ENQUEUE; /* a root alone */
+    const bool may_be_empty =
+        info->leaf_count == 0 || build->commands.mode == SVO_I_MODE_ENQUEUE; /* an enqueued tree may turn out empty */
     cl_mem *materials = &build->tree->buffers[SVO_TREE_MATERIALS];
     const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "materials", nodes * sizeof(cl_ushort), materials));

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The material of every node, by kernels/stages/material.cl.
- * Reads: the list, build->cursors, SVO_TREE_LIST_BEGIN, build->surface. Writes: SVO_TREE_MATERIALS. Comes before the
- * filter, which uses up the cursors.
+ * Computes the material of every node. Kernels: kernels/stages/material.cl.
+ *
+ * Reads: the fragment list, build->cursors, build->state, build->surface, SVO_TREE_LIST_BEGIN.
+ * Writes: SVO_TREE_MATERIALS. Releases SVO_TREE_LIST_BEGIN where the plan has no leaf lists.
+ * Needs: pack or bottom_up, surface. Runs before filter, which overwrites the cursors.
  */
 #ifndef SVO_LIB_STAGES_MATERIAL_H
 #define SVO_LIB_STAGES_MATERIAL_H

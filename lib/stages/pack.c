@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/pack.cl and the list scans of kernels/scan.cl: where each leaf's range of entries begins, and sorted
- * leaf lists, for requests that read them.
+ * Counts the entries of each leaf and scans the counts into the beginnings of their ranges. Where leaf lists are
+ * needed, scatters the triangles into the ranges and sorts each.
  */
 #include "stages/pack.h"
 

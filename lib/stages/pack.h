@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sorted leaf lists, by kernels/stages/pack.cl and scan.cl.
- * Reads: the list, build->cursors, build->state. Writes: SVO_TREE_LIST_BEGIN, and SVO_TREE_LIST where lists are asked
- * for.
+ * Makes sorted leaf lists, or only the ranges of their entries. Kernels: kernels/stages/pack.cl, scan.cl.
+ *
+ * Reads: the fragment list, build->cursors, build->state.
+ * Writes: SVO_TREE_LIST_BEGIN, and SVO_TREE_LIST where leaf lists are needed.
+ * Needs: subdivide.
  */
 #ifndef SVO_LIB_STAGES_PACK_H
 #define SVO_LIB_STAGES_PACK_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Parameters of the payload kernels, from the build. */
+/* The parameters that payload kernels share. */
 #include "stages/payload_params.h"
 
 svo_filter_params svo_i_payload_params(const svo_i_build *build)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The parameters that the payload kernels have in common. */
+/* The parameters that payload kernels share. */
 #ifndef SVO_LIB_STAGES_PAYLOAD_PARAMS_H
 #define SVO_LIB_STAGES_PAYLOAD_PARAMS_H
 
@@ -7,11 +7,12 @@
 
 SVO_I_SHARED_BEGIN
 
+/* Parameters of a build, without those of a level or a chunk. */
 svo_filter_params svo_i_payload_params(const svo_i_build *build);
-/* Those for the nodes of a level. */
+/* Sets the parameters of a level. */
 void svo_i_params_of_level(svo_filter_params *params, const svo_tree_info *info, uint32_t level);
-/* Radix passes of SVO_DIGIT_BITS that tell the triangles apart: an even number, so that the result ends where it
-   began. */
+/* Number of radix passes of SVO_DIGIT_BITS bits that sort triangle indices. It is even, so that the result is in the
+   buffer that held the input. */
 uint32_t svo_i_digit_passes(uint32_t triangle_count);
 
 SVO_I_SHARED_END

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sums over the counts of lists and of digits. The sums over child masks are part of subdivide.c, level by level. */
+/* Scans of list counts and of digit counts. The scans of child masks are in subdivide.c. */
 #include "stages/scan.h"
 
 svo_status svo_i_scan_alloc(svo_i_build *build)

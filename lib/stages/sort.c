@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Radix sort of the fragment list, least significant digit first, between two buffers of its size. */
+/* Radix sort of the fragment list, least significant digit first, between two buffers of the list's size. */
 #include "stages/sort.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static svo_status launch(sorter *s, const char *name, const svo_i_argument *argu
                               argument_count, (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS);
 }
 
-/* One pass over a digit; the list and the spare change places. */
+/* One pass over a digit. It swaps the list and the spare buffer. */
 static svo_status sort_pass(sorter *s, svo_sort_params params)
 {
     cl_mem *list = &s->build->list.chunks[0].buffer;
@@ -37,7 +37,7 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
     return SVO_OK;
 }
 
-/* Passes over the low bits of a key. */
+/* Sorts by the low bits of the triangle index or of the Morton code. */
 static svo_status sort_by(sorter *s, bool by_triangle, uint32_t bits)
 {
     svo_sort_params params = {.fragment_count = (cl_uint)s->build->fragment_count, .by_triangle = by_triangle ? 1 : 0};
@@ -63,7 +63,7 @@ static svo_status sort_list(sorter *s)
     return sort_by(s, false, 3 * plan->info.depth);
 }
 
-/* All chunks into one buffer, whose place in the list the caller gives it. */
+/* Copies all chunks into one buffer. */
 static svo_status join_chunks(sorter *s, cl_mem whole)
 {
     svo_i_build *build = s->build;
@@ -77,7 +77,7 @@ static svo_status join_chunks(sorter *s, cl_mem whole)
     return SVO_OK;
 }
 
-/* The list in one buffer of the build's own. */
+/* Replaces the list by one chunk that the build owns. */
 static svo_status take_list(sorter *s, uint64_t bytes)
 {
     svo_status status = SVO_OK;

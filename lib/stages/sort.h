@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sorts the fragment list by Morton code, and within a voxel by triangle where lists are asked for, by
- * kernels/stages/sort.cl: a radix sort in one buffer.
- * Reads: the fragment list. Writes: the list, which then is one chunk of the build's own.
+ * Sorts the fragment list by Morton code, and within a voxel by triangle where leaf lists are needed. It is a radix
+ * sort. Kernels: kernels/stages/sort.cl, scan.cl.
+ *
+ * Reads: the fragment list.
+ * Writes: the list, which becomes one chunk that the build owns; build->partials.
+ * Needs: the whole list in one allocation, and a second one of its size.
  */
 #ifndef SVO_LIB_STAGES_SORT_H
 #define SVO_LIB_STAGES_SORT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs kernels/subdivide.cl and the mask scans of kernels/scan.cl: all levels in one go, without reading anything back
- * between them. The counts come to the host once, at the end.
+ * Launches all levels without reading anything back between them. A blocking build reads the counts once, at the end,
+ * and runs the stage again if the nodes did not fit.
  */
 #include "stages/subdivide.h"
 
@@ -16,16 +16,19 @@ typedef struct subdivider {
 
 static svo_status create_kernels(subdivider *s)
 {
-    SVO_I_TRY(
-        svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_mark", &s->mark));
-    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_descend",
-                                    &s->descend));
-    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD],
-                                    "svo_k_scan_masks_reduce", &s->reduce));
-    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD],
-                                    "svo_k_scan_masks_partials", &s->partials));
-    return svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_scan_masks_add",
-                                 &s->add);
+    cl_program program = s->build->programs[SVO_I_PROGRAM_BUILD];
+    const struct {
+        const char *name;
+        cl_kernel *kernel;
+    } kernels[] = {{"svo_k_mark", &s->mark},
+                   {"svo_k_descend", &s->descend},
+                   {"svo_k_scan_masks_reduce", &s->reduce},
+                   {"svo_k_scan_masks_partials", &s->partials},
+                   {"svo_k_scan_masks_add", &s->add}};
+    for (unsigned i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
+        SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, program, kernels[i].name, kernels[i].kernel));
+    }
+    return SVO_OK;
 }
 
 static void release_kernels(subdivider *s)
@@ -38,7 +41,7 @@ static void release_kernels(subdivider *s)
     }
 }
 
-/* Clears the masks and sets the state to a root without children. */
+/* Clears the masks and initializes the state to a root without children. */
 static svo_status begin(subdivider *s)
 {
     svo_i_build *build = s->build;
@@ -63,7 +66,7 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
     return SVO_OK;
 }
 
-/* first_child of the level's nodes, and where the level below the next begins. */
+/* Scans a level's masks: sets first_child of its nodes and the beginning of the level after the next. */
 static svo_status scan_level(subdivider *s, svo_subdivide_params params)
 {
     svo_i_build *build = s->build;
@@ -94,7 +97,7 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
     return SVO_OK;
 }
 
-/* The count of a list that the host has not seen. */
+/* Copies the fragment count, which the host does not know, to the state. */
 static svo_status take_count(subdivider *s, svo_subdivide_params params)
 {
     params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
@@ -104,7 +107,8 @@ static svo_status take_count(subdivider *s, svo_subdivide_params params)
                               SVO_I_ARGUMENTS(arguments), 1);
 }
 
-/* Room for the inner nodes below a level. A build that waits sizes what depends on a level by its count. */
+/* Capacity for the inner nodes of the next level. A blocking build has no limit per level: it sizes later buffers by
+   the real counts. */
 static uint32_t next_level_capacity(const svo_i_build *build, uint32_t level)
 {
     const uint32_t *begin = build->tree->info.level_begin;
@@ -127,7 +131,7 @@ static svo_status run_levels(subdivider *s)
     return SVO_OK;
 }
 
-/* Masks and first children in arrays of build->inner_capacity; *fits is false when the inner nodes did not fit. */
+/* Fills arrays of build->inner_capacity elements. *fits is false if there are more inner nodes. */
 static svo_status run(svo_i_build *build, bool *fits)
 {
     svo_status status = SVO_OK;
@@ -141,7 +145,7 @@ static svo_status run(svo_i_build *build, bool *fits)
                                  "svo_build: the tree may have %llu inner nodes, above 2^32 - 1; lower the depth",
                                  (unsigned long long)build->inner_capacity);
     }
-    *fits = true; /* without waiting, counts stay capacities until the end */
+    *fits = true; /* other modes do not read the counts here */
     svo_i_stage_begin(commands);
     SVO_I_TRY_CLEANUP(create_kernels(&s));
     SVO_I_TRY_CLEANUP(begin(&s));
@@ -156,7 +160,7 @@ cleanup:
     return status;
 }
 
-/* Copies the used front of a buffer to one of that size, and releases the large one. */
+/* Replaces a buffer by a copy of its first bytes. */
 static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes)
 {
     svo_status status = SVO_OK;
@@ -172,7 +176,7 @@ cleanup:
     return status;
 }
 
-/* Room for build->inner_capacity nodes. */
+/* Allocates arrays for build->inner_capacity nodes. */
 static svo_status alloc_nodes(svo_i_build *build, const char *masks, const char *first_child)
 {
     cl_mem *buffers = build->tree->buffers;
@@ -182,7 +186,7 @@ static svo_status alloc_nodes(svo_i_build *build, const char *masks, const char 
                                 &buffers[SVO_TREE_FIRST_CHILD]);
 }
 
-/* Nodes in arrays of the plan's capacities. */
+/* Makes the nodes in the tree's own arrays, of the plan's capacities. */
 static svo_status subdivide_in_place(svo_i_build *build)
 {
     bool fits = false;
@@ -192,7 +196,7 @@ static svo_status subdivide_in_place(svo_i_build *build)
     return run(build, &fits);
 }
 
-/* Rerun once, with room for the worst case, when the fragment estimate misjudged the scene. */
+/* Runs again once, with capacity for the worst case, if the fragment estimate was too low. */
 svo_status svo_i_subdivide(svo_i_build *build)
 {
     const svo_plan *plan = build->commands.plan;
@@ -213,7 +217,7 @@ svo_status svo_i_subdivide(svo_i_build *build)
     }
     if (!fits) {
         return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
-                                 "svo_build: %llu fragments made more than %llu nodes",
+                                 "svo_build: %llu fragments made more than %llu inner nodes",
                                  (unsigned long long)build->fragment_count, (unsigned long long)build->inner_capacity);
     }
     SVO_I_TRY(trim(build, SVO_TREE_CHILD_MASK, build->tree->info.inner_count));

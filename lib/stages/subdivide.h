@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Nodes from the root down, by kernels/stages/subdivide.cl and scan.cl.
- * Reads: the fragment list. Writes: SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, the tree's counts, build->state, and
- * build->cursors, which end at the leaves.
+ * Makes the nodes from the root down, level by level. Kernels: kernels/stages/subdivide.cl, scan.cl.
+ *
+ * Reads: the fragment list.
+ * Writes: SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, the tree's counts, build->state, build->partials, and
+ * build->cursors, which hold the leaf of each fragment at the end.
+ * Needs: a complete fragment list.
  */
 #ifndef SVO_LIB_STAGES_SUBDIVIDE_H
 #define SVO_LIB_STAGES_SUBDIVIDE_H

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh's attributes on the device, for the stages that make payload of them (material.c, filter.c):
- * kernels/attribute.clh reads them. Only what the plan has is uploaded; vertices and indices that the tree keeps for
+ * Uploads the attributes that the plan has, for material.c and filter.c. Vertices and indices that the tree has for
  * rays are used in place.
  */
 #include "stages/surface.h"
@@ -12,7 +11,7 @@ static svo_status upload(svo_i_build *build, const char *name, const void *data,
     return data != NULL ? svo_i_commands_upload(&build->commands, name, data, bytes, out) : SVO_OK;
 }
 
-/* What places a triangle in a voxel. Uniform weights do not look at it. */
+/* Uniform weights need no vertices: they do not depend on where in its voxel a triangle is. */
 static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
 {
     const svo_plan *plan = build->commands.plan;
@@ -22,7 +21,7 @@ static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
         out->indices = build->tree->buffers[SVO_TREE_INDICES];
         return SVO_OK;
     }
-    if (plan->work.places) {
+    if (plan->work.positions) {
         SVO_I_TRY(upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices));
     }
     return upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices);

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mesh's attributes on the device, for the stages that make payload of them.
- * Reads: the plan's payload inputs. Writes: build->surface.
+ * Uploads the mesh's attributes for the stages that compute payload. Kernels: none; kernels/stages/attribute.clh reads
+ * the buffers.
+ *
+ * Reads: the plan's payload inputs.
+ * Writes: build->surface.
+ * Needs: geometry before it, where the plan has leaf lists: the tree's vertices and indices are then used in place.
  */
 #ifndef SVO_LIB_STAGES_SURFACE_H
 #define SVO_LIB_STAGES_SURFACE_H
@@ -9,7 +13,7 @@
 #include "stages/build_state.h"
 
 svo_status svo_i_surface_upload(svo_i_build *build);
-/* Also after a failure, and before the tree. */
+/* Releases build->surface. To be called before the tree is released, also after a failure. */
 void svo_i_surface_free(svo_i_build *build);
 
 #endif

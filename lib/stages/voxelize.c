@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The front end of OpenCL alone: uploads the snapped mesh, and per chunk of the list launches kernels/voxelize.cl for
- * every draw. For machines without OpenGL, and for devices on which this is the faster way.
- *
- * Every launch waits for the one before it by an event, as in the builder, whose helpers it uses.
+ * The front end "cl": uploads the snapped mesh, and launches the voxelizer for every draw of every chunk. It is used
+ * without OpenGL, and on devices on which it is faster than OpenGL.
  */
 #include "stages/voxelize.h"
 
@@ -17,7 +15,7 @@
 #define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
 
-/* One list in the making. */
+/* The state of one call of svo_i_voxelize. */
 typedef struct run {
     svo_i_commands *commands;
     const svo_i_chunking *chunking;
@@ -25,7 +23,7 @@ typedef struct run {
     cl_kernel kernels[SVO_I_TEST_COUNT];
 } run;
 
-/* The test of a class's triangles. Those inside one voxel are not tested, so the first there is will do for them. */
+/* The overlap test for a class of triangles. Triangles inside one voxel need none; any variant works for them. */
 static svo_i_test test_of(const svo_plan *plan, svo_i_class class_id)
 {
     static const svo_i_test tests[SVO_I_CLASS_COUNT] = {[SVO_I_CLASS_NARROW] = SVO_I_TEST_NARROW,
@@ -38,7 +36,7 @@ static svo_i_test test_of(const svo_plan *plan, svo_i_class class_id)
     return test;
 }
 
-/* The program with a test's variant of the kernel. */
+/* The program with the kernel's variant for an overlap test. */
 static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, bool *fresh)
 {
     char defines[SVO_I_DEFINES_BYTES];
@@ -77,7 +75,7 @@ static svo_status create_kernels(run *r)
     return SVO_OK;
 }
 
-/* The mesh, and two words per chunk to count in: the low half of the number of fragments, then the high half. */
+/* Uploads the mesh, and clears two words per chunk: the low and the high half of the number of fragments. */
 static svo_status upload(run *r)
 {
     const svo_plan *plan = r->commands->plan;
@@ -117,7 +115,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
                                  groups * SVO_GROUP_ITEMS + params.tile_count);
 }
 
-/* The tiles of all draws of a chunk; tile_begin: where each draw's begin, and the end. */
+/* Finds the tiles of all draws of a chunk. tile_begin: index of each draw's first tile, and the end. */
 static svo_status make_tiles(const run *r, const svo_i_chunk *chunk, svo_i_tiles *tiles, size_t *tile_begin)
 {
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
@@ -131,7 +129,7 @@ static svo_status make_tiles(const run *r, const svo_i_chunk *chunk, svo_i_tiles
     return SVO_OK;
 }
 
-/* The tiles that were found before, or those that are found now, into *found. */
+/* Takes the tiles from the chunking's cache, or finds them and fills the cache. */
 static svo_status get_tiles(const run *r, const svo_i_chunk *chunk, svo_i_tile_cache *found)
 {
     svo_i_tile_cache *cache = r->chunking->tile_cache;
@@ -159,7 +157,7 @@ static void free_tiles(const run *r, svo_i_tile_cache *found)
     }
 }
 
-/* About how many bytes they take: a tile of a triangle's plane has some fragments per column. */
+/* An estimate of the bytes of a chunk's tiles, from the expected fragments per column. */
 static uint64_t expected_tile_bytes(const run *r, const svo_i_chunk *chunk)
 {
     double tiles = 0.0;
@@ -173,7 +171,7 @@ static uint64_t expected_tile_bytes(const run *r, const svo_i_chunk *chunk)
     return (uint64_t)tiles * sizeof(svo_tile_item);
 }
 
-/* tile_begin: NULL: no tiles. */
+/* Launches the draws of a chunk. tile_begin: NULL if there are no tiles. */
 static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_begin, cl_mem tiles, cl_mem fragments)
 {
     const svo_i_chunk *chunk = &r->chunking->chunks[chunk_index];
@@ -190,7 +188,7 @@ static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
-/* The buffer of a chunk. A build that runs has it in its list already, as that of every front end. */
+/* Allocates the buffer of a chunk. In SVO_I_MODE_RUN the caller adds it to the plan's list, for every front end. */
 static svo_status alloc_fragments(run *r, svo_i_fragments *out)
 {
     const uint64_t bytes = out->capacity * svo_i_plan_fragment_bytes(r->commands->plan);
@@ -199,8 +197,8 @@ static svo_status alloc_fragments(run *r, svo_i_fragments *out)
                                                : svo_i_commands_alloc(r->commands, "fragments", bytes, &out->buffer);
 }
 
-/* Uploads the tiles and draws. Finding the tiles is counted as transfer, with the upload they are for. A build that
-   only measures estimates how many there are, unless they have been found. */
+/* Uploads a chunk's tiles and launches its draws. The time to find the tiles counts as transfer. A measuring build
+   estimates their number, unless there is a cache. */
 static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
 {
     svo_status status = SVO_OK;
@@ -225,7 +223,7 @@ cleanup:
     return status;
 }
 
-/* The counts, for builds that wait. */
+/* Reads the counts, in SVO_I_MODE_RUN. */
 static svo_status read_counters(run *r, svo_i_fragment_list *list)
 {
     const size_t bytes = ((size_t)list->chunk_count + 1) * 2 * sizeof(cl_uint);
@@ -257,7 +255,7 @@ static void release_run(run *r)
     }
 }
 
-/* The whole list, and its counts: in chunks[i].needed, or without waiting in list->counters. */
+/* Makes the list. Counts go to chunks[i].needed, or in modes that do not wait remain in the counters. */
 static svo_status make_list(run *r, svo_i_fragment_list *list)
 {
     SVO_I_TRY(create_kernels(r));

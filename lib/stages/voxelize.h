@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The voxelizer of OpenCL alone: triangles -> fragments, by kernels/stages/voxelize.cl; the front end "cl".
- * Reads: the plan's snapped mesh and draws. Writes: the fragment list.
+ * Makes the fragment list with OpenCL alone: the front end "cl". Kernels: kernels/stages/voxelize.cl.
+ *
+ * Reads: the plan's snapped mesh, the draws and chunks of a chunking.
+ * Writes: the fragment list, and its counts.
+ * Needs: a program per overlap test that the plan uses, which svo_frontend.prepare compiles.
  */
 #ifndef SVO_LIB_STAGES_VOXELIZE_H
 #define SVO_LIB_STAGES_VOXELIZE_H
 
 #include "stages/build_state.h"
 
-/* svo_frontend.voxelize; self is not used. */
+/* Implements svo_frontend.voxelize; self is unused. */
 svo_status svo_i_voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
                           svo_i_fragment_list *list);
 
