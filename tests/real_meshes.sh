@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# Real and broken mesh files, where a folder of them lies beside the project: `svocl verify` must call each one exact, or
-# refuse it with one line and exit code 1. Gzipped files are unpacked first.
+# Real and broken mesh files from a folder outside the repository: `svocl verify` must find each tree exact, or
+# refuse the file with one line and exit code 1. Gzipped files are unpacked first.
 #
-# usage: real_meshes.sh PROGRAM FOLDER; exit code 77 (skipped) when the folder is not there.
+# usage: real_meshes.sh PROGRAM FOLDER; exit code 77 (skipped) if the folder does not exist.
 set -euo pipefail
 
 readonly program=$1 folder=$2

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The svocl program as its users meet it: command lines, exit codes, one-line errors, JSON names, files whole or
-   absent. */
+/* The svocl program from the point of view of its users: command lines, exit codes, one-line errors, JSON names,
+   files that are complete or absent. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,7 +119,7 @@ static void triangles_that_are_not_finite_are_counted(void **state)
     run_badly("$SVOCL build all_nan.ply -d 4", 1, "all_nan.ply: no valid triangle");
 }
 
-/* A reader may refuse the whole file; otherwise the triangle is refused and counted. */
+/* The reader may refuse the whole file; otherwise the triangle is refused and counted. */
 static void indices_out_of_range_are_named(void **state)
 {
     (void)state;
@@ -245,7 +245,7 @@ static void build_has_its_json_names(void **state)
     run_well("$SVOCL verify a.svo");
 }
 
-/* Whether the plan leaves it out; every entry has words. */
+/* Whether the plan leaves it out. Every entry must have a reason. */
 static bool leaves_out(const cJSON *plan, const char *what)
 {
     const cJSON *entry = NULL;
@@ -321,7 +321,7 @@ static void a_plan_is_printed_before_the_build(void **state)
     assert_null(strstr(last.output, "hash"));
 }
 
-/* A small scene starts no OpenGL, and the plan says so; it says nothing of the kind where OpenGL was asked for. */
+/* A small scene starts no OpenGL, and the plan says so, but not if OpenGL was requested. */
 static void the_plan_leaves_opengl_out_of_small_scenes(void **state)
 {
     (void)state;
@@ -511,7 +511,7 @@ static void hash_says_what_ran(void **state)
     cJSON_Delete(document);
 }
 
-/* A handful of triangles starts no OpenGL; a front end that was asked for starts what it needs and nothing else. */
+/* A few triangles start no OpenGL; a requested front end starts only what it needs. */
 static void opengl_is_started_only_for_what_needs_it(void **state)
 {
     (void)state;
@@ -525,7 +525,7 @@ static void opengl_is_started_only_for_what_needs_it(void **state)
     cJSON_Delete(small);
     cJSON *forced = run_json("$SVOCL hash scene:cube -d 5 --frontend cl --json");
     assert_string_equal(text_of(forced, "frontend"), "cl");
-    assert_string_equal(text_of(forced, "frontend_reason"), "asked for");
+    assert_string_equal(text_of(forced, "frontend_reason"), "requested");
     cJSON_Delete(forced);
     cJSON *large = run_json("$SVOCL hash scene:cube -d 9 --need none --json");
     print_message("%s: %s\n", text_of(large, "frontend"), text_of(large, "frontend_reason"));
@@ -563,8 +563,8 @@ static void rays_from_a_file_become_hits(void **state)
     expect_files(kept, sizeof kept / sizeof kept[0]);
 }
 
-/* On little work: that both sides run, and agree. */
-static void rays_are_measured_beside_embree(void **state)
+/* A small measurement: both sides run and agree. */
+static void rays_are_compared_with_embree(void **state)
 {
     (void)state;
     need_builds();
@@ -651,7 +651,7 @@ int main(void)
                                        IN_FOLDER(hash_says_what_ran),
                                        IN_FOLDER(a_picture_is_written),
                                        IN_FOLDER(rays_from_a_file_become_hits),
-                                       IN_FOLDER(rays_are_measured_beside_embree),
+                                       IN_FOLDER(rays_are_compared_with_embree),
                                        IN_FOLDER(every_view_is_a_picture)};
     return cmocka_run_group_tests_name("program", tests, NULL, NULL);
 }

@@ -1,16 +1,16 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
 #
-# `tools/dev matrix`: the same scenes and rays by several implementations of OpenCL; hashes and hits must be the same. Of this
-# machine (Debian 12): PoCL 3.1 and, for small scenes, oclgrind. Of Debian 13, in a root of its own made by debootstrap:
-# PoCL 6 and Mesa's rusticl, with svocl compiled there by that release's compiler. tools/dev sources this file, whose
-# functions and settings it uses.
+# `tools/dev matrix`: the same scenes and rays by several OpenCL implementations; hashes and hits must be equal. On this
+# machine (Debian 12): PoCL 3.1 and, for small scenes, oclgrind. In a Debian 13 root created by debootstrap: PoCL 6 and
+# Mesa's rusticl, with svocl compiled there by the compiler of that release. tools/dev sources this file, which uses its
+# functions and settings.
 # shellcheck disable=SC2154
 
 readonly matrix_release=trixie
 readonly matrix_mirror=http://deb.debian.org/debian
 
-# Debian 13 packages: what svocl needs to build and run, without the tools that only check it.
+# Debian 13 packages that svocl needs to build and run, without the tools that only check it.
 readonly matrix_packages=(
     build-essential cmake ninja-build pkg-config ocl-icd-opencl-dev opencl-headers libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 libassimp-dev zlib1g-dev libstb-dev libxxhash-dev libzstd-dev
@@ -19,7 +19,7 @@ readonly matrix_packages=(
     mesa-opencl-icd # rusticl
 )
 
-# What runs: a case is the arguments of `svocl hash`; small ones go through oclgrind, too, an interpreter.
+# A case is the arguments of `svocl hash`. Small cases also run on oclgrind, an interpreter.
 readonly matrix_all=color,normal,rays,material,fill
 readonly matrix_small_cases=(
     "scene:cornell:60 -d 4 --need $matrix_all"
@@ -44,7 +44,7 @@ readonly matrix_columns=("PoCL 3.1" "oclgrind" "PoCL 6" "rusticl")
 
 # --- the root --------------------------------------------------------------------------------------------------------
 
-# Runs a command as root, with the folder as its root and mounts that end with it.
+# Runs a command as root in a chroot of the folder; its mounts end with the command.
 matrix_enter()
 {
     local folder=$1
@@ -59,7 +59,8 @@ matrix_enter()
                 DEBIAN_FRONTEND=noninteractive chroot "$folder" "$@"' matrix "$folder" "$@"
 }
 
-# A root that is not finished has no mark and is made anew. Of this machine it gets the name servers and how apt fetches.
+# An unfinished root has no mark and is created again. It inherits name servers and apt configuration from
+# this machine.
 matrix_make_root()
 {
     local folder=$1 mirror=$2
@@ -94,24 +95,24 @@ matrix_build()
 
 # --- the hashes ------------------------------------------------------------------------------------------------------
 
-# The words before `svocl` that make it run by one implementation, one a line.
+# The words before `svocl` that select one implementation, one per line.
 matrix_runner()
 {
     local column=$1 folder=$2 vendors=/etc/OpenCL/vendors
     case $column in
     "PoCL 3.1") printf '%s\n' env OCL_ICD_VENDORS=$vendors/pocl.icd "$program" ;;
-    # Functions as they are written: oclgrind 21.10 does not know all that the optimizer makes of them.
+    # Without optimization: oclgrind 21.10 does not support everything that the optimizer emits.
     oclgrind) printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program" ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
-        # Doubles, which rays are decided in, have to be asked for.
+        # Ray intersections are decided in doubles, which rusticl offers only on request.
         printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/rusticl.icd RUSTICL_ENABLE=llvmpipe \
             RUSTICL_FEATURES=fp64 /build/bin/svocl
         ;;
     esac
 }
 
-# One hash by one implementation, or what failed: arguments are the column's name, the root and those of `svocl hash`.
+# One hash by one implementation, or the error. Arguments: the name of the column, the root and those of `svocl hash`.
 matrix_hash()
 {
     local runner output
@@ -121,8 +122,8 @@ matrix_hash()
     printf '%s\n' "${output##*$'\n'}"
 }
 
-# A CSV file of rays that go all ways, past the middle of a scene as wide as 1. Random numbers by Park and Miller, "Random
-# Number Generators: Good Ones Are Hard to Find", 1988.
+# A CSV file of rays in all directions, past the center of a scene of width 1. Random numbers by Park and Miller,
+# "Random Number Generators: Good Ones Are Hard to Find", 1988.
 matrix_rays()
 {
     awk 'function within(reach) { state = state * 16807 % 2147483647; return (state / 1073741823.5 - 1) * reach }
@@ -135,7 +136,7 @@ matrix_rays()
         }'
 }
 
-# A hash of the hits by one implementation, or what failed: arguments as those of matrix_hash, for `svocl trace`.
+# A hash of the hits by one implementation, or the error. Arguments as for matrix_hash, but of `svocl trace`.
 matrix_hits()
 {
     local runner output
@@ -149,15 +150,15 @@ matrix_hits()
     printf '%s\n' "${output%  -}"
 }
 
-# Whether the column takes part: oclgrind has small memory and no hurry, and cannot share a process with Mesa's llvmpipe.
+# Whether the column takes part: oclgrind is slow, has little memory, and cannot share a process with Mesa's llvmpipe.
 matrix_takes_part()
 {
     local column=$1 frontend=$2 is_small=$3
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table: a way to build, or to trace with the builder "hits". The case's first hash is what the others must
-# be; differences go to matrix_wrong.
+# One line of the table: a method to build, or to trace with the builder "hits". All hashes of a case must equal the
+# first; differences go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()
@@ -185,16 +186,16 @@ matrix_row()
     printf '\n'
 }
 
-# A case by every way there is: the rest of the arguments.
+# A case by every method: the remaining arguments.
 matrix_case()
 {
-    local folder=$1 is_small=$2 case=$3 way
+    local folder=$1 is_small=$2 case=$3 method
     shift 3
     matrix_expected=
     printf '%s\n' "$case"
-    for way in "$@"; do
+    for method in "$@"; do
         # shellcheck disable=SC2086 # two words
-        matrix_row "$folder" "$is_small" "$case" $way
+        matrix_row "$folder" "$is_small" "$case" $method
     done
     printf '  %s\n' "$matrix_expected"
 }
@@ -203,7 +204,8 @@ matrix_versions()
 {
     # shellcheck disable=SC2016 # expanded by dpkg-query
     local folder=$1 show='${Package} ${Version}\n'
-    printf 'here: %s\n' "$(dpkg-query -W -f="$show" pocl-opencl-icd oclgrind libgl1-mesa-dri gcc | paste -s -d , | sed 's/,/, /g')"
+    printf 'here: %s\n' "$(dpkg-query -W -f="$show" pocl-opencl-icd oclgrind libgl1-mesa-dri gcc |
+        paste -s -d , | sed 's/,/, /g')"
     printf 'Debian 13: %s\n' "$(matrix_enter "$folder" dpkg-query -W -f="$show" pocl-opencl-icd mesa-opencl-icd \
         libgl1-mesa-dri gcc cmake | paste -s -d , | sed 's/,/, /g')"
 }
@@ -236,9 +238,9 @@ matrix()
         matrix_case "$folder" no "$case" "cl hits"
     done
     if ((${#matrix_wrong[@]} > 0)); then
-        printf 'matrix: not the same:\n'
+        printf 'matrix: these differ:\n'
         printf '  %s\n' "${matrix_wrong[@]}"
         return 1
     fi
-    printf 'matrix: all hashes and hits are the same\n'
+    printf 'matrix: all hashes and hits are equal\n'
 }

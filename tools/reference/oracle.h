@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The exact references: which voxels a snapped triangle touches, what octree follows from that, and how positions snap.
+ * The exact references: which voxels a snapped triangle covers, the resulting octree, and how positions snap.
  *
- * Nothing here is part of the library, and nothing here shares code with it: the tests and `svocl verify` compare the
- * library with these functions. The question "does this triangle meet this box" is answered twice, by methods that have
- * nothing in common (oracle_sat.c: no separating plane exists; oracle_clip.c: the clipped piece has points), so that a
- * mistake in one shows against the other. Everything is integer arithmetic, wide enough to be exact.
+ * Nothing here is part of the library or shares code with it: the tests and `svocl verify` compare the library with
+ * these functions. The triangle-box test exists twice, by two unrelated methods (oracle_sat.c: no separating plane
+ * exists; oracle_clip.c: the clipped polygon has points), so that a mistake in one shows against the other. All
+ * arithmetic is on integers wide enough to be exact.
  *
  * Thread-safety: no state; every function may run on several threads at once.
  */
@@ -20,7 +20,7 @@
 extern "C" {
 #endif
 
-/* What a voxel owns of its faces. */
+/* Which of its faces a voxel owns. */
 typedef enum oracle_coverage {
     ORACLE_HALF_OPEN = 0, /* [x, x+1)^3: the far faces belong to the neighbors */
     ORACLE_CLOSED = 1, /* [x, x+1]^3 */
@@ -38,15 +38,16 @@ typedef struct oracle_box {
     int64_t width;
 } oracle_box;
 
-/* Whether the closed triangle meets the box. The two agree for all input inside the ranges above. */
+/* Whether the closed triangle meets the box. The two agree for all input within the ranges above. */
 bool oracle_sat_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 bool oracle_clip_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 
-/* In double precision: the area of the triangle inside the box, in faces of the box, and the centroid of that part, in
-   grid units from the box's corner; the box's middle where there is no area. */
+/* In double precision: the area of the triangle inside the box, in box faces, and the centroid of that part, in grid
+   units from the corner of the box; without area, the center of the box. */
 double oracle_part(const oracle_triangle *triangle, const oracle_box *box, double centroid[3]);
-/* What each corner weighs at a point of the triangle (in grid units from the box's corner) seen along the axis on which
-   it looks largest; at its rim where the point is beside it; thirds where there is no area. */
+/* The barycentric weights of a point of the triangle (in grid units from the corner of the box), projected along the
+   dominant axis. Points beside the projected triangle are clamped to its border; without area the weights are
+   thirds. */
 void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *box, const double at[3],
                            double weights[3]);
 
@@ -54,7 +55,7 @@ void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *bo
 typedef struct oracle_mesh {
     const int32_t *vertices; /* x, y, z per vertex */
     const uint32_t *indices; /* three per triangle, all valid; NULL: vertices 3t, 3t + 1, 3t + 2 */
-    const uint32_t *triangle_ids; /* what pairs call triangle t; NULL: t */
+    const uint32_t *triangle_ids; /* the id of triangle t in pairs; NULL: t */
     size_t triangle_count;
 } oracle_mesh;
 
@@ -64,7 +65,7 @@ typedef struct oracle_pair {
     uint32_t triangle;
 } oracle_pair;
 
-/* An array by malloc, in ascending order of code, then triangle. Released by oracle_pairs_free. */
+/* An array allocated by malloc, sorted by code, then triangle. Release it by oracle_pairs_free. */
 typedef struct oracle_pairs {
     oracle_pair *pairs;
     size_t count;
@@ -88,8 +89,8 @@ void oracle_voxel_box(uint64_t code, unsigned depth, unsigned snap_bits, oracle_
 uint64_t oracle_voxel_code(uint32_t x, uint32_t y, uint32_t z, unsigned depth);
 
 /*
- * Every (voxel, triangle) pair of the mesh. Walks the octree from the root, which is exact because a voxel that is
- * touched has a touched parent. Returns false, with *out empty, when memory runs out or the request is out of range.
+ * Every (voxel, triangle) pair of the mesh. Traverses the octree from the root, which is exact because a covered voxel
+ * has a covered parent. Returns false, with *out empty, if memory runs out or the request is out of range.
  */
 bool oracle_enumerate(const oracle_mesh *mesh, const oracle_request *request, oracle_pairs *out);
 void oracle_pairs_free(oracle_pairs *pairs);
@@ -101,10 +102,10 @@ bool oracle_pairs_sort(oracle_pair *pairs, size_t count);
 uint64_t oracle_pairs_voxel_count(const oracle_pairs *pairs);
 
 typedef struct oracle_difference {
-    uint64_t missed_voxels; /* expected, but not there */
-    uint64_t surplus_voxels; /* there, but not expected */
+    uint64_t missed_voxels; /* expected, but missing */
+    uint64_t surplus_voxels; /* present, but not expected */
     uint64_t missed_pairs;
-    uint64_t surplus_pairs; /* a pair that is there twice is surplus once */
+    uint64_t surplus_pairs; /* a duplicated pair is surplus once */
 } oracle_difference;
 
 /* Compares two sorted lists. */
@@ -120,16 +121,16 @@ typedef struct oracle_tree {
     uint32_t *first_child; /* inner_count; counted on where the mask is 0 */
 } oracle_tree;
 
-/* The tree of a sorted list; of an empty list, a root with mask 0 and no leaves. Released by oracle_tree_free. Returns
-   false, with *out empty, when memory runs out or the nodes do not fit 32 bits. */
+/* Builds the tree of a sorted list; an empty list gives a root with mask 0 and no leaves. Release it by
+   oracle_tree_free. Returns false, with *out empty, if memory runs out or the nodes do not fit 32 bits. */
 bool oracle_tree_make(const oracle_pairs *pairs, unsigned depth, oracle_tree *out);
 void oracle_tree_free(oracle_tree *tree);
 
 /*
- * The other way round: the Morton codes of the leaves of a tree in canonical order, in that order.
+ * The inverse: the Morton codes of the leaves of a tree in canonical order, in that order.
  *
- * child_mask: inner_count masks. codes: room for leaf_count codes; with no leaves NULL is allowed.
- * Returns false if the masks do not describe a tree of that depth with that many inner nodes and leaves.
+ * child_mask: inner_count masks. codes: room for leaf_count codes, may be NULL without leaves. Returns false if the
+ * masks do not describe a tree of that depth with that many inner nodes and leaves.
  */
 bool oracle_leaf_codes(const uint8_t *child_mask, uint64_t inner_count, unsigned depth, uint64_t leaf_count,
                        uint64_t *codes);
@@ -153,14 +154,14 @@ typedef struct oracle_positions {
 /* The vertex indices of triangle t, and whether it is accepted: its indices are in range and its vertices finite. */
 bool oracle_triangle_accepted(const oracle_positions *mesh, size_t triangle_index, uint32_t vertex_indices[3]);
 
-/* The default grid of the accepted triangles. Returns false if there are none, or where edge or scale leave the range
+/* The default grid of the accepted triangles. Returns false if there are none, or if edge or scale leave the range
    of normal doubles. snap_bits: 1 .. 24. */
 bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_grid *grid);
 
-/* The caller's grid. Returns false where origin, edge or scale leave the range of normal doubles. */
+/* The caller's grid. Returns false if origin, edge or scale leave the range of normal doubles. */
 bool oracle_grid_given(const double origin[3], double edge, unsigned snap_bits, oracle_grid *grid);
 
-/* Snaps one finite position. Returns false, and leaves snapped alone, where a coordinate is 2^29 and more. */
+/* Snaps one finite position. Returns false, without writing snapped, if a coordinate is 2^29 or more. */
 bool oracle_snap(const oracle_grid *grid, const double position[3], int32_t snapped[3]);
 
 #ifdef __cplusplus

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From one pair to all of them: the walk that finds every voxel of every triangle with one of the two predicates, the
- * order of the list, and the comparison of two lists.
+ * From one pair to all pairs: the traversal that finds every voxel of every triangle with one of the two predicates,
+ * the sort, and the comparison of two lists.
  */
 #include "predicate.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* One walk: the predicate with the current triangle, and the growing list. */
+/* One traversal: the predicate with the current triangle, and the growing list. */
 typedef struct walker {
     oracle_request request;
     union {
@@ -47,7 +47,7 @@ uint64_t oracle_voxel_code(uint32_t x, uint32_t y, uint32_t z, unsigned depth)
 
 static bool walker_touches(const walker *walk, const oracle_box *box)
 {
-    /* Only to save time: most boxes that are missed are clear of the triangle's bounds. */
+    /* Saves time: most boxes that are missed are outside the bounds of the triangle. */
     for (int k = 0; k < 3; k++)
         if (walk->high[k] < box->corner[k] || walk->low[k] > box->corner[k] + box->width)
             return false;
@@ -56,7 +56,8 @@ static bool walker_touches(const walker *walk, const oracle_box *box)
     return oracle_clip_test(&walk->prepared.clip, box, walk->request.coverage);
 }
 
-/* Thin coverage does not nest: inner boxes are walked as half-open, of which it is a subset, and voxels asked again. */
+/* Thin coverage does not nest. Inner boxes are traversed as half-open, a superset of it, and voxels are tested
+   again. */
 static bool walker_keeps(const walker *walk, const oracle_box *box)
 {
     if (walk->request.coverage != ORACLE_THIN)
@@ -101,7 +102,7 @@ static bool walker_descend(walker *walk, uint64_t code, unsigned level, const or
     return true;
 }
 
-/* Triangle t of the mesh; false where it is refused for being too far away. */
+/* Triangle t of the mesh; false if it is refused for being too far away. */
 static bool fetch_triangle(const oracle_mesh *mesh, size_t t, oracle_triangle *triangle)
 {
     for (size_t i = 0; i < 3; i++) {
@@ -189,7 +190,7 @@ static unsigned sort_digit(const oracle_pair *pair, unsigned digit)
     return digit < 4 ? pair->triangle >> 8 * digit & 255 : (unsigned)(pair->code >> 8 * (digit - 4) & 255);
 }
 
-/* Radix sort, least significant byte first. Bytes that are the same everywhere cost one counting pass. */
+/* Radix sort, least significant byte first. Bytes that are equal in all keys cost one counting pass. */
 bool oracle_pairs_sort(oracle_pair *pairs, size_t count)
 {
     oracle_pair *from = pairs, *to;

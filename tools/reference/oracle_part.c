@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The part of a triangle inside a box, in double precision: Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974.
- * Not exact as the rest of this folder is, but with no rounding to speak of beside that of an octet or a 16-bit number.
+ * Unlike the rest of this folder it is not exact, but its error is negligible against the rounding of an 8-bit or
+ * 16-bit value.
  */
 #include <math.h>
 #include <string.h>

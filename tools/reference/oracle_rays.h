@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against the snapped mesh by trying every triangle, in long double: the reference for the ray kernels and for
- * measurements beside other libraries. The edge functions here are scalar triple products of the corners as the ray's
- * origin sees them, not the sheared form of the kernels.
+ * Rays against every triangle of the snapped mesh in long double: the reference for the ray kernels and for
+ * measurements of other libraries. The edge functions are scalar triple products of the corners relative to the ray
+ * origin, not the sheared form of the kernels.
  */
 #ifndef SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
 #define SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
@@ -33,14 +33,14 @@ typedef struct oracle_ray_hit {
    met. */
 bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, double *t);
 
-/* The first triangle by t, then by position. */
+/* The closest hit; equal t: the lower index. */
 oracle_ray_hit oracle_ray_closest(const oracle_ray_scene *scene, const oracle_ray *ray);
 
-/* How many triangles the ray meets. */
+/* The number of triangles that the ray hits. */
 size_t oracle_ray_count(const oracle_ray_scene *scene, const oracle_ray *ray);
 
-/* The distance from a point (world) to the triangle, and the nearest of all triangles, the first by position among
-   equals. */
+/* The distance from a point (world) to the triangle, and the nearest of all triangles; equal distances: the lower
+   index. */
 double oracle_triangle_distance(const oracle_ray_scene *scene, size_t triangle, const double point[3]);
 double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size_t *triangle);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reference for the grid and the snap. The definition is in doubles; this file computes what
- * it says without double arithmetic, with integers of 128 bits that are rounded where the definition rounds. So neither
- * the compiler's contraction, nor the rounding mode, nor a slip in the library's order of operations is shared.
+ * Reference for the grid and the snap. The definition is in doubles; this file evaluates it without double arithmetic,
+ * in 128-bit integers that are rounded where the definition rounds. So it shares neither the contraction of the
+ * compiler, nor the rounding mode, nor a mistake in the order of operations of the library.
  */
 #include "oracle.h"
 

@@ -2,7 +2,7 @@
 /*
  * Thin coverage: the 13 axes of a triangle and a box, each with a reach of h = width / 2 * max |n_i| around the box's
  * center (Laine, "A Topological Approach to Voxelization", 2013). n is turned so that its first component that is not 0
- * is positive; the triangle is separated when min >= h or max < -h. Asked twice: by the extent of the projection, and
+ * is positive; the triangle is separated when min >= h or max < -h. Tested twice: by the extent of the projection, and
  * vertex by vertex. Everything is doubled, so that the center is an integer.
  *
  * Widths: as in oracle_sat.c, and two bits more.

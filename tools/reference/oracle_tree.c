@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The octree that follows from a sorted list of voxels, in its canonical order, so that tests
- * can compare the library's arrays element by element; and back from an octree's masks to its voxels.
+ * The octree of a sorted list of voxels, in canonical order, so that tests can compare the arrays of the library
+ * element by element; and the inverse, from masks to voxels.
  */
 #include "oracle.h"
 
@@ -17,7 +17,7 @@ static uint64_t count_prefixes(const oracle_pairs *pairs, unsigned shift)
     return count;
 }
 
-/* Sets level_begin and the counts; false where they do not fit. */
+/* Sets level_begin and the counts; false if they do not fit. */
 static bool count_levels(const oracle_pairs *pairs, unsigned depth, oracle_tree *tree)
 {
     uint64_t total = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The two predicates with their per-triangle work done once: for oracle_pairs.c, which asks about many boxes of one
+ * The two predicates with their per-triangle work done once: for oracle_pairs.c, which tests many boxes against one
  * triangle. oracle_sat.c and oracle_clip.c see only their own half.
  */
 #ifndef SVOCL_TOOLS_REFERENCE_PREDICATE_H
@@ -34,7 +34,7 @@ typedef struct oracle_clip_triangle {
 void oracle_clip_prepare(const oracle_triangle *triangle, oracle_clip_triangle *prepared);
 bool oracle_clip_test(const oracle_clip_triangle *prepared, const oracle_box *box, oracle_coverage coverage);
 
-/* Thin coverage, asked in two ways. */
+/* Thin coverage, tested by two methods. */
 bool oracle_thin_by_extents(const oracle_triangle *triangle, const oracle_box *box);
 bool oracle_thin_by_vertices(const oracle_triangle *triangle, const oracle_box *box);
 

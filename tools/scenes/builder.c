@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The growing mesh that scenes build into, and the search for the detail that gives an asked triangle count. */
+/* The growing mesh of a scene, and the search for the detail that gives the requested triangle count. */
 #include "builder.h"
 
 #include <stdlib.h>
@@ -146,7 +146,7 @@ static size_t count_triangles(detailed_scene generate, uint32_t seed, double det
 
 void builder_fit(scene_builder *builder, const scene_request *request, detailed_scene generate)
 {
-    /* Counts grow with the square of the detail and in steps: bisect to where they pass the asked one. */
+    /* Counts grow with the square of the detail, in steps: bisect to where they pass the requested one. */
     double low = 0x1p-8;
     double high = 0x1p8;
     for (int step = 0; step < 40; ++step) {

@@ -6,7 +6,7 @@
 #include "list.h"
 #include "parts.h"
 
-/* A wall; walls step to more cells at different details, so that the count of triangles grows smoothly. */
+/* A wall. Walls increase their cell counts at different details, so that the triangle count grows smoothly. */
 static void add_wall(scene_builder *builder, const panel *wall, double base, double detail)
 {
     part_panel(builder, wall, detail_segments(base, detail, 1), detail_segments(base + 0.25, detail, 1));

@@ -2,7 +2,7 @@
 /*
  * dust: a spiral galaxy of triangles far smaller than a voxel: the load case of long leaf lists. One triangle in
  * sixteen falls into one of four cells of 2^-14 of the scene's width, so their lists are very long at any depth.
- * Exactly the asked count.
+ * Exactly the requested count.
  */
 #include "list.h"
 #include "parts.h"

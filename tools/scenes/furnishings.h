@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What stands and hangs in the atrium; the building itself is in atrium.c. */
+/* The furnishings of the atrium; the building itself is in atrium.c. */
 #ifndef SVOCL_TOOLS_SCENES_FURNISHINGS_H
 #define SVOCL_TOOLS_SCENES_FURNISHINGS_H
 

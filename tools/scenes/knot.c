@@ -9,7 +9,7 @@
 typedef struct knot_shape {
     double p, q; /* turns around the axis and through the hole */
     double radius; /* of the tube */
-    double phase; /* of the colors, interleaved */
+    double phase; /* phase of the colors, in turns */
 } knot_shape;
 
 static vector3 knot_center(const knot_shape *shape, double u)
@@ -46,7 +46,7 @@ static surface_point knot_point(const void *context, double u, double v)
     return point;
 }
 
-/* The sides and segments whose product is nearest to the asked count, near a ratio that makes square cells. */
+/* The sides and segments whose product is nearest to the requested count, near the ratio that gives square cells. */
 static patch_grid knot_grid(uint32_t triangles, double segments_per_side)
 {
     const uint32_t cells = (triangles + 1) / 2;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sine, random numbers and noise of the scenes, bit for bit the same everywhere; below everything else here. */
+/* Sine, random numbers and noise of the scenes, bit-identical on every machine. */
 #include "maths.h"
 
 double sine_of_turns(double turns)

@@ -2,9 +2,9 @@
 /*
  * Arithmetic of the scenes: vectors, sine and cosine, random numbers and noise, the same bits on every machine.
  *
- * Everything is made of integer operations and of double +, -, *, /, sqrt and floor, which IEEE 754 rounds in one way
- * only; the build keeps the compiler from contracting them. The C library's sin, pow and exp differ between machines
- * in the last bit and are not used.
+ * Everything is made of integer operations and of double +, -, *, /, sqrt and floor, which IEEE 754 rounds uniquely;
+ * the build keeps the compiler from contracting them. The sin, pow and exp of C libraries differ in the last bit and
+ * are not used.
  */
 #ifndef SVOCL_TOOLS_SCENES_MATHS_H
 #define SVOCL_TOOLS_SCENES_MATHS_H
@@ -82,7 +82,7 @@ static inline double smooth_ramp(double low, double high, double value)
     return t * t * (3 - 2 * t);
 }
 
-/* Sine and cosine of an angle interleaved (1 = a full circle); absolute error below 1e-15. */
+/* Sine and cosine of an angle in turns (1 = a full circle); absolute error below 1e-15. */
 double sine_of_turns(double turns);
 double cosine_of_turns(double turns);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * needles: slivers from a hundred to a million times longer than wide, in every direction, in a ball: the hard case for
- * rasterizers, whose projected triangles cover pixels without covering their centers. Exactly the asked count.
+ * rasterizers, whose projected triangles cover pixels without covering their centers. Exactly the requested count.
  */
 #include "list.h"
 #include "parts.h"
@@ -18,11 +18,11 @@ static void add_needle(scene_builder *builder, random_stream *stream)
 {
     const vector3 along = random_direction(stream);
     const vector3 across = vector_normalize(vector_cross(along, random_direction(stream)));
-    /* One draw per statement: C does not say in which order arguments are evaluated. */
+    /* One draw per statement: C leaves the evaluation order of arguments open. */
     const vector3 outwards = random_direction(stream);
     const vector3 middle = vector_scale(outwards, 0.6 * sqrt(random_between(stream, 0, 1)));
     const double length = random_between(stream, 0.05, 0.7);
-    /* The aspect is 2^e * f: logarithmically even enough from 100 to 1,000,000 without an exponential function. */
+    /* The aspect is 2^e * f: nearly log-uniform from 100 to 1,000,000 without an exponential function. */
     double aspect = 100 * random_between(stream, 1, 2);
     const uint32_t doublings = (uint32_t)floor(random_between(stream, 0, 13));
     for (uint32_t k = 0; k < doublings; ++k) {

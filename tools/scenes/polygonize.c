@@ -5,10 +5,10 @@
  * Nodes are the corners and the centers of cubic cells. Around each face between two neighboring cells lie four
  * tetrahedra, each made of the two centers and one edge of the face; they fill space, are all congruent, and meet face
  * to face, so the surface cut out of them is closed and edge-manifold whatever the field does between the nodes.
- * Vertices lie on lattice edges and are shared through a hash table keyed by the edge's middle.
+ * Vertices lie on lattice edges and are shared through a hash table keyed by the edge's midpoint.
  *
- * The lattice is walked in blocks, and a block is left out when the field at its middle is too far from zero for the
- * surface to reach it: so the work grows with the surface, not with the volume.
+ * The lattice is processed in blocks. A block is skipped when the field at its center is too far from zero for the
+ * surface to reach it, so the work grows with the surface, not with the volume.
  */
 #include "polygonize.h"
 
@@ -99,7 +99,8 @@ static vector3 field_gradient(const polygonizer *work, vector3 p)
                   field_at(work, vector(p.x, p.y, p.z + step)) - field_at(work, vector(p.x, p.y, p.z - step)));
 }
 
-/* The vertex between two nodes of different sign. Kept off the nodes, so that no triangle shrinks to a point. */
+/* The vertex between two nodes of different sign. It is kept off the nodes, so that no triangle collapses to a
+   point. */
 static surface_point crossing(const polygonizer *work, const lattice_node *inside, const lattice_node *outside)
 {
     const double t = clamp_to(inside->value / (inside->value - outside->value), 0.04, 0.96);
@@ -110,7 +111,7 @@ static surface_point crossing(const polygonizer *work, const lattice_node *insid
     return point;
 }
 
-/* Twice the edge's middle, 21 bits per axis; it names the edge, since two edges never share their middle. */
+/* Twice the midpoint of the edge, 21 bits per axis. It identifies the edge, since no two edges share their midpoint. */
 static uint64_t edge_key(const lattice_node *a, const lattice_node *b)
 {
     uint64_t key = 0;
@@ -138,7 +139,7 @@ static uint32_t edge_vertex(polygonizer *work, const lattice_node *inside, const
     return table->vertices[slot];
 }
 
-/* Even permutations that bring the inside nodes (bit k: node k) to the front, and how many there are. */
+/* Even permutations that move the inside nodes (bit k: node k) to the front, and their number. */
 typedef struct tetrahedron_case {
     uint8_t inside_count;
     uint8_t order[4];
@@ -288,10 +289,10 @@ void polygonize(scene_builder *builder, const implicit_solid *solid, double cell
 
 void polygonize_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles)
 {
-    /* The count grows with the inverse square of the cell width. Large counts are reached from a smaller one by that
-       law, small ones by trying. */
-    const double asked = triangles;
-    const double trial = asked < 200000 ? asked : 200000;
+    /* The count grows with the inverse square of the cell width. Large counts are extrapolated from a smaller trial
+       by this rule, small ones are searched for. */
+    const double wanted = triangles;
+    const double trial = wanted < 200000 ? wanted : 200000;
     double cell_width = clamp_to(8.4 / sqrt(trial), 0, CELL_WIDTH_MAX);
     double best_width = cell_width;
     double best_error = HUGE_VAL;
@@ -305,5 +306,5 @@ void polygonize_to_count(scene_builder *builder, const implicit_solid *solid, ui
         }
         cell_width = clamp_to(cell_width * sqrt(count / trial), 0.5 * cell_width, CELL_WIDTH_MAX);
     }
-    polygonize(builder, solid, best_width * sqrt(trial / asked));
+    polygonize(builder, solid, best_width * sqrt(trial / wanted));
 }

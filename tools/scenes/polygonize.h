@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An implicit surface made into a closed triangle mesh. */
+/* Turns an implicit surface into a closed triangle mesh. */
 #ifndef SVOCL_TOOLS_SCENES_POLYGONIZE_H
 #define SVOCL_TOOLS_SCENES_POLYGONIZE_H
 
@@ -11,7 +11,7 @@ typedef struct implicit_solid {
     vector3 (*color)(const void *context, vector3 position);
     const void *context;
     vector3 low, high;
-    double steepness; /* the field never changes faster than this per unit of length */
+    double steepness; /* Lipschitz bound of the field: its change per unit of length */
 } implicit_solid;
 
 /*
@@ -19,7 +19,7 @@ typedef struct implicit_solid {
  * triangles, and normals are the field's gradient.
  */
 void polygonize(scene_builder *builder, const implicit_solid *solid, double cell_width);
-/* The same with the cell width that comes close to an asked count of triangles. */
+/* The same with a cell width that comes close to the requested triangle count. */
 void polygonize_to_count(scene_builder *builder, const implicit_solid *solid, uint32_t triangles);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of scenes, the reading of NAME[:triangles[:seed]], and the scene handle. */
+/* The list of scenes, the parser of NAME[:triangles[:seed]], and the scene handle. */
 #include "scenes.h"
 
 #include <stdio.h>
@@ -25,7 +25,7 @@ static const scene_kind kinds[] = {
      scene_atrium},
     {{"statue", "a winged figure in a draped robe on a pedestal, polygonized from an implicit surface", 120000},
      scene_statue},
-    {{"knot", "a tube along a torus knot, colored along its way", 40000}, scene_knot},
+    {{"knot", "a tube along a torus knot, colored along its length", 40000}, scene_knot},
     {{"terrain", "fractal mountains around a lake, colored by height and slope", 100000}, scene_terrain},
     {{"needles", "slivers a hundred to a million times longer than wide, in all directions", 20000}, scene_needles},
     {{"dust", "a spiral of triangles far below a voxel, many to a cell and very many to some cells", 200000},
@@ -59,7 +59,7 @@ static svo_status fail_name(svo_message *message, const char *name, size_t name_
         length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", k == 0 ? "" : ", ",
                                    kinds[k].description.name);
     }
-    return scene_fail(message, SVO_INVALID_ARGUMENT, "scene_create: there is no scene '%.*s'; there are %s",
+    return scene_fail(message, SVO_INVALID_ARGUMENT, "scene_create: unknown scene '%.*s', the scenes are %s",
                       (int)(name_bytes < 64 ? name_bytes : 64), name, names);
 }
 

@@ -2,9 +2,9 @@
 /*
  * Procedural scenes: meshes for demonstrations, tests and benchmarks that need no download.
  *
- * A scene is a pure function of its name, the asked triangle count and the seed. Only integer arithmetic and correctly
- * rounded double operations take part, so the same request gives the same bytes on every machine and compiler. Scenes
- * have float positions, unit normals and RGBA8 colors per vertex and are indexed; y points up, +z to the viewer.
+ * A scene is a pure function of its name, the requested triangle count and the seed. It uses only integer arithmetic
+ * and correctly rounded double operations, so the same request gives the same bytes on every machine and compiler.
+ * Scenes have float positions, unit normals and RGBA8 colors per vertex and are indexed; y points up, +z to the viewer.
  *
  * Thread-safety: no state outside handles; any thread may use any function on handles of its own.
  */
@@ -28,17 +28,17 @@ typedef struct scene_description {
     uint32_t default_triangles;
 } scene_description;
 
-/* The scenes there are, in the order in which they should be listed; NULL for an index past the last. Static data. */
+/* The scenes in display order; NULL for an index past the last. Static data. */
 const scene_description *scene_describe(size_t index);
 
 /*
  * Makes a scene.
  *
  * spec: NAME[:triangles[:seed]] with triangles 1 .. SCENE_TRIANGLES_MAX and seed 0 .. 2^32 - 1, both decimal.
- *       terrain, needles and dust have exactly the asked count; statue comes within two percent from 10,000 on and
+ *       terrain, needles and dust have exactly the requested count; statue comes within two percent from 10,000 on and
  *       has at least some 600; knot is the nearest even product of sides and segments; atrium and cornell refine all
  *       their parts together and come close from their least detail on (17,000 and 94); cube is the nearest
- *       12 * n * n. mesh->triangle_count says what it became.
+ *       12 * n * n. mesh->triangle_count has the actual count.
  * message: receives one line on failure; NULL allowed.
  * Returns SVO_INVALID_ARGUMENT (the message lists the valid names or the range), SVO_OUT_OF_HOST_MEMORY.
  */
@@ -49,7 +49,7 @@ const svo_mesh *scene_mesh(const scene *scene_handle); /* lives as long as the s
 /*
  * Writes a mesh by the suffix of path (any case): .obj, with vertex colors, normals and an .mtl of the same name beside
  * it when the mesh has materials, or .ply, binary little-endian with normals and colors, base colors multiplied in.
- * Everything goes to temporary names first and is renamed at the end: on failure nothing is left and old files stay.
+ * Files are written under temporary names and renamed at the end: on failure nothing is left and old files stay.
  *
  * mesh: float positions, normals and colors present, no textures.
  * Returns SVO_INVALID_ARGUMENT (another suffix), SVO_UNSUPPORTED (a mesh as above is not given, or a .ply of a mesh in

@@ -169,8 +169,8 @@ static double wings_distance(const statue_pose *pose, vector3 p)
     return solid;
 }
 
-/* A part whose box is farther away than any seam is represented by the gap, which is never more than its distance:
-   most points of the lattice are far from most parts. */
+/* A part whose box is farther away than any seam is represented by the gap, which never exceeds its distance: most
+   points are far from most parts. */
 #define FAR_GAP 0.12
 
 static double figure_distance(const statue_pose *pose, vector3 p)

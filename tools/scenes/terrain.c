@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * terrain: a heightfield of ridged fractal noise (Musgrave, in Ebert et al., "Texturing and Modeling", 1994) around a
- * lake, colored by height and slope. Exactly the asked count: the last row of cells may be incomplete.
+ * lake, colored by height and slope. Exactly the requested count: the last row of cells may be incomplete.
  */
 #include "list.h"
 #include "parts.h"

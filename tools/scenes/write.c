@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Meshes as OBJ and PLY files, for other programs and for tests of the importer. Files are written to a temporary name
- * beside their own, flushed to the disk and renamed, so that a reader never sees half a file.
+ * in the same folder, flushed to disk and renamed, so that a reader never sees half a file.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "scenes.h"
@@ -16,7 +16,7 @@
 
 #include "fail.h"
 
-/* A file on its way to its final name. */
+/* A file that is not yet renamed to its final name. */
 typedef struct pending_file {
     FILE *stream;
     char *path;
@@ -59,7 +59,7 @@ static svo_status pending_open(pending_file *file, const char *path, svo_message
     return file->stream != NULL ? SVO_OK : fail_file(message, path, "create");
 }
 
-/* Everything on the disk, still under the temporary name. */
+/* Flushes everything to disk, still under the temporary name. */
 static svo_status pending_flush(pending_file *file, svo_message *message)
 {
     if (ferror(file->stream) != 0 || fflush(file->stream) != 0 || fsync(fileno(file->stream)) != 0) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens what builds need, and runs one build by one method. */
+/* Opens the devices of builds, and runs one build by one method. */
 #include "builds.h"
 
 #define SCRATCH_OFFSET_UNITS 3 /* how far into its buffer the caller's scratch begins, in alignments */
@@ -141,7 +141,7 @@ static svo_status run_mode(const opened *session, svo_frontend *frontend, const 
     return run_enqueued(session, frontend, by->mode, out);
 }
 
-svo_status build_run(const opened *session, const svo_mesh *mesh, const request *asked, const method *by, build *out)
+svo_status build_run(const opened *session, const svo_mesh *mesh, const request *wanted, const method *by, build *out)
 {
     *out = (build){.room = SVO_WORKSPACE_INFO_INIT, .report = SVO_BUILD_REPORT_INIT};
     svo_frontend *frontend = frontend_of(session, by->front);
@@ -149,8 +149,8 @@ svo_status build_run(const opened *session, const svo_mesh *mesh, const request 
         return SVO_UNSUPPORTED;
     }
     (void)count_calls_take();
-    const svo_plan_options options = request_options(asked, by->builder);
-    svo_status status = svo_plan_create(session->device, mesh, asked->depth, &options, &out->plan);
+    const svo_plan_options options = request_options(wanted, by->builder);
+    svo_status status = svo_plan_create(session->device, mesh, wanted->depth, &options, &out->plan);
     if (status != SVO_OK) {
         return status;
     }

@@ -11,12 +11,12 @@ typedef struct opened {
     svo_device *device;
     cl_command_queue queue;
     svo_frontend *cl;
-    svo_gl_context *context; /* NULL: there is no OpenGL */
+    svo_gl_context *context; /* NULL: no OpenGL */
     svo_gl *host, *copy; /* NULL: that share does not work */
 } opened;
 
-/* On failure the message says why, and nothing stays open. That there is no OpenGL is no failure: its cases report
-   it. */
+/* On failure the message says why, and nothing stays open. A machine without OpenGL is no failure: its cases report
+   that. */
 svo_status opened_create(opened *out, svo_message *message);
 void opened_release(opened *released);
 
@@ -39,8 +39,8 @@ typedef struct build {
     call_counts counts[PART_COUNT];
 } build;
 
-/* *out is released by build_release on failure too; its report tells which capacity was short. */
-svo_status build_run(const opened *session, const svo_mesh *mesh, const request *asked, const method *by, build *out);
+/* Release *out by build_release, also after a failure; its report tells which capacity was exceeded. */
+svo_status build_run(const opened *session, const svo_mesh *mesh, const request *wanted, const method *by, build *out);
 void build_release(build *finished);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The tables of cases. Names are spelled here, so that a name that changes in the library does not change a case's. */
+/* The tables of cases. Names are spelled here, so that a renaming in the library does not change them. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -153,45 +153,46 @@ static void add_needs(line_text *line, uint32_t need)
     }
 }
 
-void request_name(const request *asked, char *name, size_t name_bytes)
+void request_name(const request *wanted, char *name, size_t name_bytes)
 {
     static const char *const variants[] = {"", " bare", " textured", " broken", " doubles"};
     static const char *const coverages[] = {"half-open", "closed", "thin"};
     static const char *const weights[] = {"area", "uniform", "center"};
     line_text line = {.used = 0};
-    line_text_add(&line, "%s%s d%u %s %s", asked->scene, variants[asked->variant], asked->depth,
-                  coverages[asked->coverage], weights[asked->weights]);
-    add_needs(&line, asked->need);
-    if (asked->payload_level > 0) {
-        line_text_add(&line, " level %u", (unsigned)asked->payload_level);
+    line_text_add(&line, "%s%s d%u %s %s", wanted->scene, variants[wanted->variant], wanted->depth,
+                  coverages[wanted->coverage], weights[wanted->weights]);
+    add_needs(&line, wanted->need);
+    if (wanted->payload_level > 0) {
+        line_text_add(&line, " level %u", (unsigned)wanted->payload_level);
     }
-    if (asked->edge > 0) {
-        line_text_add(&line, " grid %g,%g,%g+%g", asked->origin[0], asked->origin[1], asked->origin[2], asked->edge);
+    if (wanted->edge > 0) {
+        line_text_add(&line, " grid %g,%g,%g+%g", wanted->origin[0], wanted->origin[1], wanted->origin[2],
+                      wanted->edge);
     }
-    if (asked->chunk_bytes > 0) {
-        line_text_add(&line, " chunks %lu", (unsigned long)asked->chunk_bytes);
+    if (wanted->chunk_bytes > 0) {
+        line_text_add(&line, " chunks %lu", (unsigned long)wanted->chunk_bytes);
     }
-    if (asked->fragment_capacity > 0) {
-        line_text_add(&line, " capacity %lu", (unsigned long)asked->fragment_capacity);
+    if (wanted->fragment_capacity > 0) {
+        line_text_add(&line, " capacity %lu", (unsigned long)wanted->fragment_capacity);
     }
-    if (asked->worst_case_nodes != 0) {
+    if (wanted->worst_case_nodes != 0) {
         line_text_add(&line, " worst-case nodes");
     }
     (void)snprintf(name, name_bytes, "%s", line.text);
 }
 
-svo_plan_options request_options(const request *asked, svo_builder builder)
+svo_plan_options request_options(const request *wanted, svo_builder builder)
 {
     svo_plan_options options = {.struct_size = sizeof options,
-                                .need = asked->need,
-                                .coverage = asked->coverage,
-                                .weights = asked->weights,
+                                .need = wanted->need,
+                                .coverage = wanted->coverage,
+                                .weights = wanted->weights,
                                 .builder = builder,
-                                .payload_level = asked->payload_level,
-                                .edge = asked->edge,
-                                .fragment_capacity = asked->fragment_capacity,
-                                .worst_case_nodes = asked->worst_case_nodes,
-                                .chunk_bytes = asked->chunk_bytes};
-    memcpy(options.origin, asked->origin, sizeof options.origin);
+                                .payload_level = wanted->payload_level,
+                                .edge = wanted->edge,
+                                .fragment_capacity = wanted->fragment_capacity,
+                                .worst_case_nodes = wanted->worst_case_nodes,
+                                .chunk_bytes = wanted->chunk_bytes};
+    memcpy(options.origin, wanted->origin, sizeof options.origin);
     return options;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a snapshot covers: requests (which tree of which mesh) and methods (how it is built), as tables. */
+/* The cases of a snapshot: requests (which tree of which mesh) and methods (how it is built), as tables. */
 #ifndef SVOCL_TOOLS_SNAPSHOT_CASES_H
 #define SVOCL_TOOLS_SNAPSHOT_CASES_H
 
@@ -8,9 +8,9 @@
 
 #include "svocl/svocl.h"
 
-/* What is done to a scene's mesh. */
+/* How the mesh of a scene is changed. */
 typedef enum mesh_variant {
-    MESH_PLAIN = 0, /* as the scene makes it */
+    MESH_PLAIN = 0, /* unchanged */
     MESH_BARE, /* positions and triangles alone */
     MESH_TEXTURED, /* with texture coordinates and two textured materials */
     MESH_BROKEN, /* every seventh triangle has an index out of range */
@@ -56,16 +56,16 @@ extern const method methods[METHOD_COUNT];
 extern const request requests[];
 extern const size_t request_count;
 
-/* Requests whose builds have their calls of OpenCL counted, each by each of their methods. */
+/* Requests for which the OpenCL calls of each method are counted. */
 extern const request counted_requests[];
 extern const size_t counted_request_count;
 
-/* Trees that are drawn and asked for rays and nearest points. */
+/* Trees that are rendered and queried for rays and nearest points. */
 extern const request query_requests[];
 extern const size_t query_request_count;
 
 /* "knot:2000 bare d8 half-open area color,normal level 4 ..." */
-void request_name(const request *asked, char *name, size_t name_bytes);
-svo_plan_options request_options(const request *asked, svo_builder builder);
+void request_name(const request *wanted, char *name, size_t name_bytes);
+svo_plan_options request_options(const request *wanted, svo_builder builder);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Stands in for the OpenCL calls that CMakeLists.txt wraps: each takes notes and calls the real one. */
+/* Wraps the OpenCL calls that CMakeLists.txt lists: each takes notes and calls the real function. */
 #include "count_calls.h"
 
 #ifndef CL_TARGET_OPENCL_VERSION
@@ -61,7 +61,7 @@ static void note_launch(cl_kernel kernel, cl_uint dimensions, const size_t *glob
     }
 }
 
-/* A handle is as large as a pointer and another one in each run: its value is left out. */
+/* Handles differ between runs, so their values are left out. */
 static void note_argument(cl_uint index, size_t bytes, const void *value)
 {
     ++notes.calls[COUNTED_clSetKernelArg];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counts what svocl asks of OpenCL. The linker puts count_calls.c between the static libraries and the OpenCL loader
- * (ld --wrap, CMakeLists.txt); drivers' own calls are not seen. For one thread.
+ * Counts the OpenCL calls of svocl. The linker puts count_calls.c between the static libraries and the OpenCL loader
+ * (ld --wrap, CMakeLists.txt); calls within drivers are not seen. For one thread.
  */
 #ifndef SVOCL_TOOLS_SNAPSHOT_COUNT_CALLS_H
 #define SVOCL_TOOLS_SNAPSHOT_COUNT_CALLS_H
@@ -50,7 +50,7 @@ typedef struct call_counts {
     uint64_t transfers; /* offsets and bytes of reads, writes, copies, fills and maps */
 } call_counts;
 
-/* What was counted since the last call of this function, or since the start. */
+/* The counts since the previous call of this function, or since the start. */
 call_counts count_calls_take(void);
 const char *counted_call_name(counted_call call); /* "clCreateBuffer"; static string */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Prints what plans and builds are. Numbers are exact; lists of buffers after a build are digests, to keep it short. */
+/* Prints plans and builds. Numbers are exact; lists of buffers after a build are digests to save space. */
 #include "describe.h"
 
 #include <inttypes.h>
@@ -148,7 +148,7 @@ void describe_files(const char *name, svo_tree *tree, const char *folder)
     (void)remove(path);
 }
 
-/* Which clock a stage has says whether it ran; the milliseconds are left out. */
+/* The clock of a stage tells whether it ran; milliseconds are left out. */
 static void print_report(const char *name, const svo_build_report *report)
 {
     line_text line = {.used = 0};

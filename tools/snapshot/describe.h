@@ -5,7 +5,7 @@
 
 #include "builds.h"
 
-/* All that a plan says of itself before a build. */
+/* Everything a plan reports before a build. */
 void describe_plan(const char *name, const svo_plan *plan);
 /* The same of a workspace that does not exist yet. */
 void describe_room(const char *name, svo_plan *plan, svo_frontend *frontend);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes scenes, and the variants that no scene has: without attributes, textured, damaged, in double. */
+/* Generates scenes, and variants of them: without attributes, textured, damaged, in double. */
 #include "meshes.h"
 
 #include <stdio.h>
@@ -114,14 +114,14 @@ static svo_status make(case_mesh *kept, svo_message *message)
     return change[kept->variant](kept);
 }
 
-const svo_mesh *case_mesh_get(case_mesh *kept, const request *asked, svo_message *message)
+const svo_mesh *case_mesh_get(case_mesh *kept, const request *wanted, svo_message *message)
 {
-    if (kept->scene != NULL && strcmp(kept->scene, asked->scene) == 0 && kept->variant == asked->variant) {
+    if (kept->scene != NULL && strcmp(kept->scene, wanted->scene) == 0 && kept->variant == wanted->variant) {
         return &kept->mesh;
     }
     case_mesh_release(kept);
-    kept->scene = asked->scene;
-    kept->variant = asked->variant;
+    kept->scene = wanted->scene;
+    kept->variant = wanted->variant;
     if (make(kept, message) != SVO_OK) {
         case_mesh_release(kept);
         return NULL;

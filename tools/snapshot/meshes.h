@@ -9,7 +9,7 @@
 
 /* One mesh at a time; all zero at first. */
 typedef struct case_mesh {
-    const char *scene; /* what it was made of; NULL: nothing yet */
+    const char *scene; /* the scene it was made from; NULL: none yet */
     mesh_variant variant;
     struct scene *made;
     svo_mesh mesh;
@@ -19,8 +19,8 @@ typedef struct case_mesh {
     svo_material materials[2];
 } case_mesh;
 
-/* The mesh of a request, made anew where it is another than the last. NULL: the message says why. */
-const svo_mesh *case_mesh_get(case_mesh *kept, const request *asked, svo_message *message);
+/* The mesh of a request, generated again if it differs from the last one. NULL: the message says why. */
+const svo_mesh *case_mesh_get(case_mesh *kept, const request *wanted, svo_message *message);
 void case_mesh_release(case_mesh *kept);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws a tree in every view, and asks it for rays, voxels along rays, and nearest points. */
+/* Renders a tree in every view and runs ray, voxel-ray and nearest-point queries on it. */
 #include "queries.h"
 
 #include <inttypes.h>
@@ -80,7 +80,8 @@ static void draw_all(const char *name, const opened *session, svo_tree *tree, co
     draw(name, session, tree, "inside", &camera);
 }
 
-/* From anywhere around the grid towards anywhere inside; every 16th ends early, every 100th has no direction. */
+/* From random points around the grid to random points in it. Every 16th ray ends early, every 100th has no
+   direction. */
 static void fill_rays(const svo_tree_info *info, svo_ray *rays)
 {
     uint64_t state = 1;
@@ -113,7 +114,7 @@ static void trace(const char *name, const opened *session, svo_tree *tree, const
     free(hits);
 }
 
-static void ask_nearest(const char *name, const opened *session, svo_tree *tree, const svo_tree_info *info)
+static void query_nearest(const char *name, const opened *session, svo_tree *tree, const svo_tree_info *info)
 {
     uint64_t state = 2;
     svo_query_point *points = calloc(POINT_COUNT, sizeof *points);
@@ -152,7 +153,7 @@ static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
     return clCreateKernel(*program, "trace_voxels", &error);
 }
 
-/* Through a kernel of the program's own, as an application would. */
+/* Through a kernel of its own, as in an application. */
 static void trace_voxels(const char *name, const opened *session, svo_tree *tree, const svo_ray *rays)
 {
     const cl_context context = svo_device_cl_context(session->device);
@@ -211,7 +212,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     fill_rays(&info, rays);
     trace(name, session, tree, rays);
     trace_voxels(name, session, tree, rays);
-    ask_nearest(name, session, tree, &info);
+    query_nearest(name, session, tree, &info);
     draw_all(name, session, tree, &info);
     line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));
     line_print(name, "bytes of the hierarchy for rays", line.text);

@@ -5,7 +5,8 @@
 
 #include "builds.h"
 
-/* Of a finished, downloaded tree on the session's device. What a tree cannot be asked prints its status. */
+/* Of a finished, downloaded tree on the device of the session. A query that the tree does not support prints its
+   status. */
 void describe_queries(const char *name, const opened *session, svo_tree *tree);
 
 #endif

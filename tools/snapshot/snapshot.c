@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints digests of all that svocl makes of a table of cases, NAME<TAB>VALUE a line: trees, files, reports, plans,
- * pictures, hits, calls of OpenCL. `tools/dev snapshot` sorts and compares them: a refactoring changes none.
+ * Prints digests of everything that svocl produces for a table of cases, one NAME<TAB>VALUE per line: trees, files,
+ * reports, plans, pictures, hits, OpenCL calls. `tools/dev snapshot` sorts and compares them: a refactoring changes
+ * none.
  *
- * Times and names of devices are left out, so that the lines are the same in each run on one machine.
+ * Times and device names are left out, so that the lines are equal in every run on one machine.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,13 +29,13 @@ static int fail(const char *what, const char *why)
     return EXIT_FAILURE;
 }
 
-static void build_case(run *state, const svo_mesh *mesh, const request *asked, const method *by)
+static void build_case(run *state, const svo_mesh *mesh, const request *wanted, const method *by)
 {
     char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
     build made;
-    request_name(asked, title, sizeof title);
+    request_name(wanted, title, sizeof title);
     (void)snprintf(name, sizeof name, "%.180s %s", title, by->name);
-    const svo_status status = build_run(&state->session, mesh, asked, by, &made);
+    const svo_status status = build_run(&state->session, mesh, wanted, by, &made);
     if (status == SVO_OK) {
         describe_build(name, &state->session, &made, state->folder);
         if (by == &methods[0]) {
@@ -49,15 +50,15 @@ static void build_case(run *state, const svo_mesh *mesh, const request *asked, c
     build_release(&made);
 }
 
-/* A plan for each builder, as it is before any build. */
-static void plan_case(run *state, const svo_mesh *mesh, const request *asked, svo_builder builder)
+/* A plan for each builder, before any build. */
+static void plan_case(run *state, const svo_mesh *mesh, const request *wanted, svo_builder builder)
 {
     char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
     svo_plan *plan = NULL;
-    request_name(asked, title, sizeof title);
+    request_name(wanted, title, sizeof title);
     (void)snprintf(name, sizeof name, "%.180s %s", title, builder == SVO_BUILDER_SORTED ? "sorted" : "cl");
-    const svo_plan_options options = request_options(asked, builder);
-    const svo_status status = svo_plan_create(state->session.device, mesh, asked->depth, &options, &plan);
+    const svo_plan_options options = request_options(wanted, builder);
+    const svo_status status = svo_plan_create(state->session.device, mesh, wanted->depth, &options, &plan);
     if (status == SVO_OK) {
         describe_plan(name, plan);
         if (builder == SVO_BUILDER_CL) { /* the one that workspaces are made for */
@@ -88,9 +89,9 @@ static int run_requests(run *state)
     return EXIT_SUCCESS;
 }
 
-static svo_status build_downloaded(const opened *session, const svo_mesh *mesh, const request *asked, build *made)
+static svo_status build_downloaded(const opened *session, const svo_mesh *mesh, const request *wanted, build *made)
 {
-    const svo_status status = build_run(session, mesh, asked, &methods[0], made);
+    const svo_status status = build_run(session, mesh, wanted, &methods[0], made);
     return status != SVO_OK ? status : svo_tree_download(made->tree, session->queue);
 }
 
@@ -116,20 +117,20 @@ static int run_queries(run *state)
     return EXIT_SUCCESS;
 }
 
-/* On a device handle of its own, which has compiled nothing yet: the first build compiles, the second does not. */
-static int count_case(const svo_mesh *mesh, const request *asked, const method *by)
+/* On a fresh device handle, which has compiled nothing yet: the first build compiles, the second does not. */
+static int count_case(const svo_mesh *mesh, const request *wanted, const method *by)
 {
     char title[LINE_NAME_BYTES], name[LINE_NAME_BYTES];
     svo_message message = {""};
     opened session;
-    request_name(asked, title, sizeof title);
+    request_name(wanted, title, sizeof title);
     if (opened_create(&session, &message) != SVO_OK) {
         return fail(title, message.text);
     }
     for (int i = 0; i < 2; ++i) {
         build made;
         (void)snprintf(name, sizeof name, "%.170s %s %s", title, by->name, i == 0 ? "first" : "second");
-        const svo_status status = build_run(&session, mesh, asked, by, &made);
+        const svo_status status = build_run(&session, mesh, wanted, by, &made);
         line_print_status(name, "build", status);
         describe_calls(name, &made);
         build_release(&made);

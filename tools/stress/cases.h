@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The cases, by file of this folder. */
+/* The cases, grouped by source file. */
 #ifndef SVOCL_TOOLS_STRESS_CASES_H
 #define SVOCL_TOOLS_STRESS_CASES_H
 
 #include "stress/stress.h"
 
-/* The cases: by builds against the reference, by closed forms and symmetry, by payload and repetition. */
+/* Cases by builds against the reference, by closed forms and symmetry, by payload and repetition. */
 void stress_cases_builds(stress *run);
 void stress_cases_forms(stress *run);
 void stress_cases_payload(stress *run);

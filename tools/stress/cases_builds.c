@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Cases whose trees are compared with the exact reference pair by pair: T1 scenes, T3 and T4 classes of triangles, T7
- * the stiff scene, T8 garbage, T9 depths, T10 capacities.
+ * the ill-conditioned scene, T8 garbage, T9 depths, T10 capacities.
  */
 #include <math.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ static void scenes(stress *run, svo_coverage coverage)
     stress_end(run, &one);
 }
 
-/* All three coverages, on the caller's grid; then the float ways on the same triangles. */
+/* All three coverages on the caller's grid, then the float32 methods on the same triangles. */
 static void shape_at_origin(stress *run, stress_shape shape)
 {
     const char *row = shape == STRESS_SLIVERS || shape == STRESS_NEEDLES ? "T3" : "T4";
@@ -68,7 +68,8 @@ static void shape_at_origin(stress *run, stress_shape shape)
     stress_mesh_free(&made);
 }
 
-/* A unit-sized mesh far away: the grid is fitted in double, so only the snap loses what the positions had lost. */
+/* A unit-sized mesh far from the origin. The grid is fitted in double, so the snap adds no error to that of the
+   positions. */
 static void shape_at_offset(stress *run, stress_shape shape, double offset, bool with_float_methods)
 {
     stress_case one = stress_begin("T4 %s at %.9g", stress_shape_name(shape), offset);
@@ -102,7 +103,8 @@ static void offsets(stress *run)
     }
 }
 
-/* One triangle across the grid beside very many of a voxel and of less, in a list that begins far too small. */
+/* One triangle across the whole grid and many triangles of about a voxel or less, with an initial list capacity that
+   is far too small. */
 static void ill_conditioned_scene(stress *run)
 {
     stress_case one = stress_begin("T7 ill-conditioned scene");
@@ -128,7 +130,7 @@ static void ill_conditioned_scene(stress *run)
     stress_end(run, &one);
 }
 
-/* Every eighth coordinate is one of the values that arithmetic stumbles over, every sixteenth index out of range. */
+/* Every eighth coordinate is a special value of floating-point arithmetic, every sixteenth index is out of range. */
 static void garbage(stress *run, const char *what, const svo_plan_options *plan_options)
 {
     const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, -0.0, 1e-310, 1e38, -1e38, 5e-324};
@@ -144,7 +146,7 @@ static void garbage(stress *run, const char *what, const svo_plan_options *plan_
         made.positions[i] = pick < 8 ? values[pick] : made.positions[i];
     }
     stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
-    stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one); /* the same every time */
+    stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one); /* the same each time */
     static const uint32_t indices[12] = {0, 1, 2, 3, 4, UINT32_MAX, 0, 0, 0, 1000000000, 1, 2};
     svo_mesh indexed = made.mesh;
     indexed.indices = indices;
@@ -165,7 +167,7 @@ static void depths(stress *run)
         run->failed = true;
         return;
     }
-    for (size_t i = 0; i < made.mesh.vertex_count * 3; ++i) { /* a few voxels wide at depth 16 too */
+    for (size_t i = 0; i < made.mesh.vertex_count * 3; ++i) { /* a few voxels wide even at depth 16 */
         made.positions[i] =
             rint(made.positions[i / 9 * 9 + i % 3] + (made.positions[i] - made.positions[i / 9 * 9 + i % 3]) / 64.0);
     }
@@ -188,7 +190,7 @@ static void depths(stress *run)
     stress_mesh_free(&made);
 }
 
-/* A list for one fragment, for exactly as many as come, and for one less. */
+/* List capacities of one fragment, of exactly the required count, and of one less. */
 static void capacities(stress *run)
 {
     stress_case one = stress_begin("T10 capacities");

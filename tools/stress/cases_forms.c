@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cases known without a reference: T2 closed forms, T5 the fragment estimate, T6 symmetry. */
+/* Cases with known results that need no reference: T2 closed forms, T5 the fragment estimate, T6 symmetry. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +90,7 @@ static double expected_voxels(const double corners[9], double voxel)
     return 1.0 + widths / voxel + areas / (voxel * voxel);
 }
 
-/* How far the mean count per triangle is from the law, in standard errors. */
+/* Deviation of the mean count per triangle from the estimate, in standard errors. */
 static double standard_errors(const stress_tree *built, size_t triangle_count, double estimate)
 {
     uint32_t *counts = calloc(triangle_count + 1, sizeof *counts);
@@ -137,7 +137,7 @@ static void fragment_estimate(stress *run)
     if (stress_build(run, NULL, &made.mesh, 6, &plan_options, &one, &built)) {
         one.figure = standard_errors(&built, triangle_count, expected_voxels(shape, STRESS_UNITS / 64.0));
         if (!(one.figure <= 4.0)) {
-            stress_fail(&one, "%.2f standard errors from the law, 4 are allowed", one.figure);
+            stress_fail(&one, "%.2f standard errors from the estimate, 4 are allowed", one.figure);
         }
         stress_tree_free(&built);
     }
@@ -147,12 +147,12 @@ static void fragment_estimate(stress *run)
 
 /* The image of axis k is axis (turn + k or - k) mod 3, mirrored where the bit of mirror says so. */
 typedef struct symmetry {
-    unsigned interleaved_method, flip, mirror;
+    unsigned turn, flip, mirror;
 } symmetry;
 
 static unsigned image_axis(const symmetry *s, unsigned k)
 {
-    return s->flip != 0 ? (s->interleaved_method + 3 - k) % 3 : (s->interleaved_method + k) % 3;
+    return s->flip != 0 ? (s->turn + 3 - k) % 3 : (s->turn + k) % 3;
 }
 
 static void apply(const symmetry *s, const double *from, double *to, size_t vertex_count)
@@ -204,15 +204,14 @@ static void compare_image(const symmetry *s, const stress_tree *original, const 
     one->false_positives += difference.surplus_pairs;
     one->figure += (double)expected.count;
     if (difference.missed_pairs != 0 || difference.surplus_pairs != 0) {
-        stress_fail(one, "axes turned by %u, flipped %u, mirrored %u: another set", s->interleaved_method, s->flip,
-                    s->mirror);
+        stress_fail(one, "axes turned by %u, flipped %u, mirrored %u: a different set", s->turn, s->flip, s->mirror);
     }
     oracle_pairs_free(&expected);
     oracle_pairs_free(&actual);
 }
 
-/* Closed voxels of triangles on the lattice of voxel corners, under all 48 symmetries of the cube (with --count 0
-   under seven of them, every axis and turn among them). */
+/* Closed coverage of triangles with corners on voxel corners, under all 48 symmetries of the cube. With --count 0,
+   under seven of them, which include every axis and rotation. */
 static void symmetries(stress *run)
 {
     stress_case one = stress_begin("T6 symmetries");

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* T14 averages, T15 repeatability, T16 sums that travel up unrounded. */
+/* T14 averages, T15 repeatability, T16 sums that reach every level without intermediate rounding. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "stress/cases.h"
 #include "stress/stress.h"
 
-/* Sums of the colors below each node; channels, then the number of samples. */
+/* Sums of the colors below each node: four channels, then the number of samples. */
 typedef uint64_t color_sum[5];
 
 static void add_leaves(const stress_tree *built, const stress_mesh *made, color_sum *sums)
@@ -38,7 +38,8 @@ static void add_inner(const stress_tree *built, color_sum *sums)
     }
 }
 
-/* Every node has the mean of its samples, rounded half up. All pairs of the mesh must weigh alike. */
+/* Checks that every node has the mean of its samples, rounded half up. All pairs of the mesh must have the same
+   weight. */
 static void check_colors(const stress_tree *built, const stress_mesh *made, stress_case *one)
 {
     color_sum *sums = calloc((size_t)built->info.node_count, sizeof *sums);
@@ -62,7 +63,7 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
     free(sums);
 }
 
-/* Triangles of one shape inside voxels of depth 6, so that all weigh alike, each of one random color. */
+/* Triangles of one shape inside voxels of depth 6, so that all have the same weight, each of one random color. */
 static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_mesh *out)
 {
     static const double shape[9] = {1000, 2000, 3000, 9000, 2500, 4000, 5000, 12000, 6000};
@@ -131,7 +132,7 @@ static void expect_hash(stress_case *one, const char *what, const char *expected
     }
 }
 
-/* The same tree by another front end. NULL: there is none. */
+/* The same tree by another front end. NULL: not available. */
 static void compare_frontend(stress *run, const stress_mesh *made, svo_frontend *other, const char *hash,
                              stress_case *one)
 {
@@ -142,7 +143,7 @@ static void compare_frontend(stress *run, const stress_mesh *made, svo_frontend 
     }
 }
 
-/* Once more; by the other front ends; with the triangles in another order, without lists. */
+/* Builds again, with the other front ends, with the triangles in a different order, and without lists. */
 static void compare_runs(stress *run, stress_mesh *made, svo_frontend *copying, stress_case *one)
 {
     const svo_plan_options no_lists = {.edge = STRESS_UNITS, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What float32 methods read and write: a triangle in world coordinates, and a list of pairs. */
+/* Input and output of the float32 methods: a triangle in world coordinates, and a list of pairs. */
 #ifndef SVOCL_TOOLS_STRESS_FLOAT_LIST_H
 #define SVOCL_TOOLS_STRESS_FLOAT_LIST_H
 
@@ -21,8 +21,8 @@ typedef struct float_list {
     bool failed; /* out of memory */
 } float_list;
 
-/* One triangle in world coordinates, the grid as floats, and the voxels that are worth asking (the exact bounds and one
-   voxel more on either side). */
+/* One triangle in world coordinates, the grid as floats, and the voxels to test: the exact bounds and one more voxel
+   on each side. */
 typedef struct float_triangle {
     float vertex[3][3];
     float origin[3];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The two overlap tests in float32 and the walk over a tree's triangles.
+ * The two overlap tests in float32, and the loop over the triangles of a tree.
  *
  * Schwarz and Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", 2010: a box meets a triangle when it
  * meets the plane and its three projections meet the projected triangle. Akenine-Moller, "Fast 3D Triangle-Box Overlap
@@ -75,7 +75,7 @@ static bool bounds_meet(const float_triangle *t, const float corner[3])
     return true;
 }
 
-/* The three edges projected along axis: the box must not be beyond any of them. */
+/* The three edges projected along axis: the box must not lie entirely outside any of them. */
 static bool projection_meets(const float_triangle *t, const float normal[3], const float corner[3], int axis)
 {
     const int u = (axis + 1) % 3;

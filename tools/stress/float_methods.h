@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Common float32 methods to voxelize, compared with the exact one: the same snapped triangles, brought back to world
- * coordinates and rounded to float. The rasterizing methods follow the rules of the hardware (pixel centers or the
- * standard four samples, positions snapped to 1/256 pixel, top-left rule) on the host: it is the rule that is measured,
- * no GPU.
+ * Common float32 voxelization methods, compared with the exact one. The snapped triangles are transformed back to world
+ * coordinates and rounded to float. The rasterizing methods apply the rules of the hardware on the host (pixel centers
+ * or the standard four samples, positions snapped to 1/256 pixel, top-left rule): the rule is measured, not a GPU.
  */
 #ifndef SVOCL_TOOLS_STRESS_FLOAT_METHODS_H
 #define SVOCL_TOOLS_STRESS_FLOAT_METHODS_H
@@ -12,18 +11,18 @@
 #include "svocl/tree.h"
 
 const char *float_method_name(float_method method); /* static string */
-/* The coverage that the method aims at: the separating axes see closed boxes, pixels own half of their border. */
+/* The coverage that the method targets: separating axes test closed boxes, pixels own half of their border. */
 oracle_coverage float_method_coverage(float_method method);
 
-/* Appends the pairs of triangles begin .. end - 1 of a tree, in no order, some of them twice; info, arrays: of a
+/* Appends the pairs of triangles begin .. end - 1 of a tree, unordered, some of them twice. info, arrays: of a
    downloaded tree with lists. */
 void float_method_list(float_method method, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t begin,
                        uint64_t end, float_list *list);
-/* The list in order, without doubles: its array becomes that of out and is released by oracle_pairs_free. Returns
-   false, with both empty, when memory runs out. */
+/* Sorts the list and removes duplicates. out takes over its array, to be released by oracle_pairs_free. Returns
+   false, with both empty, if memory runs out. */
 bool float_method_sort(float_list *list, oracle_pairs *out);
 
-/* Both, for all triangles. */
+/* Both steps for all triangles. */
 bool float_method_run(float_method method, const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rasterized ways: a triangle is projected along its dominant axis, its pixels are found by the rules that Direct3D
- * and common hardware share, and depth is interpolated in float32. One voxel per covered pixel, or, expanded
- * (Hasselgren, Akenine-Moller and Ohlsson, "Conservative Rasterization", 2005), every voxel between the least and the
- * largest depth.
+ * The rasterizing methods: a triangle is projected along its dominant axis, its pixels are found by the rules that
+ * Direct3D and common hardware share, and depth is interpolated in float32. Each covered pixel gives one voxel or,
+ * expanded (Hasselgren, Akenine-Moller and Ohlsson, "Conservative Rasterization", 2005), every voxel between the least
+ * and the largest depth.
  */
 #include <math.h>
 
@@ -18,7 +18,7 @@ typedef struct projection {
     float slope_u, slope_v; /* of t over u and v; 0 where there is no area */
 } projection;
 
-/* Where coverage is asked, in 1/256 pixel from a pixel's corner; the first is the center. */
+/* Sample positions in 1/256 pixel from the corner of a pixel; the first is the center. */
 static const int center[1][2] = {{128, 128}};
 static const int four_samples[4][2] = {{96, 32}, {224, 96}, {32, 160}, {160, 224}};
 
@@ -65,7 +65,8 @@ static void project(const float_triangle *t, projection *p)
     p->slope_v = flat ? 0.0f : component(rise_2, u1, rise_1, u2) / area;
 }
 
-/* Expanded: each edge moves out by half a pixel along either axis. Hardware then would snap; here float decides. */
+/* Expanded: each edge moves out by half a pixel along both axes. Hardware would snap afterwards; here float32
+   decides. */
 static bool covers_expanded(const projection *p, int u, int v)
 {
     const float side = doubled_area(p) < 0.0f ? -1.0f : 1.0f;
@@ -82,7 +83,8 @@ static bool covers_expanded(const projection *p, int u, int v)
     return true;
 }
 
-/* The rule: positions on the sub-pixel grid, then exact; a sample on an edge counts for top and left edges alone. */
+/* The rule: positions on the sub-pixel grid, exact arithmetic from there; a sample on an edge counts only for top
+   and left edges. */
 static bool covers_sample(const int64_t snapped[3][2], int64_t u, int64_t v)
 {
     const int64_t area = (snapped[1][0] - snapped[0][0]) * (snapped[2][1] - snapped[0][1]) -

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The methods that rasterize, in float32, as drivers do. */
+/* The float32 methods that rasterize, by the rules of drivers. */
 #ifndef SVOCL_TOOLS_STRESS_FLOAT_RASTER_H
 #define SVOCL_TOOLS_STRESS_FLOAT_RASTER_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds, compares and collects. */
+/* Builds trees, compares them and collects the results. */
 #include "stress/stress.h"
 
 #include <stdarg.h>
@@ -133,7 +133,7 @@ void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const s
                     svo_coverage_name((svo_coverage)built->info.coverage));
     }
     if (snap.grid_values != 0 || snap.triangles != 0) {
-        stress_fail(one, "depth %u: snapped otherwise than the reference", built->info.depth);
+        stress_fail(one, "depth %u: snapped differently than the reference", built->info.depth);
     }
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the cases of svocl stress share: the open session, one build with its comparison, and the list of results. Each
- * case goes through the whole pipeline on the user's device and driver, and is compared with the exact reference.
+ * Shared by the cases of svocl stress: the open session, one build with its comparison, and the list of results. Each
+ * case runs the whole pipeline on the user's device and driver and is compared with the exact reference.
  */
 #ifndef SVOCL_TOOLS_STRESS_STRESS_H
 #define SVOCL_TOOLS_STRESS_STRESS_H
@@ -13,22 +13,22 @@
 #define STRESS_NAME_BYTES 64
 
 typedef struct stress_case {
-    char name[STRESS_NAME_BYTES]; /* the catalogue's row, then what is special */
-    const char *method; /* "svocl", or a float way: static */
-    uint64_t false_negatives, false_positives; /* pairs that were missed, and that should not be there */
-    double figure; /* how much was compared, or what was measured */
+    char name[STRESS_NAME_BYTES]; /* row of the catalog, then what is special */
+    const char *method; /* "svocl" or a float32 method: static */
+    uint64_t false_negatives, false_positives; /* missed pairs and surplus pairs */
+    double figure; /* the amount compared, or the value measured */
     const char *unit; /* of figure: static */
-    double ms; /* wall clock of the builds, or of the float way on the host */
-    bool judged; /* float ways are shown, not judged */
+    double ms; /* wall-clock time of the builds, or of the float32 method on the host */
+    bool judged; /* float32 methods are listed, but never fail */
     bool passed;
-    char reason[SVO_MESSAGE_BYTES]; /* why it did not pass; "" */
+    char reason[SVO_MESSAGE_BYTES]; /* why it failed; "" otherwise */
 } stress_case;
 
 typedef struct stress {
     program *state;
     session opened;
     uint64_t seed;
-    size_t count; /* how much work; 0: as little as there can be */
+    size_t count; /* amount of work; 0: the minimum */
     stress_case *cases;
     size_t case_count, case_capacity;
     bool failed; /* out of memory */
@@ -44,29 +44,29 @@ typedef struct stress_tree {
     double ms;
 } stress_tree;
 
-/* How many triangles a case has: so many for each --count, or the least where that is 0. */
+/* Number of triangles in a case: per_count for each --count, or least if that is 0. */
 size_t stress_amount(const stress *run, size_t per_count, size_t least);
-/* A depth, or a lower one where --count is 0. */
+/* The depth, or the least one if --count is 0. */
 unsigned stress_depth(const stress *run, unsigned depth, unsigned least);
 
-/* A case that has passed so far. */
+/* Begins a case, which has passed so far. */
 stress_case stress_begin(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* It has not. The first reason stays. */
+/* Marks the case as failed. The first reason is kept. */
 void stress_fail(stress_case *one, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void stress_end(stress *run, const stress_case *one);
 
-/* Builds by frontend (NULL: the session's) and adds the time to the case; false, with the case failed, if that fails.
-   plan_options: struct_size need not be set. */
+/* Builds by frontend (NULL: that of the session) and adds the time to the case. If the build fails, the case fails
+   and false is returned. plan_options: struct_size need not be set. */
 bool stress_build(stress *run, svo_frontend *frontend, const svo_mesh *mesh, unsigned depth,
                   const svo_plan_options *plan_options, stress_case *one, stress_tree *out);
 void stress_tree_free(stress_tree *built);
 
-/* Compares a tree that was built with SVO_NEED_RAYS with the reference: snap, pairs, nodes. */
+/* Compares a tree built with SVO_NEED_RAYS with the reference: snap, pairs, nodes. */
 void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const stress_tree *built, stress_case *one);
 /* Builds, compares and releases. */
 void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_plan_options *given, stress_case *one);
 
-/* The float ways on the triangles of a tree, one case each. what: the rest of the name. */
+/* Runs the float32 methods on the triangles of a tree, one case each. what: the name of the case. */
 void stress_float_methods(stress *run, const char *what, const stress_tree *built);
 
 #endif

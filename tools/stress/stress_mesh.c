@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the classes of triangles. */
+/* Generates the classes of triangles. */
 #include "stress/stress_mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define VOXEL 16384 /* of depth 6, on which the aligned classes lie */
+#define VOXEL 16384 /* of depth 6; the aligned classes lie on them */
 
 const char *stress_shape_name(stress_shape shape)
 {
@@ -39,7 +39,7 @@ static void make_anywhere(random_stream *random, int reach, int corner[3][3])
     }
 }
 
-/* The third corner close to a point of the edge between the others. */
+/* The third corner lies close to a point of the edge between the others. */
 static void make_thin(random_stream *random, int reach, int width, int corner[3][3])
 {
     make_anywhere(random, reach, corner);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes of one class of triangles each, for the cases of svocl stress: the same numbers for the same seed
+/* Meshes of one class of triangles each, for the cases of svocl stress. The same seed gives the same numbers
    everywhere. */
 #ifndef SVOCL_TOOLS_STRESS_STRESS_MESH_H
 #define SVOCL_TOOLS_STRESS_STRESS_MESH_H
@@ -14,8 +14,8 @@
 #define STRESS_UNITS 1048576 /* positions are whole numbers 0 .. STRESS_UNITS - 1, on which snapping changes nothing */
 
 typedef enum stress_shape {
-    STRESS_SMALL = 0, /* about a voxel of depth 6 and below */
-    STRESS_HUGE, /* across the grid */
+    STRESS_SMALL = 0, /* about one voxel of depth 6 and smaller */
+    STRESS_HUGE, /* across the whole grid */
     STRESS_SLIVERS, /* aspect 1e2 .. 1e6 */
     STRESS_NEEDLES, /* thinner than a pixel, ends 1/1024 voxel off the lattice */
     STRESS_COPLANAR, /* in the plane of voxel faces */
@@ -25,14 +25,14 @@ typedef enum stress_shape {
 } stress_shape;
 const char *stress_shape_name(stress_shape shape);
 
-/* Positions and colors by malloc; three vertices of its own for each triangle. */
+/* Positions and colors are allocated by malloc. Each triangle has three vertices of its own. */
 typedef struct stress_mesh {
     svo_mesh mesh;
     double *positions;
     uint8_t *colors; /* NULL: none */
 } stress_mesh;
 
-/* false: out of memory. Released by stress_mesh_free. */
+/* Returns false if memory runs out. Release by stress_mesh_free. */
 bool stress_mesh_empty(size_t triangle_count, stress_mesh *out); /* all positions 0 */
 bool stress_mesh_create(stress_shape shape, uint64_t seed, size_t triangle_count, stress_mesh *out);
 void stress_mesh_free(stress_mesh *made);

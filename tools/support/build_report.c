@@ -7,7 +7,7 @@
 
 #include "support/table.h"
 
-/* One row of the stage table. The import is the program's own, the others are the library's. */
+/* One row of the stage table. The program measures the import itself; the library measures the others. */
 typedef struct stage_row {
     const char *name;
     svo_stage_time time;
@@ -15,7 +15,7 @@ typedef struct stage_row {
 
 #define STAGE_ROWS (SVO_STAGE_COUNT + 1)
 
-/* In the order of the pipeline; compiling last, since it is no step of it. */
+/* In pipeline order; compilation comes last because it is no stage of the pipeline. */
 static void list_stages(const job *done, stage_row rows[STAGE_ROWS])
 {
     static const svo_stage order[SVO_STAGE_COUNT] = {SVO_STAGE_GRID,     SVO_STAGE_VOXELIZE, SVO_STAGE_SUBDIVIDE,

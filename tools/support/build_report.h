@@ -8,7 +8,7 @@
 void report_print(const program *state, const job *done, const char *hash);
 cJSON *report_to_json(const program *state, const job *done, const char *hash);
 
-/* One line that counts and names the refused triangles, where there are any; and the same as JSON. */
+/* One line with the number of refused triangles and the reasons, if there are any; and the same as JSON. */
 void report_print_refused(const job *done);
 void report_add_refused(cJSON *document, const job *done);
 

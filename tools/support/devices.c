@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What both halves of `svocl devices` write. */
+/* JSON output that both halves of `svocl devices` use. */
 #include "support/devices.h"
 
 void devices_add_method(cJSON *array, const char *name, const char *reason)

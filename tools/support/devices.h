@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the OpenCL half and the OpenGL half of svocl devices share. */
+/* Shared by the OpenCL half and the OpenGL half of svocl devices. */
 #ifndef SVOCL_TOOLS_SUPPORT_DEVICES_H
 #define SVOCL_TOOLS_SUPPORT_DEVICES_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads meshes and trees, makes scenes, and finds out which triangles will be refused. */
+/* Reads meshes and trees, generates scenes, and counts the triangles that will be refused. */
 #include "support/input.h"
 
 #include <inttypes.h>
@@ -82,12 +82,12 @@ static int open_file(program *state, input *opened)
     return PROGRAM_DONE;
 }
 
-/* A mesh of which nothing is left is an error of the input, not an empty tree. */
+/* A mesh without a valid triangle is an input error, not an empty tree. */
 static int check_triangles(program *state, input *opened)
 {
     const uint64_t given = opened->mesh->triangle_count;
     if (given == 0) {
-        return program_fail(state, PROGRAM_FAILED, "%s: no triangle in it", opened->name);
+        return program_fail(state, PROGRAM_FAILED, "%s: the mesh has no triangles", opened->name);
     }
     for (size_t i = 0; i < opened->mesh->triangle_count; ++i) {
         note_refused(opened->mesh, i, &opened->refused);
@@ -111,7 +111,7 @@ int input_open(program *state, input *opened)
 {
     *opened = (input){.name = state->options.input};
     const bool is_scene = strncmp(opened->name, "scene:", 6) == 0;
-    progress_step(state->progress, is_scene ? "making the scene" : "reading the mesh");
+    progress_step(state->progress, is_scene ? "generating the scene" : "reading the mesh");
     if (input_is_tree(opened->name)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree, a mesh is needed here", opened->name);
     }

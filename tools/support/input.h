@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INPUT of a command: a mesh file, a scene made on the fly, or a finished tree. */
+/* INPUT of a command: a mesh file, a generated scene, or a .svo file. */
 #ifndef SVOCL_TOOLS_SUPPORT_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_INPUT_H
 
@@ -9,7 +9,7 @@
 #include "support/program.h"
 #include "svocl/io.h"
 
-/* Triangles that the library refuses, by reason. */
+/* Triangles that the library refuses, and why. */
 typedef struct refused_triangles {
     uint64_t bad_index_count, first_bad_index; /* an index out of range; the first such triangle */
     uint64_t not_finite_count, first_not_finite; /* a coordinate that is infinite or not a number */
@@ -18,24 +18,24 @@ typedef struct refused_triangles {
 typedef struct input {
     const char *name;
     const svo_mesh *mesh; /* has at least one triangle */
-    double import_ms; /* wall clock spent in reading or making it */
+    double import_ms; /* wall-clock time of reading or generating */
     refused_triangles refused;
     svo_import *import; /* of a mesh file, else NULL */
     scene *made; /* of scene:..., else NULL */
 } input;
 
-/* Whether the input is a finished tree by its suffix, .svo. Build options then are wrong usage. */
+/* Whether the input is a finished tree, judged by its suffix .svo. Build options are then wrong usage. */
 bool input_is_tree(const char *name);
 int input_refuse_build_options(program *state);
 
-/* Reads or makes the mesh. One step of the progress bar. Returns the exit code; nothing stays open on failure. */
+/* Reads or generates the mesh; one step of the progress bar. Returns the exit code; on failure nothing stays open. */
 int input_open(program *state, input *opened);
 void input_close(input *opened);
 
 /* Loads the tree that input names. Returns the exit code. */
 int input_load_tree(program *state, svo_tree **out);
 
-/* Milliseconds of a clock that only goes forward. */
+/* Milliseconds of a monotonic clock. */
 double input_now_ms(void);
 
 #endif

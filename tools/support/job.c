@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* From INPUT to a tree in memory, measured: what build, hash, verify and render share. */
+/* From INPUT to a tree in memory, measured: shared by build, hash, verify and render. */
 #include "support/job.h"
 
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
     }
 }
 
-/* A plan at the depth that was asked for, or at the one that is best for rays. */
+/* A plan at the requested depth, or at the best depth for rays. */
 static svo_status make_plan(const options *given, svo_device *device, const svo_mesh *mesh,
                             const svo_plan_options *plan_options, svo_plan **out)
 {
@@ -51,7 +51,7 @@ int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t 
                : program_fail_library(state, svo_device_message(device));
 }
 
-/* The tree of a plan; an earlier build's tree in result is replaced. */
+/* Builds the tree of a plan and replaces the tree of an earlier build in result. */
 static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
 {
     session_choose(state, opened, plan);
@@ -101,7 +101,7 @@ static double median(double *values, size_t count)
     return count % 2 == 1 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2.0;
 }
 
-/* Replaces the times of the last build by the medians of the builds after the first. */
+/* Replaces the times of the last build by medians over the builds after the first. */
 static void take_medians(double *times, size_t repeats, svo_build_report *report)
 {
     for (size_t stage = 0; stage < SVO_STAGE_COUNT && repeats > 1; ++stage) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Small helpers over cJSON, whose functions allow NULL: running out of memory shows when the document is printed. */
+/* Small helpers over cJSON. Its functions accept NULL, so an allocation failure shows when the document is printed. */
 #include "support/json.h"
 
 #include <stdio.h>

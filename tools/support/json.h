@@ -15,7 +15,7 @@ void json_add_vector(cJSON *object, const char *name, const double vector[3]);
 /* bits: svo_need; an array of their names. */
 void json_add_needs(cJSON *object, const char *name, uint32_t bits);
 
-/* Writes the document to a file, whole or not at all. Returns the exit code. */
+/* Writes the document to a file, completely or not at all. Returns the exit code. */
 int json_save(program *state, const char *path, const cJSON *document);
 
 /* Prints and releases the document. Returns the exit code. */

@@ -9,7 +9,7 @@
 
 #define RENDERERS_MAX 32
 
-/* Working contexts, open as long as the pairs are probed. */
+/* Working contexts, open until the pairs are probed. */
 typedef struct open_renderers {
     svo_gl_context *contexts[RENDERERS_MAX];
     size_t count;
@@ -44,7 +44,7 @@ static void gather_renderers(cJSON *document, open_renderers *opened)
     cJSON *renderers = cJSON_AddArrayToObject(document, "renderers");
     gather_renderer(renderers, SVO_GL_SURFACELESS, 0, opened);
     const uint32_t egl_devices = svo_gl_egl_device_count();
-    for (uint32_t i = 0; i < egl_devices || i == 0; ++i) { /* without any, once for the reason */
+    for (uint32_t i = 0; i < egl_devices || i == 0; ++i) { /* at least once, for the reason */
         gather_renderer(renderers, SVO_GL_EGL_DEVICE, i, opened);
     }
     gather_renderer(renderers, SVO_GL_OSMESA, 0, opened);
@@ -52,7 +52,7 @@ static void gather_renderers(cJSON *document, open_renderers *opened)
 
 static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
-    /* The same device on an OpenCL context that can share with the renderer, where there is such a thing. */
+    /* The same device on an OpenCL context that can share with the renderer; NULL if there is none. */
     svo_device *joined = NULL;
     (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
@@ -66,7 +66,7 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
     cJSON *frontends = cJSON_AddArrayToObject(pair, "frontends");
     cJSON *shares = cJSON_AddArrayToObject(pair, "shares");
     svo_gl *gl = NULL;
-    /* Why nothing at all works; NULL where something may. */
+    /* Why no method works; NULL if some may. */
     const char *failure = NULL;
     if (svo_gl_create(device, renderer, NULL, &gl) != SVO_OK) {
         failure = program_words(svo_device_message(device));
@@ -80,7 +80,7 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
                            failure != NULL ? failure : svo_gl_share_reason(gl, share));
     }
     cJSON *builders = cJSON_AddArrayToObject(pair, "builders");
-    devices_add_method(builders, "cl", ""); /* these two whatever OpenGL does */
+    devices_add_method(builders, "cl", ""); /* these two do not depend on OpenGL */
     devices_add_method(builders, "sorted", "");
     devices_add_method(builders, "gl-compute", failure != NULL ? failure : svo_gl_build_reason(gl, SVO_NEED_ALL));
     svo_gl_destroy(&gl);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `svocl devices` says of renderers. */
+/* The renderers in the output of `svocl devices`. */
 #ifndef SVOCL_TOOLS_SUPPORT_OPENGL_DEVICES_H
 #define SVOCL_TOOLS_SUPPORT_OPENGL_DEVICES_H
 

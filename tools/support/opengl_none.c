@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* In place of opengl.c and opengl_devices.c where svocl is built without svocl::gl: there is no OpenGL. */
+/* Replaces opengl.c and opengl_devices.c in a build without svocl::gl: no OpenGL is available. */
 #include <stdio.h>
 
 #include "support/opengl.h"
@@ -30,7 +30,7 @@ void opengl_close(opengl **opened)
     *opened = NULL;
 }
 
-/* Nothing below is ever asked about a context, since none opens. */
+/* No context ever opens, so nothing below is called with one. */
 
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
 {

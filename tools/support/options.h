@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The command line: one parser and one list of options for all commands. A command says by groups which options it
- * takes; the same list writes the help.
+ * The command line: one parser and one table of options for all commands. Each command names the groups of options it
+ * takes. The help is generated from the same table.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_OPTIONS_H
 #define SVOCL_TOOLS_SUPPORT_OPTIONS_H
@@ -17,19 +17,19 @@ struct program;
 enum option_group {
     OPTION_COMMON = 1, /* help, verbose */
     OPTION_DEVICE = 2, /* the OpenCL device and the threads */
-    OPTION_BUILD = 4, /* how a mesh becomes a tree: makes no sense for a tree that is finished */
+    OPTION_BUILD = 4, /* how a mesh is built; does not apply to a finished tree */
     OPTION_JSON = 8,
     OPTION_OUTPUT = 16,
     OPTION_BUILD_COMMAND = 32, /* repeat, compress, plan */
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
     OPTION_RENDER_COMMAND = 256,
-    OPTION_METHODS = 512, /* front end, share path, context: how, whatever is built */
+    OPTION_METHODS = 512, /* front end, share path, context: for any kind of build */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
-    OPTION_BENCH_COMMAND = 2048, /* what is measured, against what */
+    OPTION_BENCH_COMMAND = 2048, /* what is measured, and compared with what */
     OPTION_TRACE_COMMAND = 4096, /* rays, camera */
     OPTION_PICTURE_SIZE = 8192,
-    OPTION_MEASURE = 16384, /* on how much work, how often */
+    OPTION_MEASURE = 16384, /* amount of work and number of repeats */
     OPTION_REPORT_COMMAND = 32768 /* from, docs */
 };
 
@@ -40,20 +40,20 @@ enum option_frontend {
     OPTION_FRONTEND_GL_HW
 };
 
-/* Beside svo_builder's. */
+/* Next to the values of svo_builder. */
 #define OPTION_BUILDER_GL_COMPUTE (-1)
 
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
 
 typedef struct options {
-    const char *input; /* the argument that is no option; NULL: none */
-    const char *subject; /* bench: what is measured, the argument before */
+    const char *input; /* the argument that is not an option; NULL: none */
+    const char *subject; /* bench: what is measured, the argument before input */
     unsigned given_groups; /* groups of the options on the command line */
     uint64_t help, verbose, json; /* flags: 0 or 1 */
 
     const char *device_name; /* NULL: the library's choice */
-    uint64_t threads; /* 0: as many as the drivers like */
+    uint64_t threads; /* 0: the drivers decide */
 
     uint64_t depth;
     int frontend; /* option_frontend */
@@ -80,19 +80,19 @@ typedef struct options {
     bool has_triangles, has_seed;
     uint32_t width, height; /* pixels */
     int view; /* svo_render_view */
-    uint64_t count; /* stress: how much work */
+    uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, 1 Embree */
-    uint64_t ray_count; /* bench: of a set */
+    uint64_t ray_count; /* bench: rays per set */
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
     uint64_t quick; /* measurements: a flag */
-    const char *from; /* report: a file of measurements; NULL: they are made */
-    const char *docs; /* report: the folder whose documents get their tables anew; NULL: none */
+    const char *from; /* report: a file of measurements; NULL: measure now */
+    const char *docs; /* report: the folder whose documents are updated; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 
 typedef struct command {
     const char *name;
-    int (*run)(struct program *state); /* returns the exit code, its line printed */
+    int (*run)(struct program *state); /* returns the exit code after printing its line */
     unsigned groups;
     const char *input_name; /* "INPUT"; NULL: takes none */
     bool needs_input;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of options, and the parser that reads the command line by it. */
+/* The table of options, and the parser and the help that use it. */
 #include "support/options_parse.h"
 
 #include <errno.h>
@@ -177,7 +177,7 @@ static int read_need(program *state, const rule *option, const char *value)
         const uint32_t bit = need_bit(name, length);
         if (bit == 0) {
             return program_fail(state, PROGRAM_WRONG_USAGE,
-                                "--need '%s' is no list of color, normal, rays, material, fill, nor none", value);
+                                "--need '%s' is neither none nor a list of color, normal, rays, material, fill", value);
         }
         need |= bit;
         if (name[length] == '\0') {
@@ -239,72 +239,73 @@ static const rule rules[] = {
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, NULL,
      "color,normal,rays,material,fill or none (colors and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
-     "minimum corner of the grid, with --edge (fitted)"},
-    {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL, "width of the grid, with --origin (fitted)"},
+     "minimum corner of the grid, requires --edge (fitted to the mesh)"},
+    {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL,
+     "width of the grid, requires --origin (fitted to the mesh)"},
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
     {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
-     "area, uniform, center: what a triangle weighs in a mean (area)"},
+     "weight of a triangle in a mean: area, uniform, center (area)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
-     "auto, cl, gl-expand, gl-hw (auto: by speed)"},
+     "auto, cl, gl-expand, gl-hw (auto: the fastest)"},
     {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, interop, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders,
-     "cl: from the root down; sorted: from the leaves up; gl-compute: by OpenGL (cl)"},
+     "cl: top-down; sorted: bottom-up; gl-compute: top-down in OpenGL (cl)"},
     {"context", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
     {"gl-device", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
-     "which EGL device: its index, part of its name, or gpu (0)"},
+     "EGL device: its index, part of its name, or gpu (0)"},
     {"device", '\0', OPTION_DEVICE, "NAME", read_text, FIELD(device_name), 0, 0, NULL,
      "OpenCL device: part of its name, or P.D indices"},
     {"threads", '\0', OPTION_DEVICE, "N", read_count, FIELD(threads), 1, 1024, NULL,
-     "threads of PoCL and llvmpipe (all cores)"},
+     "threads of PoCL and llvmpipe, 1 to 1024 (all cores)"},
     {"output", 'o', OPTION_OUTPUT, "FILE", read_text, FIELD(output_path), 0, 0, NULL, "file to write"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_triangles, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
-     "about how many triangles (the scene's own)"},
+     "approximate number of triangles (the default of the scene)"},
     {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_seed, FIELD(seed), 0, UINT32_MAX, NULL,
      "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
-     "how much work: triangles per case grow with it (8); 0: the least"},
+     "amount of work, 0 to 1000: triangles per case grow with it (8)"},
     {"size", '\0', OPTION_PICTURE_SIZE, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
-     "pixels of the picture (1024x768)"},
+     "size of the image in pixels (1024x768)"},
     {"rays", '\0', OPTION_TRACE_COMMAND, "FILE", read_text, FIELD(rays_path), 0, 0, NULL,
-     "CSV file with a ray per line: ox,oy,oz,dx,dy,dz"},
+     "CSV file with one ray per line: ox,oy,oz,dx,dy,dz"},
     {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
-     "a ray per pixel: auto, or eye, target, up, degrees as numbers (6, 9 or 10)"},
+     "one ray per pixel: auto, or eye, target, up, degrees as 6, 9 or 10 numbers"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_MEASURE, "N", read_repeat, FIELD(repeat), 1, 10000, NULL,
-     "do it N times; times are medians, of builds without the first (1; measurements: 11 after the first)"},
+     "repeat N times and report medians; builds leave out the first (1; measurements: 11 after a warm-up)"},
     {"scenes", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(scenes), 0, 0, NULL,
-     "what is built: INPUTs with commas between, without their scene: (each measurement's own)"},
+     "comma-separated INPUTs without their scene: prefix (each measurement has its own)"},
     {"depths", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(depths), 0, 0, NULL,
-     "at which depths, with commas between (each measurement's own)"},
+     "comma-separated depths (each measurement has its own)"},
     {"quick", '\0', OPTION_MEASURE, NULL, read_flag, FIELD(quick), 0, 0, NULL,
-     "smaller scenes, fewer depths, 3 repeats: to see that it works"},
+     "smaller scenes, fewer depths, 3 repeats: a quick check"},
     {"from", '\0', OPTION_REPORT_COMMAND, "FILE", read_text, FIELD(from), 0, 0, NULL,
-     "JSON that svocl bench -o wrote: shown in place of new measurements"},
+     "JSON file written by svocl bench -o, used in place of new measurements"},
     {"docs", '\0', OPTION_REPORT_COMMAND, "DIR", read_text, FIELD(docs), 0, 0, NULL,
-     "write the marked tables of DIR/README.md and DIR/docs/*.md anew; -o may be left out"},
+     "update the marked tables of DIR/README.md and DIR/docs/*.md; -o is then optional"},
     {"plan", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan), 0, 0, NULL,
-     "print what the build is going to do, allocate and leave out, then build"},
+     "print what the build will run, allocate and leave out, then build"},
     {"plan-only", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(plan_only), 0, 0, NULL,
-     "the same without building"},
+     "print the plan without building"},
     {"count-first", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(count_first), 0, 0, NULL,
-     "count the fragments before anything is allocated for them"},
+     "count the fragments before allocating memory for them"},
     {"payload-level", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(payload_level), 0, SVO_DEPTH_MAX, NULL,
-     "the first level whose payload is read (0: of all)"},
+     "first level with payload, 0 to 16 (0: all levels)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
-     "hash the nodes alone, without lists and payload"},
+     "hash only the nodes, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
-     "measure this beside it, interleaved: embree (none)"},
+     "also measure this library, interleaved: embree (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
-     "rays of each set (1000000)"},
-    {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "figures as JSON on standard output"},
+     "rays per set (1000000)"},
+    {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "print JSON on standard output"},
     {"verbose", 'v', OPTION_COMMON, NULL, read_flag, FIELD(verbose), 0, 0, NULL, "print the library's log"},
-    {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this"},
+    {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this help"},
 };
 
 #define RULE_COUNT (sizeof rules / sizeof rules[0])
@@ -371,7 +372,7 @@ static int parse_all(program *state, const command *which, int argument_count, c
         } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.subject == NULL) {
             state->options.subject = arguments[i];
         } else if (which->input_name == NULL || state->options.input != NULL) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many", arguments[i]);
+            return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s'", arguments[i]);
         } else {
             state->options.input = arguments[i];
         }
@@ -386,7 +387,7 @@ bool options_ask_for_gl(const options *given)
            given->builder == OPTION_BUILDER_GL_COMPUTE;
 }
 
-/* What no single option can see. */
+/* Combinations of options that exclude or require one another. */
 static int check_together(program *state, const command *which)
 {
     options *given = &state->options;
@@ -395,17 +396,17 @@ static int check_together(program *state, const command *which)
                             which->name);
     }
     if (given->has_origin != (given->edge > 0.0)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--origin and --edge go together, --%s is missing",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--origin and --edge require each other, --%s is missing",
                             given->has_origin ? "edge" : "origin");
     }
     if (given->gl_device != NULL && given->context == OPTION_CONTEXT_AUTO) {
         given->context = SVO_GL_EGL_DEVICE;
     }
     if (given->gl_device != NULL && given->context != SVO_GL_EGL_DEVICE) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device goes with --context egl-device alone");
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device requires --context egl-device");
     }
     if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s is for OpenGL, which --frontend cl does without",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires OpenGL, which --frontend cl does not use",
                             given->builder == OPTION_BUILDER_GL_COMPUTE ? "builder gl-compute"
                             : given->share != SVO_GL_SHARE_AUTO         ? "share"
                                                                         : "context");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing a file whole or not at all. */
+/* Writes files completely or not at all. */
 #include "support/output.h"
 
 #include <errno.h>
@@ -14,7 +14,7 @@ static int fail_errno(program *state, const char *path, int error)
     return program_fail(state, PROGRAM_FAILED, "%s: %s", path, strerror(error));
 }
 
-/* By malloc. */
+/* Allocated by malloc. */
 static char *directory_of(const char *path)
 {
     const char *slash = strrchr(path, '/');

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Files the program writes itself: under a temporary name beside the final one, then renamed, so that a failure leaves
- * nothing behind and an old file stays as it was. A path that names a device or a pipe is written to directly.
+ * Output files. They are written under a temporary name in the same folder, then renamed: after a failure nothing is
+ * left behind and an old file is unchanged. A path that names a device or a pipe is written directly.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_OUTPUT_H
 #define SVOCL_TOOLS_SUPPORT_OUTPUT_H
@@ -17,7 +17,7 @@ typedef struct output_file {
     int error; /* errno of the first write that failed; 0: none */
 } output_file;
 
-/* Fails early where a file at path could not be made: before the long work, not after it. */
+/* Fails early if no file can be created at path: before long work, not after it. */
 int output_check(program *state, const char *path);
 
 int output_open(program *state, const char *path, output_file *file);

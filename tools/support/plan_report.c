@@ -43,7 +43,7 @@ static void print_request(const svo_plan *plan, const char *input)
     table_print(rows);
 }
 
-/* The plan is of OpenCL alone: with OpenGL asked for, what is said of the front end does not apply. */
+/* The plan assumes the OpenCL front end. If OpenGL was requested, its lines about the front end do not apply. */
 static bool applies(const char *name, bool with_opengl)
 {
     return !with_opengl || (strcmp(name, "voxelize") != 0 && strcmp(name, "OpenGL") != 0);
@@ -59,7 +59,7 @@ static void print_kernels(const svo_plan *plan, bool with_opengl)
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
             table_cell(rows, "%s", kernels.name);
-            table_cell(rows, "%s", kernels.defines[0] != '\0' ? kernels.defines + 1 : "no keys");
+            table_cell(rows, "%s", kernels.defines[0] != '\0' ? kernels.defines + 1 : "no defines");
         }
     }
     table_print(rows);
@@ -81,11 +81,11 @@ static void print_buffers(const svo_plan *plan)
     table_cell(rows, "peak");
     table_cell(rows, "%s", figure_bytes(svo_plan_peak_bytes(plan)).text);
     table_cell(rows, "%s", "");
-    table_cell(rows, "at one time");
+    table_cell(rows, "at any time");
     table_cell(rows, "tree");
     table_cell(rows, "%s", figure_bytes(svo_plan_tree_bytes(plan)).text);
     table_cell(rows, "%s", "");
-    table_cell(rows, "that stay");
+    table_cell(rows, "persistent");
     table_print(rows);
 }
 

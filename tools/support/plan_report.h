@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a build is going to do, before it does it: as tables for people and as JSON for scripts. */
+/* What a build will do: as tables for people and as JSON for scripts. */
 #ifndef SVOCL_TOOLS_SUPPORT_PLAN_REPORT_H
 #define SVOCL_TOOLS_SUPPORT_PLAN_REPORT_H
 
@@ -8,11 +8,11 @@
 #include "support/json.h"
 #include "svocl/plan.h"
 
-/* input: its name. with_opengl: OpenGL was asked for, so what the plan says of the front end of OpenCL is left away. */
+/* input: its name. with_opengl: OpenGL was requested; the lines about the OpenCL front end are then left out. */
 void plan_print(const svo_plan *plan, const char *input, bool with_opengl);
 
-/* {depth, triangles, refused_triangles, expected_fragments, need[], constant[], stages[], kernels[{name, keys}],
-   buffers[{name, bytes, certainty, stays}], peak_bytes, tree_bytes, left_out[{what, reason}]} */
+/* {depth, triangles, refused_triangles, expected_fragments, need[], constant[], stages[], kernels[{name, defines}],
+   buffers[{name, bytes, certainty, persistent}], peak_bytes, tree_bytes, left_out[{what, reason}]} */
 cJSON *plan_to_json(const svo_plan *plan, bool with_opengl);
 
 #endif

@@ -10,7 +10,7 @@
 
 #define TEXT_BYTES 2048
 
-/* A message stays one line whatever a file name or a driver puts into it. */
+/* A message stays on one line, whatever file names or drivers put into it. */
 static void print_line(const program *state, const char *kind, const char *text)
 {
     fprintf(stderr, "svocl: %s%s%s", state->command != NULL ? state->command : "", state->command != NULL ? ": " : "",

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What every command of the program gets and uses: its options, the progress bar, and the one way to report a failure.
+ * State that every command shares: its options, the progress bar, and the one method to report a failure.
  *
- * Functions of the program that can fail print their own line through program_fail and return the exit code, 0 for
- * success; callers pass it on.
+ * Functions that can fail print their own line through program_fail and return the exit code, 0 for success; callers
+ * pass it on.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_PROGRAM_H
 #define SVOCL_TOOLS_SUPPORT_PROGRAM_H
@@ -20,23 +20,23 @@ typedef struct program {
     const char *command; /* "build", ...; NULL before it is known */
     options options;
     progress *progress; /* NULL: no bar */
-    /* Warnings of the library, printed after success only: a failure is one line. */
+    /* Warnings of the library, printed only after success: a failure is one line. */
     char *warnings[PROGRAM_WARNINGS_KEPT];
-    unsigned warning_count; /* all that came, kept or not */
+    unsigned warning_count; /* all warnings, kept or not */
 } program;
 
-/* Takes the bar away, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */
+/* Removes the bar, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */
 int program_fail(program *state, int exit_code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* A message of the library without the name of the function it begins with: "svo_plan_create: words" -> "words". */
+/* A library message without its leading function name: "svo_plan_create: words" -> "words". */
 const char *program_words(const char *message);
 
-/* program_fail with such words. */
+/* program_fail with a library message, shortened by program_words. */
 int program_fail_library(program *state, const char *message);
-/* The same for the scenes, whose names and counts come from the command line. */
+/* The same for scenes, whose names and counts come from the command line: an invalid one is wrong usage. */
 int program_fail_scene(program *state, svo_status status, const char *message);
 
-/* Takes the bar away and begins a new one (see progress.h). */
+/* Removes the bar and begins a new one (see progress.h). */
 void program_begin_progress(program *state, unsigned step_count);
 
 /* An svo_log_callback whose user is the program: keeps warnings; --verbose prints everything at once. */

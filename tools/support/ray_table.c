@@ -12,7 +12,7 @@
 #define FIELDS         6
 #define CAMERA_NUMBERS 10
 
-/* A number and whatever space is around it; false when there is none. */
+/* A number with optional white space around it; false if there is none. */
 static bool read_number(const char **text, float *out)
 {
     char *end = NULL;
@@ -28,7 +28,7 @@ static bool read_number(const char **text, float *out)
     return true;
 }
 
-/* Numbers with commas between them, up to limit; returns how many, 0 when something else is among them. */
+/* Comma-separated numbers, at most limit; returns how many, 0 if anything else is among them. */
 static size_t read_numbers(const char *text, float *numbers, size_t limit)
 {
     size_t count = 0;
@@ -151,7 +151,7 @@ static void normalize(double vector[3])
     }
 }
 
-/* A camera without a line of sight gives rays of no number, which meet nothing. */
+/* A camera without a line of sight gives NaN rays, which hit nothing. */
 static svo_ray pixel_ray(const svo_camera *camera, double across, double upwards)
 {
     double forward[3];

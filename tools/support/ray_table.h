@@ -11,20 +11,20 @@ typedef struct ray_table {
     size_t count;
 } ray_table;
 
-/* Lines ox,oy,oz,dx,dy,dz; a first line that does not begin with a number is a heading, empty lines do not count. A
-   line that is something else is an error, which names it. Returns the exit code. */
+/* Lines ox,oy,oz,dx,dy,dz. A first line that does not begin with a number is a heading; empty lines are skipped. Any
+   other line is an error that names it. Returns the exit code. */
 int ray_table_read(program *state, const char *path, ray_table *out);
 
-/* One ray through the middle of each pixel, row by row from the upper left corner. Returns the exit code. */
+/* One ray through the center of each pixel, row by row from the upper left corner. Returns the exit code. */
 int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out);
 
-/* "auto", or EX,EY,EZ,TX,TY,TZ[,UX,UY,UZ[,DEGREES]]: eye, target, up (0,1,0), vertical field of view (32). Framed: the
-   camera for "auto". False where the text is neither. */
+/* "auto", or EX,EY,EZ,TX,TY,TZ[,UX,UY,UZ[,DEGREES]]: eye, target, up (0,1,0), vertical field of view (32). framed:
+   the camera for "auto". Returns false if the text is neither. */
 bool ray_table_parse_camera(const char *text, const svo_camera *framed, svo_camera *out);
 
 void ray_table_free(ray_table *list);
 
-/* ray,t,triangle,u,v with a heading; triangle -1 and t inf where nothing was met. */
+/* ray,t,triangle,u,v with a heading; a miss has triangle -1 and t inf. */
 void ray_table_write_hits(output_file *file, const svo_hit *hits, size_t count);
 
 #endif

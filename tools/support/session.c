@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The drivers read their thread counts once, at their first call, which must therefore come later. */
+/* The drivers read their thread counts once, at their first call, so the counts are set before it. */
 static int set_threads(program *state)
 {
     if (state->options.threads == 0) {
@@ -71,7 +71,8 @@ static void explain(session *opened, const char *reason)
     snprintf(opened->reason.text, sizeof opened->reason.text, "%s", reason);
 }
 
-/* Device and queue on an OpenCL context that shares with OpenGL, in place of those that nothing was made of yet. */
+/* Replaces device and queue, from which nothing was created yet, by those of an OpenCL context that shares with
+   OpenGL. */
 static int join_opengl(program *state, session *opened)
 {
     const svo_device_options device_options = device_options_of(state);
@@ -86,7 +87,7 @@ static int join_opengl(program *state, session *opened)
     return open_queue(state, opened);
 }
 
-/* OpenGL was asked for: a way that does not work is an error. */
+/* OpenGL was requested: if it does not work, that is an error. */
 static int use_opengl(program *state, session *opened, const char *reason)
 {
     opened->gl = opengl_open(&state->options, &opened->reason);
@@ -104,8 +105,8 @@ static int use_opengl(program *state, session *opened, const char *reason)
     return use(opened, opengl_frontend(opened->gl));
 }
 
-/* Which front end is used is left open, but once anything is made of the device it cannot join OpenGL any more: so
-   where it might, OpenGL is opened first. */
+/* The front end is not chosen yet. But a device from which objects were created can no longer share with OpenGL, so
+   where it may share, OpenGL is opened first. */
 static int leave_open(program *state, session *opened)
 {
     if (opengl_may_share(opened->device)) {
@@ -114,7 +115,7 @@ static int leave_open(program *state, session *opened)
     return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;
 }
 
-/* OpenGL's front end beside that of OpenCL alone, on the device as it is; without it the reason says why. */
+/* OpenGL's front end in addition to that of OpenCL, on the device as it is; if it fails, the reason says why. */
 static bool try_opengl(program *state, session *opened)
 {
     if (opened->gl == NULL) {
@@ -123,14 +124,14 @@ static bool try_opengl(program *state, session *opened)
     return opened->gl != NULL && opengl_start(opened->gl, &state->options, opened->device, &opened->reason);
 }
 
-/* The front end of OpenCL alone, used where it was asked for. */
+/* The OpenCL front end, used if it was requested. */
 static int open_cl(program *state, session *opened)
 {
     if (svo_frontend_create_cl(opened->device, &opened->cl) != SVO_OK) {
         return program_fail_library(state, svo_device_message(opened->device));
     }
     if (state->options.frontend == OPTION_FRONTEND_CL) {
-        explain(opened, "asked for");
+        explain(opened, "requested");
         return use(opened, opened->cl);
     }
     return PROGRAM_DONE;
@@ -143,7 +144,7 @@ int session_open(program *state, session *opened)
         return result;
     }
     if (options_ask_for_gl(&state->options)) {
-        result = use_opengl(state, opened, "asked for");
+        result = use_opengl(state, opened, "requested");
     } else {
         result = state->options.frontend == OPTION_FRONTEND_CL ? PROGRAM_DONE : leave_open(state, opened);
         result = result == PROGRAM_DONE ? open_cl(state, opened) : result;
@@ -199,7 +200,7 @@ void session_choose_opengl(program *state, session *opened)
     opened->frontend = opened->cl;
     if (try_opengl(state, opened)) {
         opened->frontend = opengl_frontend(opened->gl);
-        explain(opened, "OpenGL where there is one");
+        explain(opened, "OpenGL if available");
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Snaps the mesh a second time, by the reference, and compares with what the tree holds. */
+/* Snaps the mesh again with the reference and compares the result with the tree. */
 #include "support/snap_check.h"
 
 #include <stdlib.h>
@@ -28,7 +28,7 @@ static unsigned count_grid_differences(const oracle_grid *grid, const svo_tree_i
     return count;
 }
 
-/* A triangle's snapped vertices; false where the reference refuses it. */
+/* A triangle's snapped vertices; false if the reference refuses it. */
 static bool snap_triangle(const oracle_positions *mesh, const oracle_grid *grid, size_t triangle, int32_t snapped[3][3])
 {
     uint32_t vertices[3];
@@ -60,7 +60,7 @@ static uint64_t count_triangle_differences(const oracle_positions *mesh, const o
                                            const svo_tree_info *info, const svo_tree_arrays *arrays)
 {
     uint64_t count = 0;
-    uint64_t kept = 0; /* position in the tree's triangles, which ascend by the mesh's number */
+    uint64_t kept = 0; /* index into the tree's triangles, which are sorted by their index in the mesh */
     for (size_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
         int32_t snapped[3][3];
         const bool expected = snap_triangle(mesh, grid, triangle, snapped);

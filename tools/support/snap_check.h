@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether the tree's grid and snapped vertices are what the reference makes of the same mesh. */
+/* Compares the grid and the snapped vertices of a tree with those that the reference computes from the same mesh. */
 #ifndef SVOCL_TOOLS_SUPPORT_SNAP_CHECK_H
 #define SVOCL_TOOLS_SUPPORT_SNAP_CHECK_H
 
@@ -12,11 +12,11 @@
 
 typedef struct snap_differences {
     unsigned grid_values; /* of origin, edge and scale */
-    uint64_t triangles; /* accepted on one side only, or with a vertex snapped otherwise */
+    uint64_t triangles; /* accepted by only one of the two, or with a different snapped vertex */
 } snap_differences;
 
-/* mesh: what the tree was built of, by options given. The tree holds its geometry (SVO_NEED_RAYS). Returns false when
-   memory runs out. */
+/* mesh: the input of the tree, built by the options given. The tree has its geometry (SVO_NEED_RAYS). Returns false
+   if memory runs out. */
 bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
                 snap_differences *found);
 

@@ -91,7 +91,7 @@ static void measure(const table *rows, size_t widths[TABLE_COLUMNS_MAX])
     }
 }
 
-/* Columns of the terminal; "no limit" where standard output is none. */
+/* Columns of the terminal; no limit if standard output is not a terminal. */
 static size_t line_width(void)
 {
     struct winsize window = {0};
@@ -118,7 +118,7 @@ static size_t fitting_length(const char *text, size_t width)
     return end;
 }
 
-/* The last cell of a row, wrapped under its own beginning. */
+/* The last cell of a row; continuation lines are indented to its start. */
 static void print_wrapped(const char *text, size_t indent)
 {
     const size_t width = line_width();

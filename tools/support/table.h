@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tables and figures for people: aligned columns without frames, counts with separators, sizes and rates with units.
- * On a terminal long cells of the last column are wrapped to its width, and headings are bold unless it has asked for
- * plain text (NO_COLOR, TERM=dumb); a file or a pipe gets one line per row.
+ * Tables and figures for people: aligned columns without frames, counts with separators, sizes and rates with units. On
+ * a terminal, long cells of the last column wrap to its width, and headings are bold unless NO_COLOR or TERM=dumb
+ * forbids it. A file or a pipe gets one line per row.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_TABLE_H
 #define SVOCL_TOOLS_SUPPORT_TABLE_H
@@ -14,11 +14,11 @@ typedef struct table table;
 
 #define TABLE_COLUMNS_MAX 24U
 
-/* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL when out of memory, which the other
-   functions allow. */
+/* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL if memory runs out; the other
+   functions accept it. */
 table *table_create(const char *alignment);
 
-/* The next cell, row by row. */
+/* Adds the next cell, row by row. */
 void table_cell(table *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Prints the rows to standard output, indented, and releases the table. */

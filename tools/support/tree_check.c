@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the tree of the exact reference and compares it with a built one, for verify and stress. */
+/* Builds the tree of the exact reference and compares it with a built one, for verify and stress. */
 #include "support/tree_check.h"
 
 #include <stdlib.h>

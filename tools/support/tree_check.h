@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* A tree with leaf lists against the exact reference: its snapped triangles are voxelized again, by tests/oracle. */
+/* Compares a tree that has leaf lists with the exact reference of tools/reference, which voxelizes its snapped
+   triangles again. */
 #ifndef SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
 #define SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
 
 #include "reference/oracle.h"
 #include "svocl/tree.h"
 
-/* What must be 0, and how much was compared. */
+/* Differences, which must be 0, and how much was compared. */
 typedef struct tree_differences {
     oracle_difference difference;
-    uint64_t node_differences; /* child masks, first children and level begins that differ */
+    uint64_t node_differences; /* child masks, first children and level offsets that differ */
     uint64_t expected_voxels, expected_pairs;
     uint64_t built_voxels, built_pairs;
 } tree_differences;
@@ -19,8 +20,8 @@ typedef struct tree_differences {
 bool tree_check(const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found);
 bool tree_check_is_exact(const tree_differences *found);
 
-/* The tree's voxel-triangle pairs out of its masks and leaf lists, sorted; leaves without any triangle are only
-   counted. Released by oracle_pairs_free. Returns false as tree_check. */
+/* The tree's voxel-triangle pairs from its masks and leaf lists, sorted; leaves without triangles are only counted.
+   Release them by oracle_pairs_free. Returns false under the same conditions as tree_check. */
 bool tree_check_list_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out,
                            uint64_t *empty_leaf_count);
 

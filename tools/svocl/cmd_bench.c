@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl bench: measurements as tables, as JSON, or as a file of it. The subjects are in bench/ and errors/. */
+/* svocl bench: runs measurements and writes them as tables or JSON. The subjects are in bench/ and errors/. */
 #include <string.h>
 
 #include "bench/rays.h"
@@ -57,11 +57,10 @@ static int check_subject(program *state)
     char known[256];
     list_subjects(known, sizeof known);
     if (given->subject == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "what to measure is missing: one of %s", known);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT is missing, one of %s", known);
     }
     if (!subjects_know(given->subject)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' cannot be measured, only one of %s", given->subject,
-                            known);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s", given->subject, known);
     }
     return PROGRAM_DONE;
 }
@@ -71,14 +70,14 @@ static int check_options(program *state)
 {
     const options *given = &state->options;
     if (given->input != NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "argument '%s' is one too many, bench %s takes --scenes",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s', bench %s takes --scenes",
                             given->input, given->subject);
     }
     if (given->has_depth) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
     }
     if (given->versus != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--vs is for bench rays alone, the others take what is there");
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs does not apply to bench %s", given->subject);
     }
     const char *name = given->need != 0                            ? "need"
                        : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
@@ -102,7 +101,7 @@ static void print_tables(const result_set *results)
     }
 }
 
-/* Saves, and prints as JSON or as tables. */
+/* Saves the results, then prints them as JSON or as tables. */
 static int show(program *state, const result_set *results)
 {
     const options *given = &state->options;

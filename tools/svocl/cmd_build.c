@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl build: a mesh becomes a tree, a file and a table of what it took. */
+/* svocl build: builds the octree of a mesh, saves it and reports what each stage took. */
 #include "support/build_report.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -101,7 +101,7 @@ static int check_options(program *state)
 {
     const options *given = &state->options;
     if (given->plan_only && (given->output_path != NULL || given->repeat > 1)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--plan-only builds nothing: %s makes no sense with it",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not apply with --plan-only, which builds nothing",
                             given->output_path != NULL ? "-o FILE" : "--repeat");
     }
     if (given->compress && given->output_path == NULL) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl devices: what OpenCL and OpenGL there is on this machine, and what svocl can do with each pair of the two.
+ * svocl devices: the OpenCL devices and OpenGL renderers of this machine, and what svocl can do with each pair.
  *
- * Everything is gathered into one JSON document; the tables for people are printed out of it.
+ * Everything is collected in one JSON document; the tables for people are printed from it.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,10 +15,10 @@
 #include "svocl/commands.h"
 
 #define PLATFORMS_MAX 16
-#define DEVICES_MAX   32 /* per platform and in all */
+#define DEVICES_MAX   32 /* per platform and in total */
 #define TEXT_BYTES    512
 
-/* Working OpenCL devices, open as long as their pairs with renderers are probed. */
+/* Working OpenCL devices, open until their pairs with renderers are probed. */
 typedef struct opened_devices {
     svo_device *devices[DEVICES_MAX];
     cl_context contexts[DEVICES_MAX];
@@ -60,7 +60,7 @@ static void add_frontends(cJSON *object, svo_device *device)
     svo_frontend_destroy(&frontend);
 }
 
-/* Opens the device for the pairs and adds whether svocl can use it. */
+/* Opens the device for the pairs and records whether svocl can use it. */
 static void open_device(program *state, cJSON *object, cl_device_id device, opened_devices *opened)
 {
     svo_message message = {""};
@@ -174,7 +174,7 @@ static void print_methods(table *rows, const cJSON *methods)
     }
 }
 
-/* Front ends and builders share names. */
+/* Front ends and builders share some names. */
 static void print_builders(table *rows, const cJSON *builders)
 {
     const cJSON *builder = NULL;
@@ -245,7 +245,7 @@ static void print_renderers(const cJSON *document)
     table_print(rows);
 }
 
-/* Whether the two pairs are of one device and the same ways work, for the same reasons. */
+/* Whether two pairs have the same device and the same methods work, for the same reasons. */
 static bool is_alike(const cJSON *a, const cJSON *b)
 {
     static const char *const compared[] = {"device", "frontends", "shares", "builders"};
@@ -257,7 +257,7 @@ static bool is_alike(const cJSON *a, const cJSON *b)
     return true;
 }
 
-/* One table for neighbors that are alike: contexts of one renderer differ in nothing else. */
+/* One table for equal neighbors: contexts of one renderer usually differ in nothing else. */
 static void print_pairs(const cJSON *document)
 {
     const cJSON *first = cJSON_GetArrayItem(cJSON_GetObjectItem(document, "pairs"), 0);
@@ -297,7 +297,7 @@ int command_devices(program *state)
         cJSON_Delete(document);
     }
     if (exit_code == PROGRAM_DONE && !has_device) {
-        exit_code = program_fail(state, PROGRAM_FAILED, "no OpenCL device that svocl can use was found");
+        exit_code = program_fail(state, PROGRAM_FAILED, "no OpenCL device was found that svocl can use");
     }
     return exit_code;
 }

@@ -5,7 +5,7 @@
 #include "support/job.h"
 #include "svocl/commands.h"
 
-/* done: NULL where a file was hashed and nothing ran. */
+/* done: NULL for a hashed file, where nothing was built. */
 static int print_hash(program *state, const svo_tree *tree, const job *done)
 {
     char all[SVO_HASH_TEXT_BYTES];

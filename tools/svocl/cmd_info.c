@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl info: what a .svo file holds. Loading it checks every length, checksum and index. */
+/* svocl info: prints what a .svo file contains. Loading checks every length, checksum and index. */
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>

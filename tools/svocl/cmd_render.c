@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl render: a picture of a tree, from a camera that frames it. */
+/* svocl render: renders a tree with a camera that frames it. */
 #include <stb/stb_image_write.h>
 #include <stdlib.h>
 
@@ -51,7 +51,7 @@ static int report_picture(program *state, const session *opened, const svo_camer
     return PROGRAM_DONE;
 }
 
-/* tree: on the device, and its arrays on the host. */
+/* tree: on the device, with its arrays on the host. */
 static int render(program *state, const session *opened, svo_tree *tree)
 {
     const options *given = &state->options;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl report: all results as one page, and the same values as CSV, JSON and Markdown. */
+/* svocl report: all results as one HTML page, and the same values as CSV, JSON and Markdown. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@
 
 /* ---- reading or measuring ---- */
 
-/* The text of a file, by malloc; NULL with the failure printed. */
+/* The text of a file, allocated by malloc; NULL after a failure, which is printed. */
 static char *read_text(program *state, const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -111,7 +111,7 @@ static int make_folder(program *state, const char *folder)
     return PROGRAM_DONE;
 }
 
-/* What a file of the report is made of. */
+/* Writes one file of the report. */
 typedef int write_part(program *state, const page_content *content, const result_table *shown, FILE *stream);
 
 static int write_csv(program *state, const page_content *content, const result_table *shown, FILE *stream)
@@ -151,7 +151,7 @@ static int write_json(program *state, const page_content *content, const result_
     return PROGRAM_DONE;
 }
 
-/* One file in the folder, whole or not at all. */
+/* Writes one file into the folder, completely or not at all. */
 static int write_file(program *state, const page_content *content, const result_table *shown, const char *name,
                       write_part *write)
 {

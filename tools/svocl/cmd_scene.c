@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl scene: writes a procedural scene as a mesh file, or lists the scenes there are. */
+/* svocl scene: writes a procedural scene as a mesh file, or lists the scenes. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +24,7 @@ static int list_scenes(program *state)
         }
         return json_print(state, document);
     }
-    table_heading("scenes, and their triangles if no other count is asked for");
+    table_heading("scenes and their default triangle counts");
     table *rows = table_create("lrl");
     for (size_t i = 0; scene_describe(i) != NULL; ++i) {
         table_cell(rows, "%s", scene_describe(i)->name);
@@ -35,7 +35,8 @@ static int list_scenes(program *state)
     return PROGRAM_DONE;
 }
 
-/* NAME:triangles:seed, with the scene's own count where none was given; an unknown name is left to scene_create. */
+/* NAME:triangles:seed, with the default triangle count of the scene if none was given. scene_create rejects unknown
+   names. */
 static void write_spec(const options *given, char *spec, size_t spec_bytes)
 {
     uint64_t triangles = given->triangles;
@@ -83,7 +84,7 @@ int command_scene(program *state)
     char spec[256];
     write_spec(&state->options, spec, sizeof spec);
     program_begin_progress(state, 2);
-    progress_step(state->progress, "making the scene");
+    progress_step(state->progress, "generating the scene");
     scene *made = NULL;
     svo_message message = {""};
     svo_status status = scene_create(spec, &made, &message);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl stress: stiff and extreme cases on this device and driver, against the exact reference, beside float32 ways. */
+/* svocl stress: ill-conditioned and extreme inputs on this device and driver, compared with the exact reference and
+   with common float32 methods. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +51,7 @@ static void print_case(table *rows, const stress_case *one)
 
 static void print_cases(const stress *run)
 {
-    table_heading("Stiff and extreme cases on %s, frontend %s, renderer %s, seed %" PRIu64,
+    table_heading("Ill-conditioned and extreme inputs on %s, frontend %s, renderer %s, seed %" PRIu64,
                   svo_device_name(run->opened.device), svo_frontend_name(run->opened.frontend),
                   session_renderer(&run->opened), run->seed);
     table *rows = table_create("llrrrlrl");
@@ -67,8 +68,9 @@ static void print_cases(const stress *run)
             table_line("%s: %s", run->cases[i].name, run->cases[i].reason);
         }
     }
-    table_line("The float32 ways are shown, not judged. They run on the host, with the sampling rules of rasterizers;");
-    table_line("Schwarz-Seidel and box-centered aim at closed voxels, the others at half-open ones.");
+    table_line(
+        "float32 methods are listed for comparison and never fail. They run on the host with the sampling rules of");
+    table_line("rasterizers. Schwarz-Seidel and box-centered target closed coverage, the others half-open coverage.");
     table_line("%zu of %zu cases passed", count_judged(run) - count_failed(run), count_judged(run));
 }
 

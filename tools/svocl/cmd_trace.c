@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl trace: rays from a file or a camera against the triangles of a tree, hits into a file. */
+/* svocl trace: traces rays from a file or a camera against the triangles of a tree and writes the hits to a file. */
 #include <stdlib.h>
 
 #include "support/job.h"
@@ -41,7 +41,7 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
         return json_print(state, document);
     }
     progress_hide(state->progress);
-    table_line("%s: %s of %s rays meet %s at depth %u, in %s", state->options.output_path, figure_count(met).text,
+    table_line("%s: %s of %s rays hit %s at depth %u, in %s", state->options.output_path, figure_count(met).text,
                figure_count(count).text, state->options.input, info.depth, figure_ms(trace_ms).text);
     return PROGRAM_DONE;
 }
@@ -62,7 +62,7 @@ static int make_rays(program *state, const svo_tree *tree, ray_table *out)
     return ray_table_from_camera(state, &camera, given->width, given->height, out);
 }
 
-/* tree: on the device, and its arrays on the host. */
+/* tree: on the device, with its arrays on the host. */
 static int trace(program *state, const session *opened, svo_tree *tree)
 {
     ray_table cast = {0};
@@ -106,8 +106,9 @@ int command_trace(program *state)
 {
     const options *given = &state->options;
     if ((given->rays_path != NULL) == (given->camera != NULL)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "one of --rays FILE and --camera VIEW is needed, not %s",
-                            given->camera != NULL ? "both" : "none");
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "exactly one of --rays FILE and --camera VIEW is required, got %s",
+                            given->camera != NULL ? "both" : "neither");
     }
     if (given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl verify: a tree against the exact reference (tests/oracle), voxel by voxel, pair by pair and vertex by
-   vertex. */
+/* svocl verify: compares a tree with the exact reference (tools/reference), voxel by voxel, pair by pair and vertex
+   by vertex. */
 #include <inttypes.h>
 
 #include "support/build_report.h"
@@ -9,10 +9,10 @@
 #include "support/tree_check.h"
 #include "svocl/commands.h"
 
-/* Everything that must be 0, and how much was compared. */
+/* Differences, all of which must be 0, and how much was compared. */
 typedef struct verdict {
     tree_differences tree;
-    bool snap_compared; /* not for a tree from a file, which has no unsnapped mesh */
+    bool snap_compared; /* false for a tree from a file: the unsnapped mesh is missing */
     snap_differences snap;
 } verdict;
 
@@ -42,7 +42,7 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
     table_print(rows);
     table_line("%s nodes differ", figure_count(found->tree.node_differences).text);
     if (found->snap_compared) {
-        table_line("%s triangles are snapped otherwise, %u values of the grid differ",
+        table_line("%s triangles are snapped differently, %u grid values differ",
                    figure_count(found->snap.triangles).text, found->snap.grid_values);
     }
     if (is_exact(found)) {
@@ -110,7 +110,8 @@ static int verify(program *state, const svo_tree *tree, const job *done)
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     if ((info.need & SVO_NEED_RAYS) == 0) {
-        return program_fail(state, PROGRAM_FAILED, "%s: holds no leaf lists to compare, build it with --need rays",
+        return program_fail(state, PROGRAM_FAILED,
+                            "%s: the tree has no leaf lists to compare, build it with --need rays",
                             state->options.input);
     }
     bool good = true;
@@ -148,9 +149,9 @@ int command_verify(program *state)
     if (input_is_tree(state->options.input)) {
         return verify_tree_file(state);
     }
-    const uint32_t asked = state->options.need & ~(uint32_t)SVO_NEED_NONE;
+    const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = job_run(state, asked | (uint32_t)SVO_NEED_RAYS, 2, &done);
+    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

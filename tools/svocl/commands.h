@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The commands, one file each. Each returns the exit code, and has printed one line if it is not 0. */
+/* The commands, one file each. Each returns the exit code; if it is not 0, the command has printed one line. */
 #ifndef SVOCL_TOOLS_SVOCL_COMMANDS_H
 #define SVOCL_TOOLS_SVOCL_COMMANDS_H
 

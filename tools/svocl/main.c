@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The svocl program: picks the command and hands over. */
+/* The svocl program: finds the command and runs it. */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -16,25 +16,25 @@
 
 static const command commands[] = {
     {"devices", command_devices, OPTION_JSON, NULL, false,
-     "Lists OpenCL devices, OpenGL renderers and what works on which pair."},
+     "Lists OpenCL devices, OpenGL renderers and which methods work on each pair."},
     {"scene", command_scene, OPTION_SCENE_COMMAND | OPTION_OUTPUT | OPTION_JSON, "NAME", false,
-     "Writes a procedural scene as .obj or .ply; lists the scenes without NAME."},
+     "Writes a procedural scene as .obj or .ply; without NAME, lists the scenes."},
     {"build", command_build, BUILDS | OPTION_OUTPUT | OPTION_BUILD_COMMAND, "INPUT", true,
-     "Builds the octree of a mesh and says what each stage took."},
-    {"info", command_info, OPTION_JSON, "FILE.svo", true, "Checks a .svo file and prints what it holds."},
+     "Builds the octree of a mesh and reports the time of each stage."},
+    {"info", command_info, OPTION_JSON, "FILE.svo", true, "Checks a .svo file and prints what it contains."},
     {"hash", command_hash, BUILDS | OPTION_HASH_COMMAND, "INPUT", true,
      "Prints the hash of a mesh's octree, or of a .svo file."},
     {"verify", command_verify, BUILDS, "INPUT", true, "Builds the octree and compares it with the exact reference."},
     {"render", command_render, BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_RENDER_COMMAND, "INPUT", true,
-     "Draws the octree of a mesh or of a .svo file into a PNG picture."},
+     "Renders the octree of a mesh, or a .svo file, as a PNG image."},
     {"trace", command_trace, BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND, "INPUT", true,
      "Traces rays from a file or a camera against the triangles of a mesh or of a .svo file."},
     {"stress", command_stress, OPTION_DEVICE | OPTION_METHODS | OPTION_STRESS_COMMAND | OPTION_JSON, NULL, false,
-     "Goes through stiff and extreme cases against the exact reference, beside float32 ways."},
+     "Tests ill-conditioned and extreme inputs, compared with common float32 methods."},
     {"bench", command_bench, BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT, "SUBJECT [INPUT]", false,
-     "Measures times and errors, SUBJECT by subject or all; bench --help lists them."},
+     "Measures times or errors of one SUBJECT or of all; bench --help lists them."},
     {"report", command_report, OPTION_DEVICE | OPTION_MEASURE | OPTION_REPORT_COMMAND | OPTION_OUTPUT, NULL, false,
-     "Makes a page of every measurement, with charts, tables and pictures, in the folder -o DIR."},
+     "Writes all measurements as a page with charts, tables and pictures into the folder -o DIR."},
 };
 
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
@@ -49,8 +49,8 @@ static void print_help(void)
         table_cell(rows, "%s", commands[i].summary);
     }
     table_print(rows);
-    fputs("\nINPUT is a mesh file (OBJ, PLY, STL, glTF, ...), a .svo file where that makes\n"
-          "sense, or a scene made on the fly, scene:NAME[:triangles[:seed]], with NAME one\nof",
+    fputs("\nINPUT is a mesh file (OBJ, PLY, STL, glTF, ...), a .svo file where no build is\n"
+          "needed, or a generated scene, scene:NAME[:triangles[:seed]], with NAME one of\n ",
           stdout);
     for (size_t i = 0; scene_describe(i) != NULL; ++i) {
         printf("%s%s", i == 0 ? " " : ", ", scene_describe(i)->name);
@@ -128,7 +128,7 @@ int main(int argument_count, char **arguments)
         return exit_code;
     }
 #ifdef SIGXFSZ
-    signal(SIGXFSZ, SIG_IGN); /* a file size limit is a failed write, with a message, not a death */
+    signal(SIGXFSZ, SIG_IGN); /* beyond a file size limit, write() then fails with a message instead of a signal */
 #endif
     program state = {0};
     exit_code = dispatch(&state, argument_count, arguments);

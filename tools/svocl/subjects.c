@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of all measurements: a new subject is named here. */
+/* The list of all measurements. A new subject is added here. */
 #include "svocl/subjects.h"
 
 #include "bench/builders.h"

@@ -5,10 +5,10 @@
 
 #include "measure/suite.h"
 
-/* In their order; ends with NULL. Those of the group "all" come first, then those of "errors". */
+/* In order of execution; ends with NULL. The group "all" comes first, then the group "errors". */
 extern const suite_subject *const subjects[];
 
-/* Whether the name asks for any subject. */
+/* Whether the name is a subject or a group of subjects. */
 bool subjects_know(const char *wanted);
 
 #endif
