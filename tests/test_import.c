@@ -402,8 +402,8 @@ static void test_gltf_attributes(void **unused)
     svo_import_destroy(&import);
 }
 
-/* The outer node is translated. The inner node scales x by 2, then rotates about z by a quarter turn. The mesh is in
-   the inner node. */
+/* The outer node is translated. The inner node scales x by 2, then rotates about z by a quarter turn. Both nodes have
+   the mesh. */
 static void test_gltf_nested_nodes(void **unused)
 {
     (void)unused;

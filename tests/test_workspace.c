@@ -263,8 +263,8 @@ static void builds_of_a_workspace_are_ordered(void **state)
     scene_destroy(&made);
 }
 
-/* Whichever launch fails, the call returns at once, although the build before it waits for an event that is not set
-   yet. The commands already enqueued do no harm. */
+/* Whichever launch fails, the call returns at once, although the commands enqueued before it wait for an event that is
+   not set yet. These commands do no harm. */
 static void a_failed_enqueue_does_not_block(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -298,7 +298,7 @@ static void a_failed_enqueue_does_not_block(void **state)
         assert_string_equal(hash, expected.hash);
     }
     assert_true(failed > 20); /* launches of a build */
-    /* The last build is abandoned, and the workspace is destroyed with it. */
+    /* The last enqueue fails, and tree and workspace are destroyed right after it. */
     counting_fail_launch(failed / 2);
     assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
     svo_tree_destroy(&tree);
