@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes attributes for a random mesh, odd ones among them: not finite, zero, far out of range. */
+/* Makes attributes for a random mesh, including unusual values: not finite, zero, far out of range. */
 #include "attributed_mesh.h"
 
 #include <setjmp.h>
@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Odd sizes, every way to wrap. */
+/* Odd sizes, every wrap mode. */
 static void make_textures(uint64_t *state, attributed_mesh *out)
 {
     static const uint32_t sizes[ATTRIBUTED_TEXTURES][2] = {{1, 1}, {3, 5}, {64, 32}, {7, 1}, {2, 129}};
@@ -36,7 +36,7 @@ static void make_textures(uint64_t *state, attributed_mesh *out)
     }
 }
 
-/* The first is white without a texture; some have a texture that is not there. */
+/* The first is white without a texture; some refer to a texture that does not exist. */
 static void make_materials(uint64_t *state, attributed_mesh *out)
 {
     static const uint32_t texture_indices[ATTRIBUTED_MATERIALS] = {SVO_NO_TEXTURE,      0,    1, 2, 3, 4,
@@ -68,7 +68,7 @@ static void make_vertex_attributes(uint64_t *state, attributed_mesh *out)
 {
     for (size_t v = 0; v < out->mesh.vertex_count; ++v) {
         const uint32_t sort = random_below(state, 6);
-        const bool as_before = v > 0 && random_below(state, 3) != 0; /* many triangles of one color, one normal */
+        const bool as_before = v > 0 && random_below(state, 3) != 0; /* many triangles with a single color and normal */
         for (unsigned k = 0; k < 4; ++k) {
             out->colors[v * 4 + k] = as_before ? out->colors[v * 4 + k - 4] : (uint8_t)random_word(state);
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs tests/oracle on a caller's mesh and compares a built tree with what comes out. */
+/* Runs tools/reference on a caller's mesh and compares a built tree with its result. */
 #include "compare_tree.h"
 
 #include <setjmp.h>
@@ -14,7 +14,7 @@ static unsigned snap_bits_of(unsigned depth)
     return depth <= 12 ? 20 : depth + 8;
 }
 
-/* The vertices in double, by malloc. */
+/* The vertices as doubles, allocated by malloc. */
 static double *positions_of(const svo_mesh *mesh)
 {
     double *values = malloc((mesh->vertex_count * 3 + 1) * sizeof *values);
@@ -25,7 +25,7 @@ static double *positions_of(const svo_mesh *mesh)
     return values;
 }
 
-/* What lies beyond the reach of the test touches nothing, refused or outside: the oracle is told so by 2^29. */
+/* Refused and outside vertices touch no voxel. The oracle gets 2^29 for them, beyond the range of the test. */
 static void snap_vertex(const oracle_grid *grid, const double position[3], int32_t snapped[3])
 {
     if (!oracle_snap(grid, position, snapped)) {
@@ -126,7 +126,7 @@ static void assert_lists(const built *actual, const oracle_pairs *expected)
     assert_int_equal(arrays->list_begin[leaf], expected->count);
 }
 
-/* The geometry rays read: the kept triangles, with the corners and the vertices they have in the mesh. */
+/* The geometry that rays read: the kept triangles, with their corners and their vertices in the mesh. */
 static void assert_geometry(const built *actual, const exact *expected)
 {
     const svo_tree_arrays *arrays = &actual->arrays;
@@ -151,7 +151,7 @@ void assert_tree_is_exact(const built *actual, const exact *expected)
     assert_int_equal(actual->info.fragments, expected->pairs.count);
     if (expected->triangle_count > 0) {
         for (unsigned axis = 0; axis < 3; ++axis) {
-            assert_true(actual->info.origin[axis] == expected->grid.origin[axis]); /* -0 is 0 */
+            assert_true(actual->info.origin[axis] == expected->grid.origin[axis]); /* -0 equals 0 */
         }
         assert_int_equal(actual->info.snap_bits, expected->grid.snap_bits);
         assert_true(actual->info.edge == expected->grid.edge);

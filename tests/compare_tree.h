@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A built tree against the exact references: grid, snapped vertices, nodes and leaf lists, element by element. Inside a
- * running cmocka test; a difference fails it with both values.
+ * Compares a built tree with the exact references: grid, snapped vertices, nodes and leaf lists, element by element.
+ * Call inside a running cmocka test; a difference fails the test with both values.
  */
 #ifndef SVOCL_TESTS_COMPARE_TREE_H
 #define SVOCL_TESTS_COMPARE_TREE_H
@@ -9,11 +9,11 @@
 #include "fixture.h"
 #include "oracle.h"
 
-/* What the references make of a mesh. The arrays are by malloc, released by exact_destroy. */
+/* The references' result for a mesh. The arrays are allocated by malloc and released by exact_destroy. */
 typedef struct exact {
     oracle_coverage coverage;
     oracle_grid grid;
-    int32_t *vertices; /* vertex_count * 3; vertices that no accepted triangle has are undefined */
+    int32_t *vertices; /* vertex_count * 3; undefined for vertices that no accepted triangle uses */
     uint32_t *indices; /* of the accepted triangles */
     uint32_t *triangle_ids;
     size_t triangle_count;
@@ -25,13 +25,13 @@ typedef struct exact {
 void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out);
 void exact_destroy(exact *made);
 
-/* The second reference finds the same pairs. */
+/* Checks that the second reference finds the same pairs. */
 void assert_references_agree(const exact *made);
 
-/* Nodes and, where the tree has them, lists and geometry. */
+/* Compares nodes and, where the tree has them, lists and geometry. */
 void assert_tree_is_exact(const built *actual, const exact *expected);
 
-/* Makes the reference of the build's mesh, compares, and releases it. */
+/* Makes the reference for the build's mesh, compares, and releases it. */
 void assert_build_is_exact(const svo_mesh *mesh, const svo_plan_options *grid_options, const built *actual);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stands in for the OpenCL calls that svocl_count_calls (CMakeLists.txt) wraps: each calls the real one and takes
-   notes. */
+/* Replaces the OpenCL calls that svocl_count_calls (CMakeLists.txt) wraps. Each wrapper calls the real function and
+   records the call. */
 #include "counting.h"
 
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 #define KERNEL_LIST_BYTES 4096
 
 typedef struct noted_buffer {
-    cl_mem handle; /* NULL: the place is free */
+    cl_mem handle; /* NULL: this slot is free */
     cl_mem parent; /* of a sub-buffer */
     uint64_t bytes; /* of its own */
     uint64_t references; /* the caller's and those of its sub-buffers */
@@ -26,17 +26,17 @@ typedef struct noted_buffer {
 
 typedef struct noted_build {
     char options[OPTIONS_BYTES];
-    char kernels[KERNEL_LIST_BYTES]; /* as CL_PROGRAM_KERNEL_NAMES has them: "one;another" */
+    char kernels[KERNEL_LIST_BYTES]; /* in the form of CL_PROGRAM_KERNEL_NAMES: "one;another" */
 } noted_build;
 
 static struct {
     counted figures;
     noted_buffer buffers[BUFFERS_MAX];
     noted_build builds[BUILDS_MAX];
-    size_t launches_to_failure; /* 0: none is to fail; 1: the next one */
+    size_t launches_to_failure; /* 0: no launch fails; 1: the next one */
 } notes;
 
-/* The linker's names, for the calls themselves and for what stands in for them. */
+/* The linker's names for the real calls and for their wrappers. */
 /* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 cl_mem __real_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
 cl_mem __wrap_clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error);
@@ -90,7 +90,7 @@ const char *counting_kernels(size_t index)
 
 /* ---- memory ---- */
 
-/* NULL for one that is not known: made before, or by another call. With NULL: a free place. */
+/* NULL for an unknown handle: made earlier, or by another call. For NULL: a free slot. */
 static noted_buffer *find_buffer(cl_mem handle)
 {
     for (size_t i = 0; i < BUFFERS_MAX; ++i) {
@@ -164,7 +164,7 @@ cl_int __wrap_clRetainMemObject(cl_mem handle)
     return error;
 }
 
-/* Noted before: afterwards the handle may already be another buffer's. */
+/* Recorded before the call: afterwards the handle may already belong to another buffer. */
 cl_int __wrap_clReleaseMemObject(cl_mem handle)
 {
     drop_reference(handle);

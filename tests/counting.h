@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counts what svocl asks of OpenCL: memory, by handle, and programs with their kernels; and lets launches fail. The
- * linker puts it between a test and the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls named
- * there (ld --wrap), in the test and in the libraries linked into it; so svocl must be static. Drivers' own calls are
- * not seen.
+ * Counts svocl's use of OpenCL: memory by handle, programs and their kernels. It can also make launches fail. The
+ * linker puts it between a test and the OpenCL loader: in CMake, svocl_count_calls(test_name) wraps the calls listed
+ * there (ld --wrap) in the test and in its static libraries, so svocl must be static. Calls inside drivers are not
+ * counted.
  *
  *     counting_begin();
  *     ... svo_build(plan, frontend, queue, &tree, NULL) ...
@@ -19,28 +19,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Since counting_begin. Of a buffer that was made before, nothing is counted, its release neither. */
+/* Counts since counting_begin. Buffers made earlier are not counted, and neither is their release. */
 typedef struct counted {
-    /* A buffer lives until clReleaseMemObject was called once more than clRetainMemObject, and as long as a sub-buffer
-       of it does. Sub-buffers have no bytes of their own. */
+    /* A buffer lives until clReleaseMemObject was called once more than clRetainMemObject, and as long as one of its
+       sub-buffers lives. Sub-buffers have no bytes of their own. */
     uint64_t live_bytes, peak_bytes;
-    uint64_t total_bytes; /* of all buffers that were made */
-    uint64_t live_buffers, buffers; /* those that live; calls of clCreateBuffer that succeeded */
-    uint64_t sub_buffers; /* calls of clCreateSubBuffer that succeeded */
-    uint64_t programs; /* calls of clCreateProgramWithSource that succeeded */
-    uint64_t builds, built_kernels; /* programs that clBuildProgram compiled, and the kernels in them */
-    uint64_t kernels; /* calls of clCreateKernel that succeeded */
-    uint64_t failed_launches; /* as counting_fail_launch asked for */
+    uint64_t total_bytes; /* of all buffers ever made */
+    uint64_t live_buffers, buffers; /* live ones; successful calls of clCreateBuffer */
+    uint64_t sub_buffers; /* successful calls of clCreateSubBuffer */
+    uint64_t programs; /* successful calls of clCreateProgramWithSource */
+    uint64_t builds, built_kernels; /* programs compiled by clBuildProgram, and their kernels */
+    uint64_t kernels; /* successful calls of clCreateKernel */
+    uint64_t failed_launches; /* as requested by counting_fail_launch */
 } counted;
 
 void counting_begin(void);
 counted counting_read(void);
 
-/* From now on the index-th launch of a kernel, counted from 0, fails with CL_INVALID_KERNEL_ARGS, once. */
+/* Makes one launch of a kernel fail with CL_INVALID_KERNEL_ARGS: the index-th from now on, counted from 0. */
 void counting_fail_launch(size_t index);
 
-/* Of the index-th program built since counting_begin: its options, and its kernels as "one;another". index is below
-   counting_read().builds. Both live until the next counting_begin. */
+/* The options and the kernels ("one;another") of the index-th program built since counting_begin. index is below
+   counting_read().builds. Both strings live until the next counting_begin. */
 const char *counting_options(size_t index);
 const char *counting_kernels(size_t index);
 

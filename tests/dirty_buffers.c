@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Linked into test_kernels, where it stands in front of the OpenCL loader's function of the same name: new buffers are
- * full of garbage, as on devices with a history, so that no kernel can live on memory that happens to be zero.
+ * Linked into test_kernels, where it overrides the OpenCL loader's function of the same name. New buffers are filled
+ * with garbage, as on a device that has been in use, so that no kernel can rely on zeroed memory.
  */
 #define _GNU_SOURCE /* RTLD_NEXT */
 #include <dlfcn.h>
@@ -15,10 +15,10 @@
 
 typedef cl_mem(CL_API_CALL *create_buffer)(cl_context, cl_mem_flags, size_t, void *, cl_int *);
 
-/* The function that would have been called without this file. */
+/* The loader's function, which this file overrides. */
 static create_buffer real_create_buffer(void)
 {
-    /* POSIX lets dlsym's result be a function; ISO C has no cast for it, so the bytes are copied. */
+    /* POSIX allows dlsym to return a function; ISO C has no cast for it, so the bytes are copied. */
     void *symbol = dlsym(RTLD_NEXT, "clCreateBuffer");
     create_buffer function = NULL;
     memcpy(&function, &symbol, sizeof function);

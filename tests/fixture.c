@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens what a build needs and builds with it. */
+/* Opens a device and front ends, and builds with them. */
 #include "fixture.h"
 
 #include <setjmp.h>
@@ -102,7 +102,7 @@ fixture fixture_cl_of_group(void **state)
     return by_cl;
 }
 
-/* The plan's buffers as they are now. */
+/* The plan's buffers in their current state. */
 static void list_buffers(const svo_plan *plan, built *out)
 {
     out->buffer_count = svo_plan_buffer_count(plan);

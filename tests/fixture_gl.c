@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The OpenGL half of the fixture. */
+/* The OpenGL part of the fixture. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

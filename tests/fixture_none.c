@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* In place of fixture_gl.c where svocl is built without svocl::gl. */
+/* Replaces fixture_gl.c where svocl is built without svocl::gl. */
 #include "fixture.h"
 
 void fixture_open(const fixture_options *options, fixture *out)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cl_khr_gl_sharing by copies. */
+/* Emulates cl_khr_gl_sharing by copies. */
 #include "gl_interop_shim.h"
 
 #include <setjmp.h>
@@ -156,7 +156,7 @@ static void CL_CALLBACK forget_object(cl_mem memory, void *user)
     shared_object *object = user;
     if (object->memory == memory) {
         if (object->acquired) {
-            violate("released while it is acquired");
+            violate("released while acquired");
         }
         *object = (shared_object){0};
         --shim.counts.objects;

@@ -13,13 +13,13 @@
 
 #include "context/context.h"
 
-/* All zero: no fault, and cl_khr_gl_event. */
+/* All zero: no fault, with cl_khr_gl_event. */
 typedef struct shim_faults {
-    const char *extensions; /* what the device lists instead of "cl_khr_gl_sharing cl_khr_gl_event" */
-    const char *missing_function; /* the platform does not have it */
+    const char *extensions; /* the device's list instead of "cl_khr_gl_sharing cl_khr_gl_event" */
+    const char *missing_function; /* the platform lacks this function */
     cl_int info_error, context_error, create_error, acquire_error, release_error; /* CL_SUCCESS: none */
-    unsigned spared_calls; /* create, acquire and release succeed this often before they fail */
-    bool lists_no_device; /* by clGetGLContextInfoKHR */
+    unsigned spared_calls; /* create, acquire and release succeed this many times before they fail */
+    bool lists_no_device; /* clGetGLContextInfoKHR lists none */
     bool corrupts; /* acquiring changes one word */
     bool acquires_nothing; /* later acquires keep the bytes of the first */
 } shim_faults;

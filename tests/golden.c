@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the golden table. Strict: a line that is not understood is an error, so that no count is lost unseen. */
+/* Reads the golden table. A line that cannot be parsed is an error, so that no count is skipped silently. */
 #include "golden.h"
 
 #include <inttypes.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The scene of that name, made if it is new; NULL if the table is full. */
+/* Finds or adds the scene of that name; NULL if the table is full. */
 static golden_scene *find_scene(golden_table *table, const char *name)
 {
     golden_scene *scene;

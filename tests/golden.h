@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The golden table (golden/counts.tsv): small scenes of snapped triangles, with the exact number of voxels they touch
- * and of (voxel, triangle) pairs at each depth. For the tests of the references and of every front end.
+ * and of (voxel, triangle) pairs at each depth. Used by the tests of the references and of every front end.
  *
- * The coordinates are 0 .. 2^20 - 1. A build with origin 0 and edge 2^20 leaves them as they are.
+ * The coordinates are 0 .. 2^20 - 1. A build with origin 0 and edge 2^20 does not change them.
  */
 #ifndef SVOCL_TESTS_GOLDEN_H
 #define SVOCL_TESTS_GOLDEN_H
@@ -18,7 +18,7 @@
 #define GOLDEN_NAME_BYTES 32
 
 typedef struct golden_count {
-    bool is_closed; /* coverage closed, otherwise half-open */
+    bool is_closed; /* closed coverage, otherwise half-open */
     unsigned depth; /* from 0, which the library does not build */
     uint64_t voxels;
     uint64_t pairs;
@@ -26,7 +26,7 @@ typedef struct golden_count {
 
 typedef struct golden_scene {
     char name[GOLDEN_NAME_BYTES];
-    int32_t *vertices; /* three vertices of x, y, z per triangle, by malloc */
+    int32_t *vertices; /* three vertices of x, y, z per triangle, allocated by malloc */
     size_t triangle_count;
     golden_count counts[GOLDEN_COUNTS_MAX];
     size_t count_count;
@@ -37,8 +37,8 @@ typedef struct golden_table {
     size_t scene_count;
 } golden_table;
 
-/* Reads the table; path is usually GOLDEN_COUNTS_PATH, which the build defines. Returns NULL, with a line on stderr
-   that names the path and the line, if anything in it is not understood. Released by golden_free. */
+/* Reads the table; path is usually GOLDEN_COUNTS_PATH, which the build defines. If a line cannot be parsed, prints the
+   path and the line's number to stderr and returns NULL. Released by golden_free. */
 golden_table *golden_load(const char *path);
 void golden_free(golden_table *table);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Devices, contexts and small launches. Every failure fails the running test. */
+/* Opens devices and contexts and runs small kernels. Every failure fails the running test. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

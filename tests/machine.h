@@ -18,9 +18,9 @@
 /* The default device. Skips the test when there is none. */
 svo_device *machine_device_or_skip(void);
 
-/* A context of the kind, or NULL, with a printed reason, when this machine has none. */
+/* A context of the kind. If this machine has none, prints the reason and returns NULL. */
 svo_gl_context *machine_context_or_null(svo_gl_context_kind kind);
-/* A context of the first kind that this machine has. Skips the test when there is none. */
+/* A context of the first available kind. Skips the test when there is none. */
 svo_gl_context *machine_any_context_or_skip(void);
 
 #define MACHINE_GROUP_ITEMS 64

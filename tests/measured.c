@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds once to see what is compiled, once more to see what is allocated, and compares two such builds. */
+/* Builds once to record programs and a second time to record memory, and compares two such builds. */
 #include "measured.h"
 
 #include <setjmp.h>
@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-/* That the running measured_build fills. */
+/* The result that the running measured_build fills. */
 static measured *current;
 
-/* What the plan says before anything is built. */
+/* Records the plan's figures before the build. */
 static void take_plan(const svo_plan *plan)
 {
     current->planned_peak_bytes = svo_plan_peak_bytes(plan);
@@ -24,7 +24,7 @@ static void take_plan(const svo_plan *plan)
         svo_plan_get_left_out(plan, i, &entry);
         const char *space = strchr(entry.reason, ' ');
         if (strlen(entry.what) == 0 || space == NULL || strchr(space + 1, ' ') == NULL || strchr(entry.reason, '\n')) {
-            fail_msg("left out: '%s' because '%s', which is not one line of a few words", entry.what, entry.reason);
+            fail_msg("left out: '%s' because '%s', which is not one short line", entry.what, entry.reason);
         }
         current->left_out[i].what = entry.what;
         snprintf(current->left_out[i].reason.text, sizeof current->left_out[i].reason.text, "%s", entry.reason);
@@ -44,7 +44,7 @@ static bool plan_has_program(const svo_plan *plan, const char *options)
     return found;
 }
 
-/* What was compiled since counting_begin is what the plan lists. */
+/* The programs compiled since counting_begin are exactly those that the plan lists. */
 static void take_programs(const svo_plan *plan)
 {
     const counted compiled = counting_read();
@@ -63,7 +63,7 @@ static void take_programs(const svo_plan *plan)
     current->built_kernels = compiled.built_kernels;
 }
 
-/* What was allocated since counting_begin, by a build that compiled nothing, is the plan's list. */
+/* The buffers allocated since counting_begin, by a build that compiled nothing, are exactly the plan's list. */
 static void take_memory(const svo_plan *plan)
 {
     const counted allocated = counting_read();
@@ -86,7 +86,7 @@ static void take_memory(const svo_plan *plan)
     current->tree_bytes = allocated.live_bytes;
 }
 
-/* Kernels are warmed up on buffers of their own when they are compiled, so memory is counted in a second build. */
+/* Compiling a kernel includes a warm-up on separate buffers, so memory is counted in a second build. */
 static svo_status build_twice(const fixture *opened, svo_plan *plan, svo_tree **out, svo_build_report *report)
 {
     svo_tree *first = NULL;
@@ -97,7 +97,7 @@ static svo_status build_twice(const fixture *opened, svo_plan *plan, svo_tree **
     if (status != SVO_OK) {
         return status;
     }
-    assert_int_equal(counting_read().live_buffers, 0); /* nothing is left of it */
+    assert_int_equal(counting_read().live_buffers, 0); /* the first build released everything */
     take_programs(plan);
     counting_begin();
     status = svo_build(plan, opened->frontend, opened->queue, out, report);
@@ -107,12 +107,12 @@ static svo_status build_twice(const fixture *opened, svo_plan *plan, svo_tree **
     return status;
 }
 
-/* The plan had room for it, unless it had to grow. */
+/* The build kept within the plan's sizes, unless it had to grow. */
 static void assert_plan_sufficed(const measured *made)
 {
     if (made->result.report.reruns == 0 &&
         (made->planned_peak_bytes < made->peak_bytes || made->planned_tree_bytes < made->tree_bytes)) {
-        fail_msg("planned were %llu bytes, %llu of them to stay; it took %llu, and %llu stay",
+        fail_msg("planned: %llu bytes, %llu of them for the tree; used: %llu, %llu for the tree",
                  (unsigned long long)made->planned_peak_bytes, (unsigned long long)made->planned_tree_bytes,
                  (unsigned long long)made->peak_bytes, (unsigned long long)made->tree_bytes);
     }
@@ -144,10 +144,10 @@ const char *measured_left_out(const measured *made, const char *what)
     return NULL;
 }
 
-bool measured_has_define(const measured *made, const char *key)
+bool measured_has_define(const measured *made, const char *define)
 {
     char option[64];
-    snprintf(option, sizeof option, " -D%s ", key);
+    snprintf(option, sizeof option, " -D%s ", define);
     return strstr(made->defines, option) != NULL;
 }
 
@@ -201,7 +201,7 @@ void assert_takes_less(const measured *less, const measured *full, unsigned gain
     }
 }
 
-/* One array of two trees, where both have it. */
+/* Compares one array of two trees, where both have it. */
 static void assert_same_array(const char *name, const void *a, const void *b, uint64_t count, size_t element_bytes)
 {
     if (a != NULL && b != NULL && memcmp(a, b, (size_t)count * element_bytes) != 0) {

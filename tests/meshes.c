@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes that tests make. */
+/* Generates meshes for tests. */
 #include "meshes.h"
 
 #include <setjmp.h>
@@ -55,7 +55,7 @@ static double clamp_to(double value, double low, double high)
     return value < low ? low : value > high ? high : value;
 }
 
-/* Corners at most extent apart from the first. */
+/* Corners at most extent away from the first. */
 static void around(uint64_t *state, double reach, double extent, double *corners)
 {
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -66,7 +66,7 @@ static void around(uint64_t *state, double reach, double extent, double *corners
     }
 }
 
-/* Puts all coordinates on a lattice of 1 / cells, in which voxel faces lie. */
+/* Rounds all coordinates to multiples of 1 / cells, which include the voxel faces. */
 static void align(double *corners, unsigned cells)
 {
     for (unsigned k = 0; k < 9; ++k) {
@@ -90,9 +90,9 @@ static void random_triangle(uint64_t *state, double reach, double *corners)
     if (sort == 0) { /* a point */
         copy_corner(corners, 0, 1);
         copy_corner(corners, 0, 2);
-    } else if (sort == 1) { /* a segment, by a corner twice */
+    } else if (sort == 1) { /* a segment: two equal corners */
         copy_corner(corners, random_below(state, 2), 2);
-    } else if (sort == 2) { /* a segment, by a corner between the others */
+    } else if (sort == 2) { /* a segment: a corner between the others */
         for (unsigned axis = 0; axis < 3; ++axis) {
             corners[6 + axis] = (corners[axis] + corners[3 + axis]) * 0.5;
         }
@@ -102,7 +102,7 @@ static void random_triangle(uint64_t *state, double reach, double *corners)
         }
     } else if (sort <= 6) { /* corners on voxel faces */
         align(corners, 1u << (2 + random_below(state, 8)));
-    } else if (sort == 7) { /* in a plane across an axis */
+    } else if (sort == 7) { /* in a plane perpendicular to an axis */
         const uint32_t axis = random_below(state, 3);
         corners[3 + axis] = corners[6 + axis] = corners[axis];
         if (random_below(state, 2) == 0) {

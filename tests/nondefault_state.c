@@ -92,7 +92,7 @@ typedef struct named {
     GLenum name;
 } named;
 
-/* Values of one to four numbers. */
+/* State values of one to four numbers. */
 static const named values[] = {
     NAMED(GL_ARRAY_BUFFER_BINDING),
     NAMED(GL_ELEMENT_ARRAY_BUFFER_BINDING),
@@ -371,7 +371,7 @@ nondefault_state *nondefault_state_set(bool compatibility)
 static int differs(bool different, const char *what, unsigned index)
 {
     if (different) {
-        print_message("%s, %u, is not as it was\n", what, index);
+        print_message("%s, %u, has changed\n", what, index);
     }
     return different;
 }

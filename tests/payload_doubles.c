@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What the payload should be, in double precision: triangles are clipped to voxels without any rounding to speak of. */
+/* The payload in double precision: clips triangles to voxels with negligible rounding. */
 #include <math.h>
 #include <string.h>
 
 #include "payload_pair.h"
 #include "payload_reference.h"
 
-/* Bilinear, in texels from the middle of the first. */
+/* Bilinear filtering; coordinates in texels from the center of the first. */
 static double double_sample(const svo_texture *texture, double u, double v, unsigned channel)
 {
     const double x = u * texture->width - 0.5;
@@ -60,7 +60,7 @@ double payload_double_part(const payload_pair *pair, double centroid[3])
     return oracle_part(&triangle, &pair->box, centroid);
 }
 
-/* The weight of a pair and its corners' weights. What has no area weighs next to nothing. */
+/* The weight of a pair and its corners' weights. Pairs without area get a tiny weight. */
 static double double_share(const payload_pair *pair, svo_weights mode, double weights[3])
 {
     double centroid[3];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What both payload references look up: a pair's triangle and voxel, a triangle's material and texels. */
+/* Lookups that both payload references use: a pair's triangle and voxel, a triangle's material and texels. */
 #include "payload_pair.h"
 
 #include <stdlib.h>
@@ -17,7 +17,7 @@ int64_t payload_area_seen(const int64_t point[3], const int32_t p[3], const int3
     return (p[u] - point[u]) * (q[v] - point[v]) - (p[v] - point[v]) * (q[u] - point[u]);
 }
 
-/* The axis along which the triangle looks largest; of equals the first. */
+/* The axis along which the triangle's projection is largest; the first of equal ones. */
 unsigned payload_pair_axis(const int32_t *const corners[3])
 {
     const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
@@ -64,7 +64,7 @@ int64_t payload_texel(const svo_texture *texture, int64_t x, int64_t y, unsigned
     return texture->rgba[(row * texture->width + column) * 4 + channel];
 }
 
-/* A pair's triangle is given by its id. */
+/* A pair names its triangle by id. */
 void payload_pair_open(const exact *expected, const oracle_pair *pair, payload_pair *out)
 {
     size_t low = 0;

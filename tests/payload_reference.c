@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The payload by the definition, in integers: bit for bit what the kernels make. */
+/* The payload by the definition, in integers: bit for bit equal to the kernels' results. */
 #include "payload_reference.h"
 
 #include <setjmp.h>
@@ -23,13 +23,13 @@ typedef struct payload_reference {
     uint16_t *materials, *fills; /* node_count */
 } payload_reference;
 
-/* What a node's pairs add up to. */
+/* The sums over a node's pairs. */
 typedef struct sums {
     int64_t weight;
     int64_t color[4], normal[3];
 } sums;
 
-/* The mesh as the definition sees it. */
+/* The mesh in the definition's terms. */
 typedef struct surface {
     const svo_mesh *mesh;
     const exact *snapped;
@@ -38,7 +38,7 @@ typedef struct surface {
     size_t material_count; /* at least 1 */
 } surface;
 
-/* What it contributes: how much, and the weights of the triangle's corners, WEIGHT_ONE in all. */
+/* A pair's contribution: its weight, and the weights of the triangle's corners, which add up to WEIGHT_ONE. */
 typedef struct share {
     int64_t weight, corners[3];
 } share;
@@ -57,8 +57,8 @@ typedef struct seen_point {
     unsigned bits;
 } seen_point;
 
-/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the point's own square cancels
-   out. */
+/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the product of the point's own
+   coordinates cancels. */
 static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsigned axis, seen_point point)
 {
     const __int128 one = (__int128)1 << point.bits;
@@ -71,7 +71,7 @@ static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsig
     return (int64_t)((p_u * q_v - p_v * q_u) / one);
 }
 
-/* The parts of the triangle opposite each corner, seen from the point; none negative, all 0 for a triangle of no
+/* The areas between the point and the edge opposite each corner; none is negative, all are 0 for a triangle without
    area. */
 static void corner_parts(const payload_pair *pair, unsigned axis, seen_point point, int64_t parts[3])
 {
@@ -85,8 +85,8 @@ static void corner_parts(const payload_pair *pair, unsigned axis, seen_point poi
     }
 }
 
-/* Corner weights that add up to WEIGHT_ONE: shares of the 16 leading bits of the whole, cut; the first corner has what
-   is left. */
+/* Corner weights that add up to WEIGHT_ONE: ratios to the 16 leading bits of the whole, rounded down; the first corner
+   gets the remainder. */
 static void corner_weights(const payload_pair *pair, unsigned axis, seen_point point, int64_t weights[3])
 {
     int64_t parts[3];
@@ -113,7 +113,7 @@ static void normal_of(const int32_t *const corners[3], double normal[3])
     }
 }
 
-/* The true area over that of the projection, 2^30 = 1. */
+/* The ratio of the true area to the projected area, 2^30 = 1. */
 static uint32_t stretch_of(const int32_t *const corners[3], unsigned axis)
 {
     double n[3];
@@ -122,7 +122,7 @@ static uint32_t stretch_of(const int32_t *const corners[3], unsigned axis)
     return (uint32_t)rint((n[axis] != 0.0 ? length / fabs(n[axis]) : 1.0) * 1073741824.0);
 }
 
-/* Whether the triangle stays within 2^24 units of a unit of the voxel, in the projection. */
+/* Whether the projected triangle lies within 2^24 units of a unit of the voxel. */
 static bool is_near(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
 {
     bool near = true;
@@ -135,7 +135,7 @@ static bool is_near(const payload_pair *pair, unsigned axis, int64_t u, int64_t 
     return near;
 }
 
-/* A point in sub-units as the kernels see it: of triangles that reach far the point counts in whole units. */
+/* A point in sub-units, as in the kernels: for triangles that reach far, the point is rounded to whole units. */
 static seen_point point_at(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
 {
     const int64_t sub_units = (INT64_C(1) << SVO_SUB_LOG2) / pair->box.width;
@@ -192,7 +192,7 @@ static int64_t blend(const int64_t values[3], const int64_t weights[3])
     return round_half_up(values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2], WEIGHT_ONE);
 }
 
-/* Texture coordinate, WEIGHT_ONE = 1, to 256ths of a texel from the middle of the first. */
+/* Converts a texture coordinate, WEIGHT_ONE = 1, to 256ths of a texel from the center of the first. */
 static int64_t texel_position(int64_t coordinate, uint32_t texel_count)
 {
     return round_half_up(coordinate * texel_count * 256, WEIGHT_ONE) - 128;
@@ -258,7 +258,7 @@ static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t co
     }
 }
 
-/* 32767 = 1; zero where there is no direction. */
+/* 32767 = 1; zero for a zero vector. */
 static void fixed_unit(const double vector[3], int64_t out[3])
 {
     const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
@@ -320,7 +320,7 @@ static void add_sums(sums *to, const sums *from)
     }
 }
 
-/* Leaves from the pairs, then every inner node from its children, the last one first. */
+/* Computes leaves from the pairs, then every inner node from its children, in descending order. */
 static void sum_nodes(const surface *of, sums *nodes, int64_t *by_material)
 {
     const oracle_tree *tree = &of->snapped->tree;
@@ -351,7 +351,7 @@ static uint16_t heaviest(const int64_t *by_material, size_t material_count)
     return (uint16_t)best;
 }
 
-/* Weight in 4096ths of the face of a node so many levels above the leaves. */
+/* Weight in 4096ths of the face of a node that is `levels` above the leaves. */
 static uint16_t fill_of(int64_t weight, uint32_t weight_log2, uint32_t levels_above)
 {
     const long double face = ldexpl(1.0L, (int)(weight_log2 + 2 * levels_above));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Trees with rays, and hits against the reference that tries every triangle. */
+/* Builds trees for rays and compares hits with the reference, which tests every triangle. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -52,7 +52,7 @@ oracle_ray widen_ray(const svo_ray *ray)
     return wide;
 }
 
-/* Two ts that are the same up to the rounding of a float, or a thousandth of a grid unit. */
+/* Whether two values of t are equal within the rounding of a float, or within a thousandth of a grid unit. */
 bool is_tied(const oracle_ray_scene *mesh, const svo_ray *ray, double a, double b)
 {
     double length = 0;
@@ -73,8 +73,8 @@ static bool is_closest(const built *tree, const svo_ray *ray, const svo_hit *hit
     return is_tied(&mesh, ray, (double)hit->t, exact->t);
 }
 
-/* The same triangle as the reference, or another with the same t. In long double a denormal component cannot be told
-   from zero; beside the edge of a triangle the answer of a ray that leans to the same side a little more will do. */
+/* The same triangle as the reference, or another with the same t. In long double, a denormal component cannot be told
+   from zero. Next to the edge of a triangle, the hit of a ray that leans slightly more to the same side is accepted. */
 void assert_is_closest(const char *what, const built *tree, const svo_ray *ray, const svo_hit *hit)
 {
     oracle_ray_hit exact;

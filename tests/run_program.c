@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs the built program through the shell in a folder of the test's own, and looks at what it did. */
+/* Runs the built program through the shell in a folder of its own, and checks the outcome. */
 #include "run_program.h"
 
 #include <dirent.h>

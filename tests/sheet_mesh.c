@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the sheet. */
+/* Generates the sheet. */
 #include "sheet_mesh.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static void put(sheet_mesh *sheet, size_t i, double x, double y)
     sheet->positions[i * 3 + 2] = HEIGHT;
 }
 
-/* Two triangles around the middle of a square. */
+/* Two triangles around the center of a square. */
 static void put_square(sheet_mesh *sheet, size_t square, double covered)
 {
     static const double corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
@@ -32,7 +32,7 @@ static void put_square(sheet_mesh *sheet, size_t square, double covered)
 
 static void put_extra(sheet_mesh *sheet, sheet_extra extra)
 {
-    /* Corners in squares. */
+    /* Corners, in units of squares. */
     static const double corners[][3][2] = {[SHEET_SPECK] = {{4.5, 5.5}, {4.5, 5.5}, {4.5, 5.5}},
                                            [SHEET_LARGE] = {{1, 1}, {14, 1}, {1, 14}},
                                            [SHEET_OUTSIDE] = {{1.5, 5.5}, {-2.5, 5.5}, {1.5, 6.5}},
@@ -45,11 +45,11 @@ static void put_extra(sheet_mesh *sheet, sheet_extra extra)
     sheet->mesh.vertex_count = sheet->mesh.triangle_count * 3;
 }
 
-/* Vertex i's. The further triangle is white. */
+/* Sets the attributes of vertex i. The further triangle is white. */
 static void put_vertex(sheet_mesh *sheet, size_t i)
 {
     static const size_t speck_square = 5 * SHEET_SQUARES + 4;
-    /* The square around the speck is the same all over: its means are whole numbers, which a speck cannot tip over. */
+    /* The square around the speck is uniform: its means are integers, which a speck cannot change after rounding. */
     const size_t k = i / 6 == speck_square ? speck_square * 6 : i;
     const double turn = (double)k * 0.1;
     sheet->normals[i * 3] = (float)cos(turn);
@@ -73,7 +73,7 @@ static void put_attributes(sheet_mesh *sheet)
     }
 }
 
-/* The mesh's arrays. */
+/* Allocates the mesh's arrays. */
 static void connect(sheet_mesh *sheet)
 {
     sheet->materials[0] = (svo_material){{255, 255, 255, 255}, SVO_NO_TEXTURE};

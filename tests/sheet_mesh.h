@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A flat sheet of small squares with every attribute, and beside it one more triangle in the same plane, on voxels that
- * the sheet has anyway: with it a build needs more than without, and the nodes are the same.
+ * A flat sheet of small squares with every attribute, and one further triangle in the same plane, on voxels that the
+ * sheet already occupies. With it, a build needs more memory or kernels, but the nodes do not change.
  */
 #ifndef SVOCL_TESTS_SHEET_MESH_H
 #define SVOCL_TESTS_SHEET_MESH_H
@@ -17,17 +17,17 @@ enum {
     SHEET_LARGE_TEXELS = 64 * 64
 };
 
-/* The further triangle. For the grid of origin 0 and edge 1, where the sheet's squares are a 128th wide. */
+/* The further triangle. Sizes are for the grid of origin 0 and edge 1, where the sheet's squares are 1/128 wide. */
 typedef enum sheet_extra {
-    SHEET_ALONE = 0, /* there is none */
-    SHEET_SPECK, /* a point: it weighs next to nothing, so its attributes change no node that has others */
+    SHEET_ALONE = 0, /* no further triangle */
+    SHEET_SPECK, /* a point: its tiny weight changes no node with other triangles */
     SHEET_LARGE, /* a tenth of the grid wide */
     SHEET_OUTSIDE, /* reaching outside the grid */
-    SHEET_BRIDGE, /* across two of the sheet's squares, from middle to middle */
+    SHEET_BRIDGE, /* across two of the sheet's squares, from center to center */
     SHEET_REFUSED /* with a vertex that is not finite */
 } sheet_extra;
 
-/* Three vertices of its own per triangle; the further one's come last. All may be changed. */
+/* Every triangle has three vertices of its own; those of the further one come last. All may be changed. */
 typedef struct sheet_mesh {
     svo_mesh mesh;
     double positions[(SHEET_TRIANGLES + 1) * 9];
@@ -36,16 +36,15 @@ typedef struct sheet_mesh {
     uint8_t colors[(SHEET_TRIANGLES + 1) * 12];
     uint16_t triangle_materials[SHEET_TRIANGLES + 1];
     svo_material materials[2];
-    svo_texture textures[2]; /* a small one of many colors, and a large one that is white */
+    svo_texture textures[2]; /* a small one with many colors and a large white one */
     uint8_t texels[(SHEET_SMALL_TEXELS + SHEET_LARGE_TEXELS) * 4];
 } sheet_mesh;
 
-/* Attributes that differ from vertex to vertex and, the materials, from triangle to triangle; both materials
-   untextured. The further triangle is white. covered: the part of each square that is covered, around its middle; 1:
-   all of it. */
+/* Colors and normals differ per vertex, materials per triangle; both materials are untextured. The further triangle is
+   white. covered: the fraction of each square's edge that is covered, around its center; 1: all of it. */
 void sheet_make(sheet_extra extra, double covered, sheet_mesh *out);
-/* The same color, normal or material all over the sheet; the further triangle has another (of
-   colors white) where differs says so. */
+/* One color, normal or material for the whole sheet. If differs is set, the further triangle has another; its color
+   is white. */
 void sheet_set_color(sheet_mesh *sheet, const uint8_t rgba[4], bool differs);
 void sheet_set_normal(sheet_mesh *sheet, const float normal[3], bool differs);
 void sheet_set_material(sheet_mesh *sheet, uint16_t material, bool differs);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl bench: tables with their columns and positive values, and wrong usage. Times are not tested. */
+/* svocl bench: tables with their columns and positive values, and usage errors. Times are not tested. */
 #include <stdio.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@ static int row_count_of(const cJSON *table)
     return cJSON_GetArraySize(array_of(table, "rows"));
 }
 
-/* Every row has a number above 0 in that column. */
+/* Every row has a positive number in that column. */
 static void expect_positive(const cJSON *table, const char *name)
 {
     const int index = column_of(table, name);
@@ -25,7 +25,7 @@ static void expect_positive(const cJSON *table, const char *name)
     }
 }
 
-/* A median and its quartiles, in order. */
+/* A median lies between its quartiles. */
 static void expect_spread(const cJSON *table, const char *name)
 {
     char low[64];
@@ -73,7 +73,7 @@ static void front_ends_are_measured(void **state)
     cJSON_Delete(document);
 }
 
-/* Each subject once on a tiny scene: all tables are there, and those that need no optional library have rows. */
+/* Runs each subject once on a tiny scene: all tables exist, and those that need no optional library have rows. */
 static void every_subject_adds_its_tables(void **state)
 {
     (void)state;
@@ -101,7 +101,7 @@ static void every_subject_adds_its_tables(void **state)
     expect_files(kept, 1);
 }
 
-/* Tables have the published values and name their hardware. */
+/* Tables contain the published values and name their hardware. */
 static void published_values_name_their_hardware(void **state)
 {
     (void)state;
@@ -121,7 +121,7 @@ static void published_values_name_their_hardware(void **state)
     cJSON_Delete(document);
 }
 
-static void wrong_usage_is_exit_code_2(void **state)
+static void usage_errors_exit_with_code_2(void **state)
 {
     (void)state;
     run_badly("$SVOCL bench", 2, "voxelize");
@@ -157,7 +157,7 @@ int main(void)
         IN_FOLDER(front_ends_are_measured),
         IN_FOLDER(every_subject_adds_its_tables),
         IN_FOLDER(published_values_name_their_hardware),
-        IN_FOLDER(wrong_usage_is_exit_code_2),
+        IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Built trees are the exact ones: nodes and leaf lists against the oracle for scenes, random and degenerate meshes,
- * fitted and caller's grids, at every depth; and trees that are known without an oracle.
+ * Built trees equal the exact ones: nodes and leaf lists against the oracle for scenes, random and degenerate meshes,
+ * fitted and caller's grids, at every depth; and trees that are known in closed form.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -58,9 +58,9 @@ static void all_depths_are_exact(void **state)
     owned_mesh few;
     random_mesh(12, 12, 0.0, &few);
     for (unsigned depth = SVO_DEPTH_MIN; depth <= SVO_DEPTH_MAX; ++depth) {
-        /* The large ones touch millions of voxels at the last depths; the small ones say enough there. */
+        /* Large meshes touch millions of voxels at the last depths; small ones suffice there. */
         few.mesh.triangle_count = depth <= 10 ? 12 : 3;
-        /* Beyond 12 the grid grows, not the number of voxels. */
+        /* Beyond depth 12 the grid grows, but not the number of voxels. */
         const double edge = depth <= 12 ? 0.0 : ldexp(1.0, (int)depth - 12);
         check_mesh(opened, &few.mesh, depth, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = edge});
     }
@@ -92,7 +92,7 @@ static void needles_are_exact(void **state)
     }
 }
 
-/* Triangles that reach far outside the caller's grid, up to the last coordinate that is allowed, and beyond. */
+/* Triangles that reach far outside the caller's grid, up to the largest allowed coordinate and beyond. */
 static void meshes_larger_than_the_grid_are_exact(void **state)
 {
     static const double reaches[] = {0.01, 0.5, 3.0, 40.0, 250.0, 500.0, 800.0};
@@ -109,8 +109,8 @@ static void meshes_larger_than_the_grid_are_exact(void **state)
     }
 }
 
-/* Corners at the last allowed unit, the first refused one, and bounds that just miss the grid. */
-static void the_reach_of_the_caller_s_grid_ends_where_it_says(void **state)
+/* Corners at the last allowed unit and at the first refused one, and bounds that just miss the grid. */
+static void coordinates_are_accepted_up_to_the_documented_limit(void **state)
 {
     enum { EDGE = 1 << 20, FAR = 1 << 29 };
     static const struct {
@@ -144,7 +144,7 @@ static void the_reach_of_the_caller_s_grid_ends_where_it_says(void **state)
     }
 }
 
-/* The codes of a tree's leaves, by malloc. */
+/* The codes of a tree's leaves, allocated by malloc. */
 static uint64_t *leaf_codes(const built *tree)
 {
     uint64_t *codes = malloc((tree->info.leaf_count + 1) * sizeof *codes);
@@ -154,8 +154,8 @@ static uint64_t *leaf_codes(const built *tree)
     return codes;
 }
 
-/* Whether whole's leaves from *leaf on, those of one octant, are those of part, with the same triangles; goes past
-   them. */
+/* Whether whole's leaves from *leaf on, those of one octant, equal those of part, with the same triangles. Advances
+   *leaf past them. */
 static void assert_octant_is(const built *whole, const uint64_t *whole_codes, unsigned octant, const built *part,
                              size_t *leaf)
 {
@@ -175,8 +175,8 @@ static void assert_octant_is(const built *whole, const uint64_t *whole_codes, un
     free(codes);
 }
 
-/* Eight grids that share faces, put together, are the one grid of twice the edge: nothing doubled, nothing lost.
-   Corners lie on the large grid's units, which are two units of the small ones. */
+/* Eight adjacent grids together equal the one grid of twice the edge: no voxel is duplicated or lost. Corners lie on
+   the large grid's units, which are two units of the small ones. */
 static void abutting_grids_partition_the_scene(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -224,7 +224,7 @@ static void trees_nest(void **state)
     scene_destroy(&made);
 }
 
-/* Points and segments, alone, so that the default grid is flat, a line or a point too. */
+/* Points and segments alone, so that the mesh's bounds are flat, a line or a point too. */
 static void degenerate_triangles_are_exact(void **state)
 {
     static const struct {
@@ -253,7 +253,7 @@ static void degenerate_triangles_are_exact(void **state)
     }
 }
 
-/* A tree of a root with mask 0, whatever is asked for. */
+/* A tree with only a root of mask 0, for any requested attributes. */
 static void assert_empty(const fixture *opened, const svo_mesh *mesh, const svo_plan_options *grid, uint64_t refused)
 {
     static const uint32_t needs[] = {SVO_NEED_DEFAULT, SVO_NEED_NONE, SVO_NEED_COLOR,
@@ -302,7 +302,7 @@ static void a_mesh_without_triangles_gives_an_empty_tree(void **state)
     assert_empty(opened, &mesh, &(svo_plan_options){.edge = 4.0}, 0);
 }
 
-/* NaN, infinities, indices out of range; and triangles outside the grid, which are not refused. */
+/* NaN, infinities, indices out of range; also triangles outside the grid, which are not refused. */
 static void a_mesh_of_refused_triangles_gives_an_empty_tree(void **state)
 {
     static const float positions[] = {NAN, 0, 0, 1, 0, 0, 0, 1, 0, 0, -INFINITY, 0, 0, 0, INFINITY};
@@ -328,7 +328,8 @@ static void a_mesh_of_refused_triangles_gives_an_empty_tree(void **state)
     check_mesh(opened, &mesh, 6, &with_lists);
 }
 
-/* One in ten triangles is bad, each in its own way; the others are as if it were not there, but for their ids. */
+/* One in ten triangles is bad, for varying reasons. The others, except for their ids, build the same tree as without
+   it. */
 static void bad_triangles_do_not_disturb_the_others(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -358,7 +359,7 @@ static double total_ms(const svo_build_report *report)
     return ms;
 }
 
-/* Dust in one voxel: the list holds every triangle, in order. */
+/* Many tiny triangles in one voxel: the list holds every triangle, in order. */
 static void one_leaf_holds_very_many_triangles(void **state)
 {
     static const size_t counts[] = {31, 32, 33, 63, 64, 65, 4096, 100000, 1000000};
@@ -384,7 +385,7 @@ static void one_leaf_holds_very_many_triangles(void **state)
     }
 }
 
-/* Long lists beside short ones, over many triangles, so that the sort has all its digits to do. */
+/* Long and short lists over many triangles, so that the sort processes all its digits. */
 static void lists_of_all_lengths_are_sorted(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -403,7 +404,7 @@ int main(void)
         cmocka_unit_test(random_meshes_are_exact),
         cmocka_unit_test(needles_are_exact),
         cmocka_unit_test(meshes_larger_than_the_grid_are_exact),
-        cmocka_unit_test(the_reach_of_the_caller_s_grid_ends_where_it_says),
+        cmocka_unit_test(coordinates_are_accepted_up_to_the_documented_limit),
         cmocka_unit_test(abutting_grids_partition_the_scene),
         cmocka_unit_test(trees_nest),
         cmocka_unit_test(degenerate_triangles_are_exact),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One tree by every way: share paths, contexts, queues, 64-bit integers in one word or two, chunks of any size, lists
- * that were too small at first, repeated runs, other orders and forms of the same triangles. Hashes are compared, and
- * one of each is compared with the exact references.
+ * Every configuration builds the same tree: share paths, contexts, queues, 64-bit integers in one word or two, chunks
+ * of any size, lists that were too small at first, repeated runs, other orders and forms of the same triangles. The
+ * tests compare hashes, and compare one tree of each group with the exact references.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@
 
 static const svo_plan_options everything = {.need = NEED_ALL};
 
-/* The tree all others must be, and what was compared with it. */
+/* The tree that all others must equal, and its build's input. */
 typedef struct baseline {
     scene *scene;
     const svo_mesh *mesh;
@@ -42,7 +42,7 @@ static void make_baseline(void **state, const char *spec, unsigned depth, baseli
     built_destroy(&actual);
 }
 
-/* Builds and compares; what of the report is of interest goes to *report. */
+/* Builds and compares the hash; returns the build's report in *report. */
 static void assert_same(const fixture *opened, const baseline *expected, const svo_plan_options *options,
                         svo_build_report *report)
 {
@@ -53,7 +53,7 @@ static void assert_same(const fixture *opened, const baseline *expected, const s
     built_destroy(&actual);
 }
 
-/* With a context, a share path, a queue and integers of its own. */
+/* The same with a context, a share path, a queue and an integer width of its own. */
 static void assert_same_with(void **state, const fixture_options *options, svo_build_report *report)
 {
     baseline expected;
@@ -138,7 +138,7 @@ static void out_of_order_profiling_queue_gives_the_same_tree(void **state)
     check_queue(state, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE, "cl-event");
 }
 
-/* Every class of triangles and both lengths of codes with two-word integers in the shaders. */
+/* Every triangle class and both code lengths, with two-word integers in the shaders. */
 static void two_word_integers_give_the_same_tree(void **state)
 {
     svo_build_report report;
@@ -176,7 +176,7 @@ static void repeated_runs_give_the_same_tree(void **state)
     scene_destroy(&expected.scene);
 }
 
-/* One plan may be built from again. */
+/* A plan can be used for several builds. */
 static void a_plan_can_be_built_twice(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -212,7 +212,7 @@ static void chunks_of_any_size_give_the_same_tree(void **state)
         assert_same(fixture_of_group(state), &expected, &options, &report);
         print_message("chunks of %llu bytes: %u, %u reruns\n", (unsigned long long)sizes_bytes[i], report.list_chunks,
                       report.reruns);
-        /* No chunk is larger than asked, and the list does not fit fewer. */
+        /* No chunk is larger than requested, and the list does not fit into fewer. */
         assert_in_range(report.list_chunks, (report.fragments * 8 + sizes_bytes[i] - 1) / sizes_bytes[i], 1000);
         assert_int_equal(report.list_chunks > 1, sizes_bytes[i] < report.fragments * 8);
     }
@@ -232,8 +232,8 @@ static void check_chunks_against_exact(void **state, const svo_mesh *mesh, unsig
     built_destroy(&actual);
 }
 
-/* Triangles that fill many chunks each are cut in tiles; short codes and long ones. */
-static void huge_triangles_are_cut_in_tiles(void **state)
+/* Triangles that fill many chunks each are split into tiles, with short and with long codes. */
+static void huge_triangles_are_split_into_tiles(void **state)
 {
     static const double slanted[] = {0.01, 0.02, 0.97, 0.99, 0.03, 0.5, 0.4, 0.98, 0.02};
     static const double flat[] = {0.0, 0.0, 0.5, 2.5, 0.0, 0.5, 0.0, 2.5, 0.5};
@@ -254,8 +254,8 @@ static void huge_triangles_are_cut_in_tiles(void **state)
     built_destroy(&actual);
 }
 
-/* Triangles with several times the fragments that the fragment estimate promises: the list grows, chunks split, and the
-   nodes need a second try too. */
+/* Triangles with several times the estimated fragments: the list grows, chunks are split, and the nodes are built
+   again with more memory. */
 static void lists_that_were_too_small_grow(void **state)
 {
     owned_mesh made;
@@ -382,7 +382,7 @@ int main(void)
         cmocka_unit_test(repeated_runs_give_the_same_tree),
         cmocka_unit_test(a_plan_can_be_built_twice),
         cmocka_unit_test(chunks_of_any_size_give_the_same_tree),
-        cmocka_unit_test(huge_triangles_are_cut_in_tiles),
+        cmocka_unit_test(huge_triangles_are_split_into_tiles),
         cmocka_unit_test(lists_that_were_too_small_grow),
         cmocka_unit_test(any_capacity_gives_the_same_tree),
         cmocka_unit_test(permuted_triangles_give_the_same_nodes_and_payload),

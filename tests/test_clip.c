@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The part of a triangle inside a voxel (kernels/shared/clip.clh), the basis of area weights: C, OpenCL C and GLSL
- * agree bit for bit; area and centroid are those of the triangle clipped in double precision; and T2: the pieces of a
- * mesh add up to its area inside the grid.
+ * The part of a triangle inside a voxel (kernels/shared/clip.clh), the basis of area weights. C, OpenCL C and GLSL
+ * agree bit for bit; area and centroid match the triangle clipped in double precision; and T2: the pieces of a mesh add
+ * up to its area inside the grid.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,8 +27,8 @@ extern const char clip_probe_source_gl[];
 
 enum { RECORDS = 20000 };
 
-/* Voxels of 2^8, 2^11 and 2^19 units with triangles around them: of part of a voxel, of a few, of very many, slivers,
-   in a face, with corners on corners, and reaching as far as triangles may. */
+/* Voxels of 2^8, 2^11 and 2^19 units with triangles around them: smaller than a voxel, a few voxels and very many
+   voxels large, slivers, in a voxel's face, with corners on voxel corners, and at the limits of the coordinates. */
 static void make_record(uint64_t *state, clip_probe_input *out)
 {
     static const int32_t voxel_logs[] = {8, 11, 19};
@@ -99,7 +99,7 @@ static void glsl_agrees_with_c(void **state)
     svo_gl_context *context = machine_any_context_or_skip();
     if (!svo_i_gl_has_extension(svo_i_gl_context_functions(context), "GL_ARB_gpu_shader_int64")) {
         svo_gl_context_destroy(&context);
-        print_message("skipped: no 64-bit integers in GLSL here\n");
+        print_message("skipped: no 64-bit integers in GLSL\n");
         skip();
     }
     clip_probe_input *given = make_records();
@@ -114,7 +114,7 @@ static void glsl_agrees_with_c(void **state)
     svo_gl_context_destroy(&context);
 }
 
-/* Places along an edge are good to 2^-31 of its length, and to a sub-unit. In voxels. */
+/* The error of a position along an edge, in voxels: 2^-31 of the edge's length, plus a sub-unit. */
 static double corner_error(const clip_probe_input *given)
 {
     double longest = 0.0;
@@ -124,7 +124,7 @@ static double corner_error(const clip_probe_input *given)
     return ldexp(longest, -given->voxel_log2 - 30) + ldexp(2.0, -SVO_SUB_LOG2);
 }
 
-/* A record as a pair: u, v, t are x, y, z. */
+/* Converts a record to a pair: u, v, t become x, y, z. */
 static void open_record(const clip_probe_input *given, payload_pair *out)
 {
     *out = (payload_pair){.box = {.width = 1 << given->voxel_log2}};
@@ -133,9 +133,9 @@ static void open_record(const clip_probe_input *given, payload_pair *out)
     }
 }
 
-/* A cut corner that is off by e moves the border by e, along no more than the border's length: eight edges of a
+/* An error e of a clipped corner moves the border by at most e, along at most the border's length, eight edges of a
    face. */
-static void area_and_centroid_are_those_of_the_clipped_triangle(void **state)
+static void area_and_centroid_match_the_clipped_triangle(void **state)
 {
     (void)state;
     clip_probe_input *given = make_records();
@@ -158,7 +158,7 @@ static void area_and_centroid_are_those_of_the_clipped_triangle(void **state)
             fail_msg("record %u: area %.9g, not %.9g faces of the voxel, %.3g allowed", i, area, seen, allowed);
         }
         worst_area = fmax(worst_area, given[i].voxel_log2 == 11 ? fabs(area - seen) : 0.0);
-        /* The centroid of a part of some size; that of next to nothing may be anywhere in it. */
+        /* Checked for parts with enough area only: the centroid of a tiny part may lie anywhere in it. */
         const double w = ldexp(1.0, given[i].voxel_log2);
         const double moved = seen > 0.0 ? 4.0 * allowed / seen : 1.0;
         if (moved < 0.01 && (fabs(ldexp(found.u, -SVO_SUB_LOG2) - centroid[0] / w) > moved ||
@@ -171,7 +171,7 @@ static void area_and_centroid_are_those_of_the_clipped_triangle(void **state)
     free(given);
 }
 
-/* The weight is the area as seen along t, stretched, in its unit, to half a unit; and never nothing. */
+/* The weight is the stretched area of the projection along t, in its unit, within half a unit; and never zero. */
 static void weights_are_stretched_areas(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void weights_are_stretched_areas(void **state)
     free(given);
 }
 
-/* A mesh's area inside the grid, and what the pieces of it add up to, in faces of the grid. */
+/* Compares a mesh's area inside the grid with the sum of its pieces, in faces of the grid. */
 static void sum_pieces(const svo_mesh *mesh, unsigned depth, const svo_plan_options *options, double *whole,
                        double *pieces)
 {
@@ -261,7 +261,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(opencl_agrees_with_c),
         cmocka_unit_test(glsl_agrees_with_c),
-        cmocka_unit_test(area_and_centroid_are_those_of_the_clipped_triangle),
+        cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
         cmocka_unit_test(weights_are_stretched_areas),
         cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
     };

@@ -41,7 +41,7 @@ static bool begins(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-/* There are rows whose method begins so, and the value of each is within the bounds. Returns the largest. */
+/* Rows whose method begins with the text exist, and each value is within the bounds. Returns the largest. */
 static double expect_within(const cJSON *table, const char *method, const char *name, double low, double high)
 {
     double largest = -1.0;

@@ -50,7 +50,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* Fills the arrays that run parallel to nodes and leaves with values that differ from place to place. */
+/* Fills the arrays parallel to nodes and leaves with values that differ per element. */
 static void fill_payload(svo_tree *tree)
 {
     svo_tree_info *info = &tree->info;
@@ -69,7 +69,7 @@ static void fill_payload(svo_tree *tree)
     tree->host[SVO_TREE_MATERIALS] = materials;
     tree->host[SVO_TREE_FILLS] = fills;
 
-    /* Leaf k meets triangle 0 and, if k is odd, triangle 1 of the two. */
+    /* Leaf k meets triangle 0 and, if k is odd, triangle 1. */
     info->vertex_count = 4;
     info->list_triangle_count = 2;
     uint32_t *list_begin = allocate((info->leaf_count + 1) * sizeof *list_begin);
@@ -97,7 +97,7 @@ static void fill_payload(svo_tree *tree)
     tree->host[SVO_TREE_TRIANGLE_IDS] = triangle_ids;
 }
 
-/* Codes of one level above: unique parents, in order. Returns their count; masks[i] gets parent i's children. */
+/* Codes of the parents: unique and in order. Returns their count; masks[i] gets parent i's children. */
 static size_t raise_level(const uint32_t *codes, size_t count, uint32_t *parents, uint8_t *masks)
 {
     size_t parent_count = 0;
@@ -286,7 +286,7 @@ static void test_compression_makes_the_full_tree_smaller(void **unused)
 }
 
 /* The documented header, read back at io.h's offsets. */
-static void test_layout_is_the_documented_one(void **unused)
+static void test_layout_is_as_documented(void **unused)
 {
     (void)unused;
     svo_tree *tree = make_small_tree(NEED_ALL);
@@ -336,7 +336,7 @@ static void test_every_flipped_byte_is_found(void **unused)
     svo_tree_destroy(&tree);
 }
 
-/* A zstd frame has a few bits that its decoder ignores: there the tree must come out unharmed. */
+/* A zstd frame has a few bits that its decoder ignores: if they flip, the tree must load unchanged. */
 static void test_flipped_bytes_of_compressed_chunks_do_no_harm(void **unused)
 {
     (void)unused;
@@ -410,7 +410,7 @@ static void test_files_that_cannot_be_read(void **unused)
     assert_null(tree);
 }
 
-/* Makes header and chunk checksums fit again, so that the checks behind them are reached. */
+/* Recomputes header and chunk checksums, so that the checks after them run. */
 static void seal(uint8_t *bytes)
 {
     file_head *head = (file_head *)(void *)bytes;
@@ -421,7 +421,7 @@ static void seal(uint8_t *bytes)
     head->header.header_hash = XXH3_64bits(bytes + 32, head->header.header_bytes - 32);
 }
 
-/* Sets a 32-bit word at an offset, seals, expects the words, and puts it back. */
+/* Sets a 32-bit word at an offset, recomputes checksums, expects the text in the message, and restores the word. */
 static void expect_word_refused(uint8_t *bytes, size_t byte_count, size_t offset, uint32_t value, const char *text)
 {
     uint8_t *copy = allocate(byte_count);
@@ -550,7 +550,7 @@ static void test_save_fails_cleanly(void **unused)
     svo_tree_destroy(&tree);
 }
 
-/* A limit on file sizes stands in for a full disk: write fails half-way either way. */
+/* A limit on file sizes emulates a full disk: the write fails half-way in both cases. */
 static void test_disk_full_keeps_the_old_file(void **unused)
 {
     (void)unused;
@@ -599,7 +599,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trips),
         cmocka_unit_test(test_compression_makes_the_full_tree_smaller),
-        cmocka_unit_test(test_layout_is_the_documented_one),
+        cmocka_unit_test(test_layout_is_as_documented),
         cmocka_unit_test(test_every_flipped_byte_is_found),
         cmocka_unit_test(test_flipped_bytes_of_compressed_chunks_do_no_harm),
         cmocka_unit_test(test_every_truncation_is_found),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* All front ends side by side: one hash on every scene; and what is said of which one is faster. */
+/* All front ends build trees with the same hash on every scene, and the default choice gives its reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,7 +50,7 @@ static void assert_builders_agree(const fixture *opened, const char *spec, unsig
     scene_destroy(&made);
 }
 
-/* Of lists from both front ends. */
+/* Builders get fragment lists from both front ends. */
 static void t15_all_builders_give_one_hash_on_all_scenes(void **state)
 {
     const fixture *by_gl = fixture_of_group(state);
@@ -66,7 +66,7 @@ static void t15_all_builders_give_one_hash_on_all_scenes(void **state)
     }
 }
 
-/* T15: every front end. */
+/* T15 for every front end. */
 static void t15_all_front_ends_give_one_hash_on_all_scenes(void **state)
 {
     const fixture *by_gl = fixture_of_group(state);
@@ -82,7 +82,7 @@ static void t15_all_front_ends_give_one_hash_on_all_scenes(void **state)
     assert_one_hash(by_gl, &by_cl, "dust:20000", 13, SVO_COVERAGE_HALF_OPEN);
 }
 
-/* What is chosen is one of the two, in words. */
+/* The choice is one of the two front ends, with a reason. */
 static void the_choice_gives_a_reason(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -98,8 +98,8 @@ static void the_choice_gives_a_reason(void **state)
     }
 }
 
-/* svo_frontend_destroy leaves alone what svo_gl owns. */
-static void a_front_end_of_opengl_stays_with_its_owner(void **state)
+/* svo_frontend_destroy does not release a front end that svo_gl owns. */
+static void svo_frontend_destroy_keeps_the_opengl_front_end(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     svo_frontend *frontend = svo_gl_frontend(opened->gl);
@@ -115,7 +115,7 @@ int main(void)
         cmocka_unit_test(t15_all_front_ends_give_one_hash_on_all_scenes),
         cmocka_unit_test(t15_all_builders_give_one_hash_on_all_scenes),
         cmocka_unit_test(the_choice_gives_a_reason),
-        cmocka_unit_test(a_front_end_of_opengl_stays_with_its_owner),
+        cmocka_unit_test(svo_frontend_destroy_keeps_the_opengl_front_end),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

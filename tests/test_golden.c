@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T1 golden: the golden counts through every front end: leaves are voxels, fragments are pairs, half-open and closed,
- * at every depth of the table that can be built. The table has no thin counts: there the references have the word, and
- * what they say is a part of the half-open pairs, which the table does count.
+ * T1 golden: compares every front end with the golden counts: leaves with voxels, fragments with pairs, half-open and
+ * closed, at every depth of the table that can be built. The table has no thin counts. Thin builds are compared with
+ * the references, and their pairs must be a subset of the half-open pairs.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,10 +17,10 @@
 #include "fixture.h"
 #include "golden.h"
 
-/* Whether there was something to compare. */
+/* Returns whether there was something to compare. */
 typedef bool check_function(const fixture *opened, const svo_mesh *mesh, const char *name, const golden_count *count);
 
-/* A grid that leaves the table's coordinates as they are. */
+/* A grid that does not change the table's coordinates. */
 static svo_plan_options table_options(svo_coverage coverage, svo_need need)
 {
     return (svo_plan_options){.edge = 1u << GOLDEN_SNAP_BITS, .need = (uint32_t)need, .coverage = coverage};
@@ -42,7 +42,7 @@ static bool check_count(const fixture *opened, const svo_mesh *mesh, const char 
     return true;
 }
 
-/* Thin at the depth of a half-open count. */
+/* Thin coverage at the depth of a half-open count. */
 static bool check_thin(const fixture *opened, const svo_mesh *mesh, const char *name, const golden_count *count)
 {
     if (count->is_closed) {
@@ -60,7 +60,7 @@ static bool check_thin(const fixture *opened, const svo_mesh *mesh, const char *
     oracle_difference difference;
     oracle_compare(&all.pairs, &expected.pairs, &difference);
     if (difference.surplus_pairs != 0) {
-        fail_msg("%s, thin at depth %u: %llu pairs that are not half-open ones", name, count->depth,
+        fail_msg("%s, thin at depth %u: %llu pairs that are not half-open pairs", name, count->depth,
                  (unsigned long long)difference.surplus_pairs);
     }
     built actual;
@@ -92,7 +92,7 @@ static size_t check_scene(const fixture *opened, const golden_scene *scene, chec
     size_t compared = 0;
     for (size_t i = 0; i < scene->count_count; ++i) {
         const golden_count *count = &scene->counts[i];
-        if (count->depth >= SVO_DEPTH_MIN) { /* a tree of depth 0 is not to be built */
+        if (count->depth >= SVO_DEPTH_MIN) { /* trees of depth 0 cannot be built */
             compared += check(opened, &mesh, scene->name, count);
         }
     }
@@ -123,13 +123,13 @@ static void t1_golden_counts_are_reproduced_by_opengl(void **state)
     check_table(fixture_of_group(state), check_count);
 }
 
-static void t1_thin_counts_are_those_of_the_references_by_opencl(void **state)
+static void t1_thin_counts_match_the_references_by_opencl(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     check_table(&opened, check_thin);
 }
 
-static void t1_thin_counts_are_those_of_the_references_by_opengl(void **state)
+static void t1_thin_counts_match_the_references_by_opengl(void **state)
 {
     check_table(fixture_of_group(state), check_thin);
 }
@@ -139,8 +139,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t1_golden_counts_are_reproduced_by_opencl),
         cmocka_unit_test(t1_golden_counts_are_reproduced_by_opengl),
-        cmocka_unit_test(t1_thin_counts_are_those_of_the_references_by_opencl),
-        cmocka_unit_test(t1_thin_counts_are_those_of_the_references_by_opengl),
+        cmocka_unit_test(t1_thin_counts_match_the_references_by_opencl),
+        cmocka_unit_test(t1_thin_counts_match_the_references_by_opengl),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

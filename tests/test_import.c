@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Meshes are imported as their files define them: positions bit for bit, node transforms, normals, colors, texture
- * coordinates and textures, from OBJ, PLY, STL and glTF files made here. Any failure of the reading process becomes a
- * status and one line of message.
+ * coordinates and textures, from OBJ, PLY, STL and glTF files written here. Any failure of the reading process becomes
+ * a status and a one-line message.
  */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>
@@ -28,19 +28,19 @@
 #include "io/import_stream.h"
 #include "svocl/io.h"
 
-/* In the library, but not in its header. The result is freed by free. */
+/* Defined in the library, but not declared in its header. The result is released by free. */
 unsigned char *stbi_write_png_to_mem(const unsigned char *pixels, int stride_bytes, int x, int y, int n, int *out_len);
 
-#define PATH_BYTES   512
-#define TEXT_BYTES   16384
-#define MISBEHAVIOUR "SVOCL_TEST_MISBEHAVIOUR" /* what this program does instead when it is started as a child */
+#define PATH_BYTES  512
+#define TEXT_BYTES  16384
+#define MISBEHAVIOR "SVOCL_TEST_MISBEHAVIOR" /* how this program misbehaves when it is started as a child */
 
 static char directory[PATH_BYTES];
 static char made_files[64][64];
 static size_t made_file_count;
 static char last_warning[SVO_MESSAGE_BYTES];
 
-/* 2 x 2: red and green above, blue and white below. */
+/* 2 x 2: red and green in the upper row, blue and white in the lower. */
 static const uint8_t picture[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
 
 static const char *path_of(const char *name)
@@ -245,7 +245,7 @@ static void test_degenerate_triangles_are_kept(void **unused)
     svo_import_destroy(&import);
 }
 
-/* Close is not the same: the two middle vertices differ in the last bit. */
+/* Close vertices are not equal: the two in the middle differ in the last bit. */
 static void test_vertices_are_joined_only_when_equal(void **unused)
 {
     (void)unused;
@@ -336,7 +336,7 @@ static void append_base64(char *text, const uint8_t *bytes, size_t byte_count)
     }
 }
 
-/* One triangle with normals, uvs and colors, its picture inside the file, in the nodes that are given as JSON. */
+/* One triangle with normals, uvs and colors, an embedded image, and the given nodes as JSON. */
 static void write_gltf(const char *name, const char *nodes, const char *texture_extension)
 {
     static const struct {
@@ -402,7 +402,8 @@ static void test_gltf_attributes(void **unused)
     svo_import_destroy(&import);
 }
 
-/* Outer node: moved. Inner node: a quarter turn about z after stretching x twofold. The mesh hangs on both. */
+/* The outer node is translated. The inner node scales x by 2, then rotates about z by a quarter turn. Both nodes have
+   the mesh. */
 static void test_gltf_nested_nodes(void **unused)
 {
     (void)unused;
@@ -418,12 +419,12 @@ static void test_gltf_nested_nodes(void **unused)
     expect_near(corner(mesh, mesh->positions, 1, 0, 3), 10, 20, 30);
     expect_near(corner(mesh, mesh->positions, 1, 1, 3), 10, 22, 30);
     expect_near(corner(mesh, mesh->positions, 1, 2, 3), 9, 20, 30);
-    /* The normal's length is free: inverse transpose of diag(2, 1, 1), then the turn, times the determinant 2. */
+    /* Up to scale, the normal is the inverse transpose of diag(2, 1, 1), rotated, times the determinant 2. */
     expect_near(corner(mesh, mesh->normals, 1, 0, 3), -1.2f, 0, 1.6f);
     svo_import_destroy(&import);
 }
 
-/* A mirrored triangle must still turn the same side outwards, and its normal with it. */
+/* A mirrored triangle and its normal must still face the same side. */
 static void test_gltf_mirrored_node(void **unused)
 {
     (void)unused;
@@ -449,7 +450,7 @@ static void test_gltf_texture_transform(void **unused)
     svo_import_destroy(&import);
 }
 
-/* Files that give no mesh */
+/* Files without a usable mesh */
 
 static void test_unreadable_files(void **unused)
 {
@@ -489,9 +490,9 @@ static void write_plain(void)
 static void expect_misbehavior(const char *kind, const svo_import_options *options, const char *text)
 {
     write_plain();
-    assert_int_equal(setenv(MISBEHAVIOUR, kind, 1), 0);
+    assert_int_equal(setenv(MISBEHAVIOR, kind, 1), 0);
     expect_failure(path_of("child.obj"), options, SVO_IMPORT_FAILED, text);
-    assert_int_equal(unsetenv(MISBEHAVIOUR), 0);
+    assert_int_equal(unsetenv(MISBEHAVIOR), 0);
 }
 
 static void test_children_that_misbehave(void **unused)
@@ -517,7 +518,7 @@ static void test_a_child_that_cannot_start(void **unused)
     expect_failure(path_of("child.obj"), &options, SVO_IMPORT_FAILED, "/nonexistent/program cannot be started");
 }
 
-/* A file that needs more than the child may have; the address sanitizer's builds cannot be limited. */
+/* A file that needs more memory than the child's limit; builds with the address sanitizer cannot be limited. */
 static void test_a_child_out_of_memory(void **unused)
 {
     (void)unused;
@@ -538,7 +539,7 @@ static void test_a_child_out_of_memory(void **unused)
     expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16777216 bytes");
 }
 
-/* The caller's own way with child processes must not matter. */
+/* The caller's own handling of child processes must not matter. */
 static void test_ignored_child_signals(void **unused)
 {
     (void)unused;
@@ -550,8 +551,7 @@ static void test_ignored_child_signals(void **unused)
     (void)signal(SIGCHLD, handler);
 }
 
-/* Any damage to the answer: refused, or a mesh whose arrays are all inside it. Run with a sanitizer, this is the
-   proof. */
+/* A damaged answer is either refused or gives a mesh whose arrays all lie inside it. A sanitizer proves the latter. */
 static void test_damaged_answers(void **unused)
 {
     (void)unused;
@@ -607,7 +607,7 @@ static void answer(const void *bytes, size_t byte_count)
     }
 }
 
-/* This program as a child that was told to misbehave. */
+/* Runs this program as a child that misbehaves in the given way. */
 static int misbehave(const char *kind, const char *path)
 {
     if (strcmp(kind, "crash") == 0) {
@@ -628,7 +628,7 @@ static int misbehave(const char *kind, const char *path)
         }
         pause();
     } else if (strcmp(kind, "again") == 0) {
-        /* A program without svo_import_child_main: it imports, and its child would do the same. */
+        /* Emulates a program without svo_import_child_main: it imports, and its child would do the same. */
         svo_message message = {""};
         svo_import *import = NULL;
         (void)svo_import_file(path, NULL, NULL, NULL, &import, &message);
@@ -640,7 +640,7 @@ static int misbehave(const char *kind, const char *path)
 
 int main(int argc, char **argv)
 {
-    const char *misbehavior = getenv(MISBEHAVIOUR);
+    const char *misbehavior = getenv(MISBEHAVIOR);
     if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
         return misbehave(misbehavior, argv[2]);
     }

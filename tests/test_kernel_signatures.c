@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the host passes to each kernel is what the kernel's source declares: at every launch each argument was set once,
- * with the size of its type. Covers every kernel of the embedded programs, through builds and queries that launch them
- * all.
+ * The host passes each kernel the arguments that its source declares: before every launch, each argument was set once,
+ * with the size of its type. Builds and queries launch every kernel of the embedded programs.
  *
  * The linker puts this file between svocl and the OpenCL loader (ld --wrap, in CMakeLists.txt). Programs are compiled
- * with their argument types (-cl-kernel-arg-info), which svocl itself does not ask for.
+ * with -cl-kernel-arg-info, which records argument types; svocl itself does not use it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +22,7 @@
 #include "shared/layout.h"
 
 #define KERNELS_MAX   64 /* names */
-#define HANDLES_MAX   256 /* cl_kernel that live at the same time, or did */
+#define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64
 #define DEPTH         5
@@ -37,7 +36,7 @@ extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 
 typedef struct passed_argument {
-    unsigned times; /* set since the last launch */
+    unsigned times; /* how often it was set since the last launch */
     size_t bytes;
     bool is_null; /* no value: local memory */
 } passed_argument;
@@ -46,7 +45,7 @@ typedef struct noted_kernel {
     cl_kernel handle;
     char name[NAME_BYTES];
     cl_uint argument_count;
-    bool launched; /* at least once: unchanged arguments stay set */
+    bool launched; /* at least once: unchanged arguments remain set */
     passed_argument arguments[ARGUMENTS_MAX];
 } noted_kernel;
 
@@ -57,7 +56,7 @@ static struct {
     size_t launched_count;
 } notes;
 
-/* ---- what a launch must have ---- */
+/* ---- conditions of a launch ---- */
 
 /* Bytes of a parameter that is passed by value. */
 static size_t bytes_of_type(const char *type)
@@ -146,7 +145,7 @@ static void check_launch(cl_kernel handle)
 
 /* ---- the calls ---- */
 
-/* The linker's names, for the calls themselves and for what stands in for them. */
+/* The linker's names for the real calls and for their wrappers. */
 /* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 typedef void(CL_CALLBACK *build_callback)(cl_program program, void *user);
 cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
@@ -169,7 +168,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
 cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
                              build_callback done, void *user)
 {
-    /* What the kernels compute does not matter here: without optimization they compile in a third of the time. */
+    /* The kernels' results do not matter here: without optimization they compile in a third of the time. */
     char with_types[1024];
     const int length = snprintf(with_types, sizeof with_types, "%s -cl-kernel-arg-info -cl-opt-disable", options);
     assert_in_range(length, 1, sizeof with_types - 1);
@@ -192,7 +191,7 @@ cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *er
     return handle;
 }
 
-/* svocl retains no kernel: this is its end, and its handle may be another's next. */
+/* svocl retains no kernel: this call destroys it, and its handle may be reused. */
 cl_int __wrap_clReleaseKernel(cl_kernel handle)
 {
     noted_kernel *kernel = find_kernel(handle);
@@ -220,10 +219,10 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
-/* ---- builds and queries that launch everything ---- */
+/* ---- builds and queries that launch every kernel ---- */
 
-/* Payload that differs from voxel to voxel, so that none of it is left out: colors of vertices, two materials. Uniform
-   weights without SVO_NEED_FILL compile least, and change no signature. */
+/* Payload that differs between voxels, so that none of it is left out: vertex colors, two materials. Uniform weights
+   without SVO_NEED_FILL compile the least source and do not change signatures. */
 typedef struct painted_mesh {
     owned_mesh base;
     svo_mesh mesh;
@@ -238,7 +237,7 @@ static void painted_mesh_create(painted_mesh *out)
     static const svo_material materials[] = {{{255, 255, 255, 255}, SVO_NO_TEXTURE}, {{9, 9, 9, 255}, SVO_NO_TEXTURE}};
     static const double corner[3] = {0.25, 0.25, 0.25};
     uint64_t seed = 7;
-    /* Dust: one kind of overlap test, that is one program of the voxelizer. */
+    /* Tiny triangles: they need one overlap test only, that is one program of the voxelizer. */
     random_dust(seed, 300, corner, 0.5, &out->base);
     out->mesh = out->base.mesh;
     out->colors = malloc(out->mesh.vertex_count * 4);
@@ -288,8 +287,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
-/* The list in one chunk and in several, the same by a workspace, and the sorted builder, which shares the stages of
-   payload. */
+/* The list in one chunk and in several, the same with a workspace, and the sorted builder, which has the same payload
+   stages. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -321,7 +320,7 @@ static void query_all(const fixture *opened, svo_tree *tree)
     succeed(opened, svo_tree_nearest(tree, &point, &nearest, 1, opened->queue));
 }
 
-/* Fails for a kernel that the source defines and nothing launched. Returns how many it defines. */
+/* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
     static const char prefix[] = "svo_k_";
@@ -341,7 +340,7 @@ static size_t check_all_launched(const char *source)
     return count;
 }
 
-static void every_launch_fits_its_kernel(void **state)
+static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
     const char *const sources[] = {svo_i_source_build, svo_i_source_sort,  svo_i_source_voxelize,
@@ -353,7 +352,7 @@ static void every_launch_fits_its_kernel(void **state)
     built tree;
     build_all(&opened, &painted.mesh, &tree);
     built_destroy(&tree);
-    /* The first builds launched every kernel once on nothing (warm_up.c). These have only the stages' own launches. */
+    /* The first builds also launched every kernel as a warm-up (warm_up.c). These have only the stages' launches. */
     notes.launched_count = 0;
     build_all(&opened, &painted.mesh, &tree);
     query_all(&opened, tree.tree);
@@ -367,6 +366,6 @@ static void every_launch_fits_its_kernel(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_launch_fits_its_kernel)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_launch_matches_its_kernel)};
     return cmocka_run_group_tests_name("kernel signatures", tests, NULL, NULL);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder and its kernels without OpenGL: fragment lists come from the exact references (walk_frontend.h) and from
- * the front end of OpenCL, trees and payload are compared with the references, and nothing may depend on the order of
- * the fragments, on the cut of the list, or on what was in the buffers before (dirty_buffers.c).
+ * The builder and its kernels without OpenGL. Fragment lists come from the exact references (walk_frontend.h) and from
+ * the OpenCL front end; trees and payload are compared with the references. Nothing may depend on the order of the
+ * fragments, on the chunking of the list, or on earlier contents of buffers (dirty_buffers.c).
  *
- * With the argument "small" sizes are such that an OpenCL interpreter which checks every memory access (oclgrind) gets
- * through in seconds. A second argument names the one test to run.
+ * With the argument "small", inputs are small enough for oclgrind, an OpenCL interpreter that checks every memory
+ * access, to finish in seconds. A second argument names the one test to run.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,10 +24,10 @@
 
 #define PAYLOAD  (SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS)
 #define NEED_ALL (PAYLOAD | (uint32_t)SVO_NEED_RAYS)
-/* The least there may be: 2048 fragments of short codes a chunk. */
+/* The smallest allowed: 2048 fragments of short codes per chunk. */
 #define SMALL_CHUNK_BYTES 16384
 
-/* What all tests share. */
+/* Shared by all tests. */
 static struct {
     bool small;
     svo_device *device;
@@ -69,13 +69,13 @@ static void skip_without_device(void **state)
     }
 }
 
-/* How a tree is built; which way must not show. */
+/* How a tree is built; the tree must not depend on it. */
 typedef struct method {
     uint64_t seed; /* of the fragments' order */
     svo_builder builder;
-    bool cl; /* by the front end of OpenCL, whose order is its own */
+    bool cl; /* with the OpenCL front end, which has its own order */
     uint64_t chunk_bytes; /* 0: one chunk */
-    uint64_t fragment_capacity; /* 0: by the fragment estimate */
+    uint64_t fragment_capacity; /* 0: the fragment estimate */
 } method;
 
 typedef struct request {
@@ -130,7 +130,7 @@ static void build(const request *asked, const method *by, built *out)
     svo_tree_get_arrays(out->tree, &out->arrays);
 }
 
-/* Builds, compares nodes, and lists where they are asked for, with the references, and releases the tree. */
+/* Builds, compares nodes, and lists if they are requested, with the references, and releases the tree. */
 static void check_exact(const request *asked, const method *by, svo_build_report *report)
 {
     built actual;
@@ -160,7 +160,7 @@ static void assert_same_tree(const built *actual, const built *expected)
     assert_string_equal(actual->hash, expected->hash);
 }
 
-/* Nodes, lists and payload, as far as they were asked for, against the references. */
+/* Compares nodes and the requested lists and payload with the references. */
 static void assert_true_tree(const request *asked, const svo_plan_options *options, const built *actual)
 {
     exact reference;
@@ -172,8 +172,8 @@ static void assert_true_tree(const request *asked, const svo_plan_options *optio
     exact_destroy(&reference);
 }
 
-/* In one chunk, in another order, in many chunks, and drawn again because the list was too small, by the references'
-   walk and by the front end of OpenCL. The reports are those of the walk's many chunks and of its list that grew. */
+/* Builds in one chunk, in another order, in many chunks, and with a list that is too small at first, each with the
+   references' walk and with the OpenCL front end. Returns the walk's reports for many chunks and the growing list. */
 static void check_all_methods(const request *asked, svo_build_report *cut, svo_build_report *grown)
 {
     const method plain = {.seed = 1};
@@ -203,7 +203,7 @@ static void check_all_methods(const request *asked, svo_build_report *cut, svo_b
     svo_tree_destroy(&expected.tree);
 }
 
-/* A mesh with every attribute: colors, normals, some of them not usable, two textures and a material without. */
+/* A mesh with every attribute: colors, normals (some not usable), two textures and a material without texture. */
 typedef struct painted {
     owned_mesh owned;
     svo_mesh mesh;
@@ -228,7 +228,7 @@ static void paint_textures(painted *out, uint64_t *state)
     out->materials[2] = (svo_material){{10, 250, 130, 200}, SVO_NO_TEXTURE};
 }
 
-/* Takes the triangles over. */
+/* Takes ownership of the triangles. */
 static void paint(uint64_t seed, const owned_mesh *owned, painted *out)
 {
     uint64_t state = seed;
@@ -276,7 +276,7 @@ static void painted_free(painted *made)
     free(made->triangle_materials);
 }
 
-/* Some triangles of about voxels voxels across at that depth of the unit grid. */
+/* Some triangles about `voxels` voxels wide at that depth of the unit grid. */
 static void mesh_for_depth(uint64_t seed, size_t triangle_count, unsigned depth, double voxels, owned_mesh *out)
 {
     static const double corner[3] = {0.493, 0.249, 0.121};
@@ -305,7 +305,7 @@ static void trees_are_exact(void **state)
     }
 }
 
-/* All sorts of triangles at once, on the fitted grid and on one they reach out of. */
+/* All kinds of triangles at once, on the fitted grid and on one that they reach out of. */
 static void random_meshes_are_exact(void **state)
 {
     skip_without_device(state);
@@ -324,8 +324,8 @@ static void random_meshes_are_exact(void **state)
     }
 }
 
-/* Every variant of the payload's kernels: attributes of the mesh taken away one by one. */
-static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
+/* Every variant of the payload kernels: the attributes of the mesh are removed one by one. */
+static void payload_does_not_depend_on_order_and_chunking(void **state)
 {
     static const struct {
         uint32_t need;
@@ -365,8 +365,8 @@ static void payload_is_exact_whatever_the_order_and_the_cut(void **state)
     }
 }
 
-/* What each node of a mesh of one color and one normal must hold, whatever else is in the voxel. */
-static void a_mesh_of_one_color_gives_it_to_every_node(void **state)
+/* With one color and one normal in the mesh, every node has exactly these. */
+static void every_node_of_a_one_color_mesh_has_that_color(void **state)
 {
     static const uint8_t rgba[4] = {1, 254, 128, 77};
     static const float upwards[3] = {0.0f, 0.0f, 7.5f};
@@ -410,7 +410,7 @@ static void a_mesh_without_triangles_gives_a_root(void **state)
     }
 }
 
-/* Long lists go another way than short ones; these have digits enough for two and for four passes of the sort. */
+/* Long lists are sorted by another method than short ones; these need two and four passes of the sort. */
 static void one_leaf_holds_thousands_of_triangles(void **state)
 {
     static const size_t counts[] = {200, 3000, 33, 32, 70000};
@@ -441,7 +441,7 @@ static void lists_of_all_lengths_are_sorted(void **state)
     owned_mesh made;
     random_dust(9, bench.small ? 60 : 4000, corner, 1.0, &made);
     for (size_t t = 0; t < made.mesh.triangle_count; ++t) {
-        for (unsigned k = 3; k < 9; ++k) { /* small ones, ever denser towards the corner */
+        for (unsigned k = 3; k < 9; ++k) { /* small ones, denser and denser towards the corner */
             const double first = made.positions[t * 9 + k % 3];
             made.positions[t * 9 + k] = first * first + (made.positions[t * 9 + k] - 0.5) * 0.01;
         }
@@ -457,8 +457,8 @@ static void lists_of_all_lengths_are_sorted(void **state)
     owned_mesh_free(&made);
 }
 
-/* Triangles around the corners of voxels touch seven voxels each where the fragment estimate expects one: nodes and
-   chunks need far more room than planned, and chunks are halved until they fit. */
+/* Triangles around voxel corners touch seven voxels each where the fragment estimate expects one: nodes and chunks need
+   far more memory than planned, and chunks are halved until they fit. */
 static void a_scene_that_defies_the_estimate_is_built_again(void **state)
 {
     skip_without_device(state);
@@ -490,8 +490,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_exact),
         cmocka_unit_test(random_meshes_are_exact),
-        cmocka_unit_test(payload_is_exact_whatever_the_order_and_the_cut),
-        cmocka_unit_test(a_mesh_of_one_color_gives_it_to_every_node),
+        cmocka_unit_test(payload_does_not_depend_on_order_and_chunking),
+        cmocka_unit_test(every_node_of_a_one_color_mesh_has_that_color),
         cmocka_unit_test(a_mesh_without_triangles_gives_a_root),
         cmocka_unit_test(one_leaf_holds_thousands_of_triangles),
         cmocka_unit_test(lists_of_all_lengths_are_sorted),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a scene or a request does not need is neither allocated nor compiled, the plan says so with a reason, and what
- * was asked for is the same, bit for bit, as with it. Each test makes the same nodes twice, with a thing and without,
- * on a device handle of its own each time.
+ * Work that a scene or a request does not need is left out: it is neither allocated nor compiled, the plan lists it
+ * with a reason, and the requested results do not change by a bit. Each test builds the same nodes twice, with and
+ * without that work, each time with a separate device handle.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,7 @@
 static const uint8_t some_color[4] = {10, 200, 99, 255};
 static const uint8_t white[4] = {255, 255, 255, 255};
 
-/* On the grid that the sheet is made for. */
+/* On the grid that the sheet is designed for. */
 static svo_plan_options asking_for(uint32_t need)
 {
     return (svo_plan_options){.struct_size = sizeof(svo_plan_options), .need = need, .edge = 1.0};
@@ -38,7 +38,7 @@ static void build_sheet(const sheet_mesh *sheet, uint32_t need, measured *out)
     measured_build(&sheet->mesh, DEPTH, &options, out);
 }
 
-/* less leaves it out, and full does not. */
+/* Checks that less leaves it out and full does not. */
 static void assert_only_less_leaves_out(const measured *less, const measured *full, const char *what)
 {
     if (measured_left_out(less, what) == NULL) {
@@ -49,18 +49,18 @@ static void assert_only_less_leaves_out(const measured *less, const measured *fu
     }
 }
 
-/* full has the buffer, and less does not. */
+/* Checks that full has the buffer and less does not. */
 static void assert_only_full_has_buffer(const measured *less, const measured *full, const char *name)
 {
     if (measured_buffer(less, name) != NULL || measured_buffer(full, name) == NULL) {
-        fail_msg("buffer %s: %s", name, measured_buffer(full, name) == NULL ? "nobody has it" : "it is not left out");
+        fail_msg("buffer %s: %s", name, measured_buffer(full, name) == NULL ? "neither has it" : "it is not left out");
     }
 }
 
-static void assert_only_full_has_define(const measured *less, const measured *full, const char *key)
+static void assert_only_full_has_define(const measured *less, const measured *full, const char *define)
 {
-    if (measured_has_define(less, key) || !measured_has_define(full, key)) {
-        fail_msg("key %s: less has%s, full has%s", key, less->defines, full->defines);
+    if (measured_has_define(less, define) || !measured_has_define(full, define)) {
+        fail_msg("define %s: less has%s, full has%s", define, less->defines, full->defines);
     }
 }
 
@@ -71,7 +71,7 @@ static void assert_only_full_has_kernel(const measured *less, const measured *fu
     }
 }
 
-/* Stages run where the plan has them. */
+/* Checks that the stages that run are those of the plan. */
 static void assert_stages_are_planned(const svo_mesh *mesh, uint32_t need)
 {
     svo_plan_options options = asking_for(need);
@@ -124,7 +124,7 @@ static void lists_and_their_packing(void **state)
     measured_destroy(&full);
 }
 
-/* The sorted list is in the lists' order: no copy of it is packed, and nothing of kernels/pack.cl is compiled. */
+/* The sorted list already has the order of the lists: no copy is packed, and kernels/stages/pack.cl is not compiled. */
 static void the_packing_copy_of_sorted_lists(void **state)
 {
     (void)state;
@@ -151,10 +151,10 @@ static void the_packing_copy_of_sorted_lists(void **state)
     measured_destroy(&full);
 }
 
-/* A payload, its array, and a kernel that only it, or it and others, need. */
+/* A payload, its array, and a kernel that this payload needs, alone or with others. */
 static const struct payload {
     svo_need bit;
-    const char *name, *array, *key, *kernel;
+    const char *name, *array, *define, *kernel;
 } payloads[] = {{SVO_NEED_COLOR, "color", "colors", "SVO_COLOR", "svo_k_filter"},
                 {SVO_NEED_NORMAL, "normal", "normals", "SVO_NORMAL", "svo_k_filter"},
                 {SVO_NEED_MATERIAL, "material", "materials", "SVO_MATERIAL", "svo_k_material_merge"},
@@ -166,10 +166,10 @@ static void assert_without_payload(const measured *less, const measured *full, c
     assert_same_results(less, full);
     assert_only_less_leaves_out(less, full, which->name);
     assert_only_full_has_buffer(less, full, which->array);
-    assert_only_full_has_define(less, full, which->key);
+    assert_only_full_has_define(less, full, which->define);
 }
 
-/* None at all beside one. What fill takes for itself is less than what the nodes took before. */
+/* No payload compared with one. The fill needs less memory than the nodes needed before. */
 static void compare_with_none(const measured *none, const measured *alone, const struct payload *which)
 {
     const unsigned peak = which->bit != SVO_NEED_FILL ? FEWER_PEAK_BYTES : 0;
@@ -180,7 +180,7 @@ static void compare_with_none(const measured *none, const measured *alone, const
     assert_only_less_leaves_out(none, alone, "mesh attributes");
 }
 
-/* One beside all, lists included. */
+/* One payload compared with all, including lists. */
 static void compare_with_all(const measured *alone, const measured *all, const struct payload *which)
 {
     for (size_t i = 0; i < PAYLOADS; ++i) {
@@ -225,7 +225,7 @@ static long file_bytes(const svo_tree *tree, const char *path)
     return bytes;
 }
 
-/* The file is smaller by what the tree is smaller by, and loads to a tree of the same hash. */
+/* The file shrinks by as many bytes as the tree and loads as a tree with the same hash. */
 static void assert_file_is_smaller(const measured *less, const measured *full, size_t element_bytes)
 {
     char path[64];
@@ -245,7 +245,7 @@ static void assert_file_is_smaller(const measured *less, const measured *full, s
     assert_int_equal(remove(path), 0);
 }
 
-/* A payload that is the same all over the scene; full has a speck that differs, and is too light to show. */
+/* A payload that is uniform in the scene; full has a speck that differs, with too little weight to change a node. */
 static void assert_stored_once(const sheet_mesh *less_sheet, const sheet_mesh *full_sheet, svo_need bit,
                                svo_tree_buffer array, size_t element_bytes)
 {
@@ -309,7 +309,7 @@ static void one_material_is_stored_once(void **state)
     assert_stored_once(&less, &full, SVO_NEED_MATERIAL, SVO_TREE_MATERIALS, 2);
 }
 
-/* Without leaves all payload is zero, in one element each. */
+/* Without leaves all payload is zero, stored as one element each. */
 static void payload_of_an_empty_tree_is_stored_once(void **state)
 {
     (void)state;
@@ -326,8 +326,8 @@ static void payload_of_an_empty_tree_is_stored_once(void **state)
     measured_destroy(&made);
 }
 
-/* Vertex colors that are all equal become part of the materials, which differ, textured or not. */
-static void vertex_colors_that_are_all_the_same(void **state)
+/* Uniform vertex colors become part of the materials, which differ and may be textured. */
+static void uniform_vertex_colors(void **state)
 {
     (void)state;
     for (uint32_t textured = 0; textured < 2; ++textured) {
@@ -354,8 +354,8 @@ static void vertex_colors_that_are_all_the_same(void **state)
     }
 }
 
-/* A mesh without normals: triangles have their own. They are all the same here, so one of the vertices is bent. */
-static void vertex_normals_that_are_not_there(void **state)
+/* In a mesh without normals, triangles use their own. In the sheet these are equal, so one vertex is moved. */
+static void missing_vertex_normals(void **state)
 {
     (void)state;
     sheet_mesh sheet;
@@ -375,8 +375,8 @@ static void vertex_normals_that_are_not_there(void **state)
     measured_destroy(&less);
 }
 
-/* The mesh has a texture, and the one triangle that has it is refused; or is a speck. */
-static void textures_that_no_accepted_triangle_has(void **state)
+/* The mesh has a texture, and the only triangle that uses it is refused, or is a speck. */
+static void textures_without_accepted_triangles(void **state)
 {
     (void)state;
     sheet_mesh less_sheet;
@@ -402,8 +402,8 @@ static void textures_that_no_accepted_triangle_has(void **state)
     measured_destroy(&less);
 }
 
-/* Of two textures, the small one is all over the sheet, and the large one on a speck or on nothing. */
-static void textures_that_are_not_used_beside_one_that_is(void **state)
+/* Of two textures, the small one is used by the whole sheet, the large one by a speck or by nothing. */
+static void unused_textures_beside_a_used_one(void **state)
 {
     (void)state;
     sheet_mesh less_sheet;
@@ -430,7 +430,7 @@ static void textures_that_are_not_used_beside_one_that_is(void **state)
     measured_destroy(&less);
 }
 
-/* Uniform weights do not ask where in its voxel a triangle is: the result is the reference's. */
+/* Uniform weights do not depend on where in its voxel a triangle lies: the result equals the reference. */
 static void clipping_with_uniform_weights(void **state)
 {
     (void)state;
@@ -456,8 +456,8 @@ static void clipping_with_uniform_weights(void **state)
     measured_destroy(&less);
 }
 
-/* Squares that lie inside one voxel each, with and without a triangle across two of those voxels. */
-static void the_overlap_test_of_dust(void **state)
+/* Squares inside one voxel each, with and without a triangle across two of those voxels. */
+static void overlap_test_of_small_triangles(void **state)
 {
     (void)state;
     const svo_plan_options options = asking_for(SVO_NEED_NONE);
@@ -474,13 +474,13 @@ static void the_overlap_test_of_dust(void **state)
     assert_only_full_has_define(&less, &full, "SVO_NARROW");
     assert_false(measured_has_define(&less, "SVO_WIDE"));
     assert_non_null(measured_left_out(&less, "overlap test"));
-    assert_non_null(measured_left_out(&full, "overlap test")); /* of the squares */
+    assert_non_null(measured_left_out(&full, "overlap test")); /* for the squares */
     assert_int_equal(less.programs, 2);
     measured_destroy(&full);
     measured_destroy(&less);
 }
 
-/* A large triangle needs lines of 64 bits; one that reaches outside the grid needs products of 128. */
+/* A large triangle needs 64-bit line equations; one that reaches outside the grid needs 128-bit products. */
 static void the_wider_overlap_tests(void **state)
 {
     (void)state;
@@ -509,8 +509,8 @@ static void the_wider_overlap_tests(void **state)
     measured_destroy(&less);
 }
 
-/* Up to depth 10 a Morton code has 32 bits, and a fragment 8 bytes in place of 12. The nodes of depth 10 are the upper
-   ones of depth 11. */
+/* Up to depth 10 a Morton code has 32 bits and a fragment 8 bytes instead of 12. The nodes of depth 10 are the upper
+   nodes of depth 11. */
 static void long_morton_codes(void **state)
 {
     (void)state;
@@ -535,9 +535,9 @@ static void long_morton_codes(void **state)
     measured_destroy(&less);
 }
 
-/* Of a plan that is not built. */
+/* Properties of a plan that is not built. */
 typedef struct planned {
-    bool is_wide; /* has the key SVO_WIDE */
+    bool is_wide; /* has the define SVO_WIDE */
     bool leaves_out_wide;
     bool leaves_out_opengl;
     size_t left_out_count;
@@ -568,7 +568,7 @@ static planned plan_sheet(const sheet_mesh *sheet, unsigned depth, uint32_t need
     return seen;
 }
 
-/* On grids finer than 2^20 units a wide triangle needs products of 128 bits wherever it is; a narrow one does not. */
+/* On grids finer than 2^20 units, a wide triangle needs 128-bit products at any position; a narrow one does not. */
 static void products_of_128_bits_above_depth_12(void **state)
 {
     (void)state;
@@ -584,13 +584,13 @@ static void products_of_128_bits_above_depth_12(void **state)
         sheet_make(cases[i].extra, cases[i].depth > 12 ? 0.0625 : 1.0, &sheet);
         const planned seen = plan_sheet(&sheet, cases[i].depth, SVO_NEED_NONE);
         if (seen.is_wide != cases[i].needs_them || seen.leaves_out_wide == cases[i].needs_them) {
-            fail_msg("case %zu: the key is %sthere, and the products are %sleft out", i, seen.is_wide ? "" : "not ",
-                     seen.leaves_out_wide ? "" : "not ");
+            fail_msg("case %zu: the define is %spresent, and the products are %sleft out", i,
+                     seen.is_wide ? "" : "not ", seen.leaves_out_wide ? "" : "not ");
         }
     }
 }
 
-/* A scene and a request that need everything: the plan leaves nothing out, but for OpenGL. */
+/* A scene and a request that need everything: the plan leaves out nothing except OpenGL. */
 static void nothing_that_is_needed(void **state)
 {
     (void)state;
@@ -603,7 +603,7 @@ static void nothing_that_is_needed(void **state)
     assert_int_equal(seen.left_out_count, 1);
 }
 
-/* Payload from a level on is what it is there in a tree that has all of it. */
+/* From a level on, payload equals that of a tree with the payload of all levels. */
 static void assert_has_rest_of_payload(const built *less, const built *full)
 {
     const struct {
@@ -622,8 +622,8 @@ static void assert_has_rest_of_payload(const built *less, const built *full)
     }
 }
 
-/* By both builders, and of a list in chunks. */
-static void levels_of_payload_that_nobody_reads(void **state)
+/* With both builders, and with a list in chunks. */
+static void unrequested_levels_of_payload(void **state)
 {
     (void)state;
     static const uint32_t levels[] = {1, 4, DEPTH - 1, DEPTH};
@@ -651,7 +651,7 @@ static void levels_of_payload_that_nobody_reads(void **state)
     scene_destroy(&made);
 }
 
-/* They go through files, and are no pictures. */
+/* Such trees can be saved and loaded, but not rendered. */
 static void levels_without_payload_in_files(void **state)
 {
     (void)state;
@@ -694,16 +694,16 @@ int main(void)
         cmocka_unit_test(one_normal_is_stored_once),
         cmocka_unit_test(one_material_is_stored_once),
         cmocka_unit_test(payload_of_an_empty_tree_is_stored_once),
-        cmocka_unit_test(vertex_colors_that_are_all_the_same),
-        cmocka_unit_test(vertex_normals_that_are_not_there),
-        cmocka_unit_test(textures_that_no_accepted_triangle_has),
-        cmocka_unit_test(textures_that_are_not_used_beside_one_that_is),
+        cmocka_unit_test(uniform_vertex_colors),
+        cmocka_unit_test(missing_vertex_normals),
+        cmocka_unit_test(textures_without_accepted_triangles),
+        cmocka_unit_test(unused_textures_beside_a_used_one),
         cmocka_unit_test(clipping_with_uniform_weights),
-        cmocka_unit_test(the_overlap_test_of_dust),
+        cmocka_unit_test(overlap_test_of_small_triangles),
         cmocka_unit_test(the_wider_overlap_tests),
         cmocka_unit_test(long_morton_codes),
         cmocka_unit_test(products_of_128_bits_above_depth_12),
-        cmocka_unit_test(levels_of_payload_that_nobody_reads),
+        cmocka_unit_test(unrequested_levels_of_payload),
         cmocka_unit_test(levels_without_payload_in_files),
         cmocka_unit_test(nothing_that_is_needed),
     };

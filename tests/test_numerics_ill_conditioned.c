@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The heavy rows of the catalogue of stiff and extreme cases: a million pairs for each way of compiling the shared test
- * (T4), and a scene of one huge triangle among hundreds of thousands of tiny ones (T7).
+ * The largest rows of the catalog of ill-conditioned and extreme cases: a million pairs for each variant of the shared
+ * overlap test (T4), and a scene of one huge triangle among hundreds of thousands of tiny ones (T7).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@
 #include "compare_tree.h"
 #include "meshes.h"
 
-/* One way of compiling the shared test. */
+/* A compiled variant of the shared test. */
 typedef struct pair_class {
     const char *name;
     probe_function *ask;
@@ -35,7 +35,7 @@ static const pair_class classes[] = {
     {"thin wide", probe_thin_wide, SAMPLE_WIDE, true},
 };
 
-/* No false negative, no false positive, by either reference. */
+/* No false negative and no false positive, by either reference. */
 static void check_pairs(const pair_class *of)
 {
     enum { PAIRS = 1000000 };
@@ -69,7 +69,7 @@ static void t4_a_million_pairs_are_decided_exactly(void **state)
 
 enum { TINY = 100000, ILL_CONDITIONED_TRIANGLES = 1 + 2 * TINY };
 
-/* A triangle across the grid, a hundred thousand as large as a voxel, and as many below a hundredth of one. */
+/* One triangle across the grid, a hundred thousand as large as a voxel, and as many smaller than a hundredth of one. */
 static void make_ill_conditioned(uint64_t seed, unsigned depth, owned_mesh *out)
 {
     static const double huge[9] = {0.01, 0.02, 0.03, 0.99, 0.05, 0.3, 0.03, 0.98, 0.4};
@@ -107,7 +107,7 @@ static void check_ill_conditioned(const fixture *opened, unsigned depth, uint64_
     owned_mesh_free(&made);
 }
 
-/* Ten million voxels' worth as predicted; and where the list has room for one fragment at first. */
+/* Ten million fragments, with the estimated capacity and with a list that initially holds one fragment. */
 static void t7_ill_conditioned_scene_is_exact(void **state)
 {
     check_ill_conditioned(fixture_of_group(state), 12, 0, 0);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue of stiff and extreme cases, by law: how many voxels a triangle has on average (T5), symmetry (T6), what
- * each coverage separates and that coverages nest, and sums of the filter (T16). Property tests print their seeds.
+ * The catalog of ill-conditioned and extreme cases, by invariant: the mean number of voxels of a triangle (T5),
+ * symmetry (T6), separability of each coverage, nesting of coverages, and sums of the filter (T16). Property tests
+ * print their seeds.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +36,7 @@ static void *allocate(size_t bytes)
 
 /* E[voxels] = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2: the mean over copies of one triangle at random
    offsets is within four standard errors. */
-static void t5_mean_count_obeys_the_estimate(void **state)
+static void t5_mean_count_matches_the_estimate(void **state)
 {
     enum { COPIES = 20000, DEPTH = 8 };
     static const int32_t shape[9] = {100, 9000, 40, 11000, 20, 3000, 4000, 7000, 15000};
@@ -68,9 +69,9 @@ static void t5_mean_count_obeys_the_estimate(void **state)
     }
     const double error = sqrt(variance / COPIES);
     const double estimate = actual.plan.expected_fragments / COPIES;
-    print_message("mean %.4f, law %.4f, standard error %.4f\n", mean, estimate, error);
+    print_message("mean %.4f, estimate %.4f, standard error %.4f\n", mean, estimate, error);
     assert_true(fabs(mean - estimate) <= 4.0 * error);
-    /* The plan's law is the one of the text. */
+    /* The plan's estimate equals the documented formula. */
     const double h = EDGE / (1 << DEPTH);
     const double u[3] = {shape[3] - shape[0], shape[4] - shape[1], shape[5] - shape[2]};
     const double v[3] = {shape[6] - shape[0], shape[7] - shape[1], shape[8] - shape[2]};
@@ -90,7 +91,7 @@ static void t5_mean_count_obeys_the_estimate(void **state)
  * T6 symmetry.
  */
 
-/* Coordinates 1 .. 2^20 - 1, so that a mirror image stays inside too; some on the lattice of voxels. */
+/* Coordinates 1 .. 2^20 - 1, so that a mirror image lies inside too; some on voxel corners. */
 static void make_symmetric(uint64_t seed, size_t triangle_count, owned_mesh *out)
 {
     random_mesh(seed, triangle_count, 0.0, out);
@@ -99,7 +100,7 @@ static void make_symmetric(uint64_t seed, size_t triangle_count, owned_mesh *out
     }
 }
 
-/* The tree's voxels, as coordinates packed in one number, in ascending order; by malloc. */
+/* The tree's voxels, as coordinates packed into one number, in ascending order; allocated by malloc. */
 typedef struct voxel_set {
     uint64_t *voxels;
     size_t count;
@@ -145,7 +146,7 @@ static void build_voxels(const fixture *opened, const svo_mesh *mesh, unsigned d
     built_destroy(&actual);
 }
 
-/* Another order of the axes, then a mirror image across those whose bit is set. */
+/* A permutation of the axes, then a reflection along those whose bit is set. */
 typedef struct symmetry {
     unsigned axes[3]; /* where each axis comes from */
     unsigned mirrored;
@@ -196,7 +197,7 @@ static void check_symmetry(const fixture *opened, const owned_mesh *made, unsign
     free(positions);
 }
 
-/* Half-open voxels and closed ones look the same along every axis; thin ones break ties by the order of the axes. */
+/* Half-open and closed coverage treat all axes alike; thin coverage breaks ties by the order of the axes. */
 static void t6_order_of_the_axes_does_not_matter(void **state)
 {
     for (uint64_t seed = 1; seed <= 4; ++seed) {
@@ -212,7 +213,7 @@ static void t6_order_of_the_axes_does_not_matter(void **state)
     }
 }
 
-static void t6_closed_voxels_have_mirror_images(void **state)
+static void t6_closed_coverage_is_mirror_symmetric(void **state)
 {
     for (uint64_t seed = 11; seed <= 14; ++seed) {
         owned_mesh made;
@@ -227,7 +228,7 @@ static void t6_closed_voxels_have_mirror_images(void **state)
     }
 }
 
-/* Corners in any order, either way round: the same tree with the same lists. */
+/* Corners in any order and winding give the same tree with the same lists. */
 static void t6_order_of_vertices_and_winding_do_not_matter(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -257,8 +258,8 @@ static void t6_order_of_vertices_and_winding_do_not_matter(void **state)
     }
 }
 
-/* A mesh in the first octant, moved to another, has the same voxels there. */
-static void t6_octants_are_alike(void **state)
+/* A mesh in the first octant, translated to another, has the same voxels there. */
+static void t6_octants_have_the_same_voxels(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const unsigned depth = 7;
@@ -267,7 +268,7 @@ static void t6_octants_are_alike(void **state)
         print_message("seed %llu\n", (unsigned long long)seed);
         owned_mesh made;
         make_symmetric(seed, 200, &made);
-        for (size_t i = 0; i < 1800; ++i) { /* a closed voxel owns its far faces: stay clear of those of the octant */
+        for (size_t i = 0; i < 1800; ++i) { /* closed voxels include their far faces: avoid those of the octant */
             made.positions[i] = fmin(fmax(floor(made.positions[i] / 2), 1.0), half - 1.0);
         }
         for (unsigned i = 0; i < COVERAGES * 7u; ++i) {
@@ -297,12 +298,12 @@ static void t6_octants_are_alike(void **state)
 }
 
 /*
- * What coverages separate.
+ * Separability.
  */
 
 enum { FLOOD_DEPTH = 6, FLOOD_WIDTH = 1 << FLOOD_DEPTH, FLOOD_VOXELS = FLOOD_WIDTH * FLOOD_WIDTH * FLOOD_WIDTH };
 
-/* The corner of cell (i, j) on face face of a cube, blown up to a bumpy sphere around a point. */
+/* The corner of cell (i, j) on the given face of a cube, projected onto a bumpy sphere around a point. */
 static void sphere_corner(const double center[3], double radius, unsigned face, unsigned i, unsigned j, unsigned cells,
                           double *out)
 {
@@ -319,7 +320,7 @@ static void sphere_corner(const double center[3], double radius, unsigned face, 
 
 enum { SPHERE_CELLS = 7, SPHERE_TRIANGLES = 6 * SPHERE_CELLS * SPHERE_CELLS * 2 };
 
-/* A closed surface; corners that belong together are the same numbers. */
+/* A closed surface; common corners have equal coordinates. */
 static void make_sphere(const double center[3], double radius, double *positions)
 {
     double *next = positions;
@@ -339,7 +340,7 @@ static size_t cell_of(uint64_t voxel)
     return ((size_t)axis_of(voxel, 2) * FLOOD_WIDTH + axis_of(voxel, 1)) * FLOOD_WIDTH + axis_of(voxel, 0);
 }
 
-/* Marks what of an empty voxel's neighbors the flood has not reached yet; neighbors: 6 or 26. */
+/* Marks the empty neighbors of a voxel that the flood fill has not reached yet; neighbors: 6 or 26. */
 static size_t flood_from(size_t cell, unsigned neighbors, uint8_t *taken, size_t *stack, size_t depth)
 {
     const int at[3] = {(int)(cell % FLOOD_WIDTH), (int)(cell / FLOOD_WIDTH % FLOOD_WIDTH),
@@ -361,7 +362,7 @@ static size_t flood_from(size_t cell, unsigned neighbors, uint8_t *taken, size_t
     return depth;
 }
 
-/* Whether water poured into the grid's first voxel reaches the target through empty voxels. */
+/* Whether a flood fill from the grid's first voxel reaches the target through empty voxels. */
 static bool flood_reaches(const voxel_set *walls, unsigned neighbors, uint64_t target)
 {
     uint8_t *taken = allocate(FLOOD_VOXELS);
@@ -393,8 +394,8 @@ static bool is_subset(const voxel_set *part, const voxel_set *whole)
     return true;
 }
 
-/* Thin and half-open walls hold water that flows through faces; closed ones also what flows through corners, where at
-   least some of the others leak. */
+/* Thin and half-open surfaces stop a 6-connected flood fill. Closed ones also stop a 26-connected one, which passes at
+   least some of the others. */
 static void coverages_separate_inside_from_outside(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -428,7 +429,7 @@ static void coverages_separate_inside_from_outside(void **state)
     assert_true(leaks[2] > 0);
 }
 
-static void thin_is_in_half_open_is_in_closed(void **state)
+static void coverages_are_nested(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     for (uint64_t seed = 41; seed <= 46; ++seed) {
@@ -455,7 +456,7 @@ static void thin_is_in_half_open_is_in_closed(void **state)
 
 enum { FILTER_TRIANGLES = 300, FILTER_DEPTH = 6 };
 
-/* Sums of the pairs below one node of a level, found by the front of their codes. */
+/* Sums of the pairs below one node of a level, found by the prefix of their codes. */
 typedef struct pair_sums {
     uint64_t pairs, color[4];
 } pair_sums;
@@ -472,8 +473,8 @@ static void assert_node_color(const built *actual, size_t node, const pair_sums 
     }
 }
 
-/* Every node of every level is the mean over all pairs of the leaves below it, rounded once; and the leaves below the
-   nodes of a level are all leaves. */
+/* Every node of every level is the mean over all pairs of the leaves below it, rounded once. The nodes of a level
+   together cover all leaves. */
 static void check_filter(const built *actual, const oracle_pairs *pairs, const uint8_t *colors)
 {
     for (unsigned level = 0; level <= actual->info.depth; ++level) {
@@ -494,7 +495,7 @@ static void check_filter(const built *actual, const oracle_pairs *pairs, const u
     }
 }
 
-static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
+static void t16_sums_of_every_level_equal_those_of_the_leaves(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     for (uint64_t seed = 51; seed <= 56; ++seed) {
@@ -503,7 +504,7 @@ static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
         make_symmetric(seed, FILTER_TRIANGLES, &made);
         uint64_t random = seed;
         static uint8_t colors[FILTER_TRIANGLES * 12];
-        for (size_t i = 0; i < sizeof colors; ++i) { /* one color a triangle */
+        for (size_t i = 0; i < sizeof colors; ++i) { /* one color per triangle */
             made.indices[i / 4] = (uint32_t)(i / 4);
             colors[i] = i % 12 < 4 ? (uint8_t)random_word(&random) : colors[i - 4];
         }
@@ -527,14 +528,14 @@ static void t16_sums_of_every_level_are_those_of_the_leaves(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(t5_mean_count_obeys_the_estimate),
+        cmocka_unit_test(t5_mean_count_matches_the_estimate),
         cmocka_unit_test(t6_order_of_the_axes_does_not_matter),
-        cmocka_unit_test(t6_closed_voxels_have_mirror_images),
+        cmocka_unit_test(t6_closed_coverage_is_mirror_symmetric),
         cmocka_unit_test(t6_order_of_vertices_and_winding_do_not_matter),
-        cmocka_unit_test(t6_octants_are_alike),
+        cmocka_unit_test(t6_octants_have_the_same_voxels),
         cmocka_unit_test(coverages_separate_inside_from_outside),
-        cmocka_unit_test(thin_is_in_half_open_is_in_closed),
-        cmocka_unit_test(t16_sums_of_every_level_are_those_of_the_leaves),
+        cmocka_unit_test(coverages_are_nested),
+        cmocka_unit_test(t16_sums_of_every_level_equal_those_of_the_leaves),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

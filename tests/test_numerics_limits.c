@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue of stiff and extreme cases, at the limits: capacities (T10), repeatability (T15), and the ends of 32
- * bits: what cannot fit is refused before anything is allocated, with the figures.
+ * The catalog of ill-conditioned and extreme cases, at the limits: capacities (T10), repeatability (T15), and the
+ * limits of 32 bits: a build that cannot fit is refused with the figures before anything is allocated.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,8 +26,8 @@ enum { COVERAGES = sizeof coverages / sizeof coverages[0] };
  * T10 capacity.
  */
 
-/* Room for none (which means: as predicted), one, one too few, exactly enough, one more: the same tree, by as few runs
-   as it takes. */
+/* Capacities of 0 (the estimate), one, one too few, exactly enough and one more give the same tree, with the fewest
+   possible reruns. */
 static void check_capacities(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_coverage coverage)
 {
     svo_plan_options options = {.need = NEED_ALL, .coverage = coverage, .edge = 1.0};
@@ -72,7 +72,7 @@ static void t10_any_capacity_gives_the_whole_tree(void **state)
  * T15 repeatability.
  */
 
-/* Fisher and Yates; from[t]: where triangle t was before. */
+/* Fisher-Yates shuffle; from[t]: the former index of triangle t. */
 static void permute(uint64_t seed, owned_mesh *made, uint32_t *from)
 {
     uint64_t state = seed;
@@ -100,7 +100,7 @@ static int compare_ids(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* A tree's lists in ids of the mesh before it was permuted; from: NULL if it was not. By malloc. */
+/* A tree's lists with ids of the mesh before its permutation; from: NULL without one. Allocated by malloc. */
 static uint32_t *original_lists(const built *tree, const uint32_t *from)
 {
     uint32_t *ids = malloc((tree->info.list_count + 1) * sizeof *ids);
@@ -135,14 +135,14 @@ static void assert_same_payload(const built *actual, const built *expected)
                         expected->info.node_count * 3 * sizeof(int16_t));
 }
 
-/* Threads: the program's own test. Share paths, contexts, queues and chunks with half-open voxels:
-   test_build_variants. */
-static void t15_permuted_triangles_and_share_paths_give_the_same(void **state)
+/* test_threads covers threads; test_build_variants covers share paths, contexts, queues and chunks with half-open
+   voxels. */
+static void t15_permuted_triangles_and_share_paths_give_the_same_tree(void **state)
 {
     static const svo_gl_share shares[] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_COPY};
     for (unsigned i = 0; i < COVERAGES * 2u; ++i) {
         const uint64_t seed = 60 + i;
-        print_message("seed %llu, %s, share %s\n", (unsigned long long)seed, svo_coverage_name(coverages[i / 2]),
+        print_message("seed %llu, %s, share path %s\n", (unsigned long long)seed, svo_coverage_name(coverages[i / 2]),
                       svo_gl_share_name(shares[i % 2]));
         const svo_plan_options options = {.need = NEED_ALL, .coverage = coverages[i / 2]};
         fixture other;
@@ -170,10 +170,10 @@ static void t15_permuted_triangles_and_share_paths_give_the_same(void **state)
 }
 
 /*
- * The ends of 32 bits.
+ * The limits of 32 bits.
  */
 
-/* The build is refused without allocating anything; the message has these words. */
+/* The build is refused without allocating anything; the message contains these words. */
 static void assert_build_refused(const fixture *opened, svo_plan *plan, const char *words)
 {
     svo_tree *tree = NULL;
@@ -185,7 +185,7 @@ static void assert_build_refused(const fixture *opened, svo_plan *plan, const ch
     assert_null(tree);
     assert_null(report.stage_times[SVO_STAGE_VOXELIZE].clock);
     if (strstr(message, "svo_build: ") != message || strstr(message, words) == NULL) {
-        fail_msg("'%s' does not say '%s'", message, words);
+        fail_msg("'%s' does not contain '%s'", message, words);
     }
 }
 
@@ -196,7 +196,7 @@ static uint64_t device_bytes(const fixture *opened)
     return bytes;
 }
 
-/* Squares across a grid of 65536^3: above 2^32 fragments, and below, where the bytes are too many. */
+/* Squares across a grid of 65536^3: above 2^32 fragments, and below that but with too many bytes. */
 static void make_squares(size_t count, owned_mesh *out)
 {
     static const double corners[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
@@ -236,8 +236,8 @@ static void more_than_2_to_the_32_fragments_are_refused(void **state)
     owned_mesh_free(&made);
 }
 
-/* One triangle less: the count fits 32 bits, the bytes do not fit the device. */
-static void bytes_above_the_device_s_are_refused_beforehand(void **state)
+/* One triangle less: the count fits into 32 bits, but the bytes do not fit into the device's memory. */
+static void sizes_above_the_device_limit_are_refused_before_allocation(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     owned_mesh made;
@@ -247,19 +247,19 @@ static void bytes_above_the_device_s_are_refused_beforehand(void **state)
     if (svo_plan_peak_bytes(plan) <= device_bytes(opened)) {
         svo_plan_destroy(&plan);
         owned_mesh_free(&made);
-        print_message("skipped: the device has room for it\n");
+        print_message("skipped: the device has enough memory for it\n");
         skip();
     }
     char need[32];
     (void)snprintf(need, sizeof need, "%llu bytes", (unsigned long long)svo_plan_peak_bytes(plan));
     assert_build_refused(opened, plan, need);
-    /* The plan is as good as new: again the same. */
+    /* The failed build did not change the plan: the next one fails with the same message. */
     assert_build_refused(opened, plan, need);
     svo_plan_destroy(&plan);
     owned_mesh_free(&made);
 }
 
-/* A capacity is a promise of room: one that no device has is refused too. */
+/* A capacity demands memory: one that exceeds the device's memory is refused too. */
 static void capacities_of_2_to_the_31_are_refused_where_they_do_not_fit(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -270,16 +270,16 @@ static void capacities_of_2_to_the_31_are_refused_where_they_do_not_fit(void **s
     svo_plan *plan = plan_of(opened, &mesh, 11, &options);
     if (svo_plan_peak_bytes(plan) <= device_bytes(opened)) {
         svo_plan_destroy(&plan);
-        print_message("skipped: the device has room for it\n");
+        print_message("skipped: the device has enough memory for it\n");
         skip();
     }
     assert_build_refused(opened, plan, "bytes");
     svo_plan_destroy(&plan);
 }
 
-/* The largest chunk a list may be cut into is what the device can allocate, whatever is asked for; lists that are cut
-   small stand for those that are too large for one. */
-static void lists_are_cut_at_the_largest_allocation(void **state)
+/* A chunk is never larger than the device's largest allocation, whatever size is requested. Lists split into small
+   chunks represent those that are too large for one. */
+static void lists_are_split_at_the_largest_allocation(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     owned_mesh made;
@@ -304,11 +304,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t10_any_capacity_gives_the_whole_tree),
-        cmocka_unit_test(t15_permuted_triangles_and_share_paths_give_the_same),
+        cmocka_unit_test(t15_permuted_triangles_and_share_paths_give_the_same_tree),
         cmocka_unit_test(more_than_2_to_the_32_fragments_are_refused),
-        cmocka_unit_test(bytes_above_the_device_s_are_refused_beforehand),
+        cmocka_unit_test(sizes_above_the_device_limit_are_refused_before_allocation),
         cmocka_unit_test(capacities_of_2_to_the_31_are_refused_where_they_do_not_fit),
-        cmocka_unit_test(lists_are_cut_at_the_largest_allocation),
+        cmocka_unit_test(lists_are_split_at_the_largest_allocation),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T17 mutation: the tests find mistakes. The shared overlap test with one comparison flipped, one axis left out, or one
- * term dropped fails the golden counts (T1) and the random pairs (T4); rasterization without the expansion's margin
- * fails the golden counts. The text without a mistake passes both the same way. That svocl stress finds mistakes too is
- * shown by the programs of tests/mutants.
+ * T17 mutation: the tests find mistakes. The shared overlap test with one comparison changed, one axis removed, or one
+ * term dropped fails the golden counts (T1) and the random pairs (T4). Rasterization without the expansion's margin
+ * fails the golden counts. The unchanged source passes both. tests/mutants shows that svocl stress finds mistakes too.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +42,7 @@ static const mutant mutants[] = {
 };
 enum { MUTANTS = sizeof mutants / sizeof mutants[0] };
 
-/* T4: random records that it decides otherwise than the references. */
+/* T4: the number of random records where it disagrees with the references. */
 static unsigned wrong_pairs(const mutant *m)
 {
     enum { RECORDS = 16384 };
@@ -69,7 +68,7 @@ static int32_t largest(int32_t a, int32_t b, int32_t c)
     return -smallest(-a, -b, -c);
 }
 
-/* Voxels of one triangle at a depth, by asking for every column of its bounds. Closed boxes begin one unit earlier. */
+/* Voxels of one triangle at a depth, by testing every column of its bounds. Closed boxes begin one unit earlier. */
 static uint64_t count_voxels(const mutant *m, const int32_t *corners, unsigned depth, bool closed)
 {
     const unsigned shift = GOLDEN_SNAP_BITS - depth;
@@ -103,7 +102,7 @@ static uint64_t count_voxels(const mutant *m, const int32_t *corners, unsigned d
     return count;
 }
 
-/* T1: counts of the golden table it does not reproduce. The table has no thin counts, and its triangles are too
+/* T1: the number of golden counts that it does not reproduce. The table has no thin counts, and its triangles are too
    large for narrow arithmetic. */
 static unsigned wrong_counts(const mutant *m, const golden_table *table)
 {
@@ -143,13 +142,13 @@ static void t17_mutants_of_the_shared_test_are_found(void **state)
 }
 
 /*
- * The expansion's margin. The way of hardware that rasterizes conservatively by itself leaves it out; without such
- * hardware that is the mistake.
+ * The expansion's margin. The method for hardware with conservative rasterization omits it; used without such hardware,
+ * that is a mistake.
  */
 
 #define CONSERVATIVE_RASTERIZATION_NV 0x9346
 
-/* The functions of the context that lies now; its wrappers have no other way to them. */
+/* The original functions of the context that is lying, for its wrappers, which have no user pointer. */
 static svo_i_gl_functions honest;
 
 static void APIENTRY enable_all_but_conservative(GLenum capability)
@@ -172,7 +171,7 @@ static void APIENTRY ignore_parameter(GLenum name, GLint value)
     (void)value;
 }
 
-/* Fragments that a way of rasterizing makes of a plan; none are kept. */
+/* The number of fragments that a rasterization method produces for a plan; none are stored. */
 static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_conservative method)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);

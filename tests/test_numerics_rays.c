@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue's rows on rays, beside a reference that tries every triangle in long double: closed surfaces have no
- * gaps (T11), no direction or origin loses a hit (T12), bad rays meet nothing and cost nothing (T13).
+ * The catalog's rows on rays, against a reference that tests every triangle in long double: closed surfaces have no
+ * gaps (T11), no direction or origin loses a hit (T12), invalid rays hit nothing and cost nothing (T13).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,7 @@
 
 enum { RINGS = 48, SIDES = 96, BALL_VERTICES = 2 + (RINGS - 1) * SIDES, BALL_TRIANGLES = 2 * SIDES * (RINGS - 1) };
 
-/* A closed ball whose corners are whole numbers of steps from its center. */
+/* A closed ball whose corners are at integer multiples of a step from its center. */
 typedef struct ball {
     int32_t corners[BALL_VERTICES][3]; /* in steps, from the center */
     double positions[BALL_VERTICES][3];
@@ -88,7 +88,7 @@ static ball *make_ball(const double center[3], double step, double radius_steps)
 
 typedef enum aim { AIM_ANYWHERE, AIM_AT_VERTICES, AIM_AT_EDGES, AIM_COUNT } aim;
 
-/* From a lattice point inside the ball; exact in float, so a ray aimed at a corner or an edge meets it exactly. */
+/* From a lattice point inside the ball; exact in float, so a ray aimed at a corner or an edge hits it exactly. */
 static svo_ray ball_ray(const ball *target, const double center[3], double step, double radius_steps, aim kind,
                         uint64_t *random)
 {
@@ -155,14 +155,14 @@ static void t11_closed_surfaces_have_no_gaps(void **state)
 static const float components[] = {0.0f, -0.0f, 1.0f, -1.0f, 0x1p-24f, -0x1p-24f, 1e-40f, -1e-40f, 0.37f};
 enum { COMPONENTS = sizeof components / sizeof components[0], DIRECTIONS = COMPONENTS * COMPONENTS * COMPONENTS };
 
-/* All directions of these components from one origin. */
+/* All directions with these components from one origin. */
 static void check_directions(const fixture *opened, const char *what, const built *tree, const double origin[3])
 {
     static svo_ray rays[DIRECTIONS];
     static svo_hit hits[DIRECTIONS];
     for (uint32_t i = 0; i < DIRECTIONS; ++i) {
         const uint32_t picks[3] = {i % COMPONENTS, i / COMPONENTS % COMPONENTS, i / COMPONENTS / COMPONENTS};
-        rays[i].t_min = -1e-3f; /* what the origin lies on is met for certain */
+        rays[i].t_min = -1e-3f; /* includes a surface at the origin */
         rays[i].t_max = INFINITY;
         for (int axis = 0; axis < 3; ++axis) {
             rays[i].origin[axis] = (float)origin[axis];
@@ -213,7 +213,7 @@ static void t12_every_direction_from_every_origin(void **state)
     owned_mesh_free(&owned);
 }
 
-/* A ray that is known to slip past the cells of careless walks. */
+/* A ray that some cell traversals are known to miss. */
 static void t12_a_long_ray_between_cells_of_16(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -264,8 +264,8 @@ static void t12_random_rays(void **state)
     scene_destroy(&made);
 }
 
-/* Aimed at the middles of edges from ten thousand widths of the scene away, where a walk from cell to cell in floats
-   once met what lies behind. */
+/* Aimed at the middle of edges from ten thousand scene widths away, where a cell traversal in floats once hit the
+   surface behind. */
 static void t12_rays_from_far_away_at_edges(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -298,7 +298,7 @@ static void t12_rays_from_far_away_at_edges(void **state)
     scene_destroy(&made);
 }
 
-/* ---- T13: bad rays ---- */
+/* ---- T13: invalid rays ---- */
 
 static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
 {

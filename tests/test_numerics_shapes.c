@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The catalogue of stiff and extreme cases, by shape: closed forms (T2), needles (T3), pairs at great offsets (T4),
- * garbage (T8) and depths (T9), through the whole pipeline, in every coverage, against both exact references.
+ * The catalog of ill-conditioned and extreme cases, by shape: closed forms (T2), needles (T3), pairs at large offsets
+ * (T4), garbage (T8) and depths (T9), through the whole pipeline, with every coverage, against both exact references.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 #include "compare_tree.h"
 #include "meshes.h"
 
-/* Builds, compares, and makes sure that both references agree on what is expected. */
+/* Builds, compares, and checks that both references agree. */
 static void build_and_compare(const fixture *opened, const svo_mesh *mesh, unsigned depth,
                               const svo_plan_options *options)
 {
@@ -30,7 +30,7 @@ static void build_and_compare(const fixture *opened, const svo_mesh *mesh, unsig
     built_destroy(&actual);
 }
 
-/* Coordinates on the grid of this edge are their own snapped ones up to depth 12. */
+/* On a grid of this edge, snapping does not change coordinates up to depth 12. */
 #define EDGE 0x1p20
 
 static const svo_coverage coverages[] = {SVO_COVERAGE_HALF_OPEN, SVO_COVERAGE_CLOSED, SVO_COVERAGE_THIN};
@@ -80,7 +80,7 @@ static void assert_leaves(const fixture *opened, const svo_mesh *mesh, unsigned 
     built_destroy(&actual);
 }
 
-/* The hull of a cube of r voxels' edge has 8 corners, 12 edges and 6 faces. */
+/* The hull of a cube with an edge of r voxels has 8 corners, 12 edges and 6 faces. */
 static void t2_cube_hull_has_its_closed_form(void **state)
 {
     double positions[6 * 18];
@@ -96,7 +96,7 @@ static void t2_cube_hull_has_its_closed_form(void **state)
     }
 }
 
-/* A square between two layers of voxels belongs to the upper one; to both, if they own their faces. */
+/* A square between two layers of voxels belongs to the upper layer, with closed coverage to both. */
 static void t2_mid_plane_has_its_closed_form(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -113,8 +113,8 @@ static void t2_mid_plane_has_its_closed_form(void **state)
     }
 }
 
-/* One node a level; a corner of voxels has eight when they own their faces. */
-static void t2_points_have_one_voxel_a_level(void **state)
+/* One node per level; with closed coverage, a voxel corner has eight. */
+static void t2_points_have_one_voxel_per_level(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     static const double points[3][3] = {{123456, 7, EDGE - 1}, {0, 0, 0}, {EDGE / 2, EDGE / 2, EDGE / 2}};
@@ -137,19 +137,19 @@ static void t2_points_have_one_voxel_a_level(void **state)
  * T3 needles. Coordinates in voxels of a grid of 64^3.
  */
 
-/* After the conformance shapes of Direct3D's conservative rasterization: needles across pixels, triangles below a pixel
-   in every place of one, edges that pass a corner at a distance of 1/1024 on either side. */
+/* Modeled on the conformance shapes of Direct3D's conservative rasterization: needles across pixels, triangles smaller
+   than a pixel at every position in it, edges that pass a corner at a distance of 1/1024 on either side. */
 static void t3_conformance_shapes_are_exact(void **state)
 {
     static const double shapes[][9] = {
         {1, 1, 1, 60, 1, 1, 60, 1.0009765625, 1}, /* along an axis, on a face of voxels */
         {1, 1, 1, 60, 31, 47, 60, 31.0009765625, 47},
         {3.5, 3.5, 3.5, 3.5009765625, 3.5, 3.5, 3.5, 50.5, 3.5},
-        {0, 0, 0, 63, 63, 63, 63, 63, 62.9990234375}, /* the diagonal, through corners of voxels */
-        {5, 5, 5, 5.0009765625, 5, 5, 5, 5.0009765625, 5.0009765625}, /* far below a voxel, at a corner */
+        {0, 0, 0, 63, 63, 63, 63, 63, 62.9990234375}, /* the diagonal, through voxel corners */
+        {5, 5, 5, 5.0009765625, 5, 5, 5, 5.0009765625, 5.0009765625}, /* much smaller than a voxel, at a corner */
         {4.9990234375, 4.9990234375, 4.9990234375, 5.0009765625, 5, 5, 5, 5.0009765625, 4.9990234375},
         {10, 10, 10.5, 20, 10, 10.5, 10, 20, 10.5}, /* edges on the borders of pixels */
-        {10, 10, 20, 20, 10, 10, 10, 20, 10}, /* x + y + z = 40 through corners of voxels */
+        {10, 10, 20, 20, 10, 10, 10, 20, 10}, /* x + y + z = 40 through voxel corners */
     };
     const fixture *opened = fixture_of_group(state);
     double positions[sizeof shapes / sizeof shapes[0] * 27 * 9];
@@ -196,8 +196,8 @@ static void t3_slivers_of_any_aspect_are_exact(void **state)
     compare_all_coverages(opened, &mesh, 4, 0.0);
 }
 
-/* A needle through a point of the unit cube, its ends up to reach beyond the cube, the third corner on it or nearly
-   so. */
+/* A needle through a point of the unit cube, with ends up to reach beyond the cube. The third corner lies on or near
+   the segment between the others. */
 static void needle_through_cube(uint64_t *random, double reach, double *corners)
 {
     static const double widths[] = {0.0, 1e-7, 1e-5};
@@ -213,7 +213,7 @@ static void needle_through_cube(uint64_t *random, double reach, double *corners)
     }
 }
 
-/* Needles are drawn as bands: from end to end of the deepest grids, and far out of them. */
+/* Needles are drawn as bands. These cross the deepest grids and reach far outside them. */
 static void t3_needles_across_deep_grids_are_exact(void **state)
 {
     enum { NEEDLES = 3 };
@@ -237,7 +237,7 @@ static void t3_needles_across_deep_grids_are_exact(void **state)
 }
 
 /*
- * T4 pairs, far from the origin: what the snap makes of the mesh is exact, and its error is reported, not hidden.
+ * T4 pairs, far from the origin: the tree of the snapped mesh is exact, and the snap error is reported.
  */
 static void t4_meshes_at_any_offset_are_exact(void **state)
 {
@@ -255,7 +255,7 @@ static void t4_meshes_at_any_offset_are_exact(void **state)
         fixture_build(opened, &made.mesh, 7, &options, &actual);
         print_message("offset %g: seed %zu, snap error %.3g of an edge of 1\n", offsets[i], 400 + i,
                       actual.info.snap_error);
-        /* Half a unit, and what doubles of this size cannot say. */
+        /* Half a unit, plus the rounding error of doubles of this magnitude. */
         assert_true(actual.info.snap_error <= 0.51 * 0x1p-20 + 4.0 * offsets[i] * 0x1p-52);
         built_destroy(&actual);
         build_and_compare(opened, &made.mesh, 7, &options);
@@ -278,7 +278,7 @@ static float garbage_float(uint64_t *random, uint32_t share)
     return (float)random_unit(random);
 }
 
-/* Refused and counted, or exact; twice the same. */
+/* Refused and counted, or exact; repeated builds agree. */
 static void check_garbage(const fixture *opened, const svo_mesh *mesh, const svo_plan_options *options)
 {
     built first;
@@ -303,7 +303,7 @@ static void t8_garbage_is_refused_and_counted_or_exact(void **state)
         for (size_t i = 0; i < GARBAGE_VERTICES * 3; ++i) {
             positions[i] = garbage_float(&random, seed % 3 == 0 ? 4 : 60);
         }
-        for (size_t i = 0; i < GARBAGE_TRIANGLES * 3; ++i) { /* some are out of range, some triangles come twice */
+        for (size_t i = 0; i < GARBAGE_TRIANGLES * 3; ++i) { /* some are out of range, some triangles occur twice */
             indices[i] =
                 random_below(&random, 50) == 0 ? random_word(&random) : random_below(&random, GARBAGE_VERTICES);
             indices[i] = i >= 3 && i / 3 % 10 == 9 ? indices[i - 3] : indices[i];
@@ -321,7 +321,7 @@ static void t8_garbage_is_refused_and_counted_or_exact(void **state)
     }
 }
 
-/* A mesh so large that its extent is no double is refused in words. */
+/* A mesh whose extent overflows a double is refused with a message. */
 static void t8_an_extent_beyond_doubles_is_refused(void **state)
 {
     static const double positions[9] = {-1.7e308, 0, 0, 1.7e308, 0, 0, 0, 1, 0};
@@ -395,7 +395,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t2_cube_hull_has_its_closed_form),
         cmocka_unit_test(t2_mid_plane_has_its_closed_form),
-        cmocka_unit_test(t2_points_have_one_voxel_a_level),
+        cmocka_unit_test(t2_points_have_one_voxel_per_level),
         cmocka_unit_test(t3_conformance_shapes_are_exact),
         cmocka_unit_test(t3_slivers_of_any_aspect_are_exact),
         cmocka_unit_test(t3_needles_across_deep_grids_are_exact),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Callers that were compiled against other headers: an older caller's structs are shorter, a newer caller's longer.
- * Behind each struct lie bytes that must not change.
+ * Callers compiled against other headers: an older caller's structs are shorter, a newer caller's longer. The bytes
+ * after each struct must not change.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,7 @@ static svo_frontend *frontend;
 
 static const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 
-/* A struct of the size that its caller declares, with canaries behind it. */
+/* A struct of the size that its caller declares, with canaries after it. */
 typedef struct foreign {
     union {
         size_t struct_size;
@@ -125,9 +125,9 @@ static svo_status get_context_info(void *to)
 
 typedef struct output_case {
     get_output get;
-    size_t bytes; /* as declared today */
+    size_t bytes; /* current size */
     size_t older_bytes; /* up to a field in the middle */
-    size_t compared_bytes; /* the same at each call */
+    size_t compared_bytes; /* equal in repeated calls */
 } output_case;
 
 #define END_OF(type, field) (offsetof(type, field) + sizeof(((type *)NULL)->field))
@@ -152,14 +152,14 @@ static const output_case outputs[] = {
 };
 #define OUTPUTS (sizeof outputs / sizeof outputs[0])
 
-/* svo_buffer_info and others end in padding, which is nobody's. */
+/* svo_buffer_info and others end with padding, which is not compared. */
 static void assert_same(const foreign *actual, const foreign *expected, size_t bytes)
 {
     const size_t head = sizeof(size_t);
     assert_memory_equal(actual->memory.bytes + head, expected->memory.bytes + head, bytes - head);
 }
 
-static void outputs_fill_what_the_caller_knows(void **state)
+static void outputs_fill_only_the_fields_the_caller_knows(void **state)
 {
     (void)state;
     for (size_t i = 0; i < OUTPUTS; ++i) {
@@ -199,7 +199,7 @@ static void outputs_without_a_size_are_refused(void **state)
 
 typedef svo_status (*use_input)(const void *from, svo_message *message);
 
-/* Functions with a handle keep the message there. */
+/* Functions with a handle store the message there. */
 static svo_status with_message(svo_status status, svo_message *message)
 {
     (void)snprintf(message->text, sizeof message->text, "%s", svo_device_message(device));
@@ -264,7 +264,7 @@ static svo_status use_save_options(const void *from, svo_message *message)
     return status;
 }
 
-/* There is no such file; that is found out after the size was accepted. */
+/* The file does not exist; this error comes after the size was accepted. */
 static svo_status use_import_options(const void *from, svo_message *message)
 {
     svo_import *made = NULL;
@@ -290,8 +290,8 @@ typedef struct input_case {
     const char *argument;
     use_input use;
     const void *ours;
-    size_t bytes; /* as declared today */
-    size_t older_bytes; /* of the first release; written out, since that is what its callers have */
+    size_t bytes; /* current size */
+    size_t older_bytes; /* of the first release, as a literal, since its callers pass this value */
     svo_status expected;
 } input_case;
 
@@ -391,7 +391,7 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outputs_fill_what_the_caller_knows),
+        cmocka_unit_test(outputs_fill_only_the_fields_the_caller_knows),
         cmocka_unit_test(outputs_without_a_size_are_refused),
         cmocka_unit_test(older_inputs_are_accepted_and_newer_ones_refused),
         cmocka_unit_test(stages_are_read_by_index),

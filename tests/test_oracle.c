@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves the exact references of tests/oracle: both give the golden counts and the same pairs, both give the counts
- * that are known in closed form, the octree walk finds what asking every voxel finds, and sorting, comparing and the
- * tree that follows from a list do what they say. test_oracle_random.c goes through single pairs.
+ * Tests the exact references (tools/reference). Both give the golden counts, the same pairs and the counts known in
+ * closed form. The octree walk agrees with brute force over all voxels. test_oracle_tree.c tests sorting, comparing and
+ * trees, test_oracle_random.c single pairs.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,7 @@ static void assert_same_pairs(const oracle_pairs *expected, const oracle_pairs *
     assert_int_equal(difference.surplus_voxels, 0);
 }
 
-/* Both references on one mesh; checks that they agree and returns the list. */
+/* Runs both references on one mesh, checks that they agree and returns the list. */
 static oracle_pairs enumerate_both(const oracle_mesh *mesh, unsigned depth, oracle_coverage coverage)
 {
     oracle_pairs sat = enumerate(mesh, depth, coverage, ORACLE_SAT);
@@ -90,7 +90,7 @@ static void golden_counts_are_reproduced(void **state)
     assert_in_range(checked, 200, SIZE_MAX);
 }
 
-/* Pair for pair, at the deepest level of each golden scene; levels above are its ancestors. */
+/* Compares single pairs at the deepest level of each golden scene; the levels above are its ancestors. */
 static void golden_pairs_agree(void **state)
 {
     golden_table *table = golden_load(GOLDEN_COUNTS_PATH);
@@ -126,7 +126,7 @@ static void add_cube_face(int32_t *vertices, int axis, int32_t value)
     }
 }
 
-/* r^3 - (r - 2)^3 voxels make the hull of a cube of r voxels' edge. */
+/* The hull of a cube with an edge of r voxels has r^3 - (r - 2)^3 voxels. */
 static void cube_hull_has_its_closed_form(void **state)
 {
     int32_t vertices[6 * 18];
@@ -147,7 +147,7 @@ static void cube_hull_has_its_closed_form(void **state)
     }
 }
 
-/* A quad between two layers of voxels belongs to the upper one, or to both. */
+/* A quad between two layers of voxels belongs to the upper layer, with closed coverage to both. */
 static void mid_plane_has_its_closed_form(void **state)
 {
     (void)state;
@@ -196,8 +196,8 @@ static void points_have_their_voxels(void **state)
     }
 }
 
-/* Near faces are the grid's, far faces only when closed; a coordinate of 2^29 is refused. The triangle stands at x =
-   const and covers the grid's cross-section, with a vertex at y = reach. */
+/* The grid includes its near faces, and its far faces with closed coverage only; a coordinate of 2^29 is refused. The
+   triangle lies in a plane of constant x and covers the grid's cross-section, with a vertex at y = reach. */
 static void triangles_outside_touch_nothing(void **state)
 {
     const int32_t end = 1 << SNAP_BITS, limit = 1 << 29;
@@ -231,7 +231,7 @@ static uint64_t next_random(uint64_t *state)
     return *state >> 33;
 }
 
-/* Every voxel of the grid against every triangle, in the order of the list. */
+/* Tests every voxel of the grid against every triangle, in the order of the list. */
 static oracle_pairs ask_every_voxel(const oracle_triangle *triangles, size_t count, unsigned depth,
                                     oracle_coverage coverage, oracle_method method)
 {
@@ -255,7 +255,7 @@ static oracle_pairs ask_every_voxel(const oracle_triangle *triangles, size_t cou
 
 #define WALK_TRIANGLES 24
 
-/* Triangles in, around and far beyond the grid, some of them on voxel faces, some of them segments. */
+/* Triangles in, around and far outside the grid, some on voxel faces, some degenerate to segments. */
 static void make_walk_triangles(oracle_triangle *triangles, uint64_t *seed)
 {
     for (size_t t = 0; t < WALK_TRIANGLES; t++) {
@@ -272,7 +272,7 @@ static void make_walk_triangles(oracle_triangle *triangles, uint64_t *seed)
     }
 }
 
-static void walk_finds_what_asking_every_voxel_finds(void **state)
+static void walk_agrees_with_brute_force(void **state)
 {
     oracle_triangle triangles[WALK_TRIANGLES];
     const oracle_mesh mesh = {&triangles[0].vertex[0][0], NULL, NULL, WALK_TRIANGLES};
@@ -303,13 +303,10 @@ static void walk_finds_what_asking_every_voxel_finds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(golden_counts_are_reproduced),
-        cmocka_unit_test(golden_pairs_agree),
-        cmocka_unit_test(cube_hull_has_its_closed_form),
-        cmocka_unit_test(mid_plane_has_its_closed_form),
-        cmocka_unit_test(points_have_their_voxels),
-        cmocka_unit_test(triangles_outside_touch_nothing),
-        cmocka_unit_test(walk_finds_what_asking_every_voxel_finds),
+        cmocka_unit_test(golden_counts_are_reproduced),  cmocka_unit_test(golden_pairs_agree),
+        cmocka_unit_test(cube_hull_has_its_closed_form), cmocka_unit_test(mid_plane_has_its_closed_form),
+        cmocka_unit_test(points_have_their_voxels),      cmocka_unit_test(triangles_outside_touch_nothing),
+        cmocka_unit_test(walk_agrees_with_brute_force),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

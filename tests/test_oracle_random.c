@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves that the two exact references give the same answer on single (triangle, box) pairs: random ones of every kind
- * that is hard on an overlap test, up to the ends of the coordinate range. Where a generator knows a point that
- * triangle and box share, both must find it; and no answer may depend on vertex order, axis order or (closed)
- * reflection.
+ * Tests that the two exact references agree on single (triangle, box) pairs: random ones of every kind that is hard
+ * for an overlap test, up to the ends of the coordinate range. If a generator knows a common point of triangle and box,
+ * both references must report an overlap. No answer may depend on vertex order, axis order or (closed) reflection.
  *
  * The seed is printed and can be set: SVOCL_TEST_SEED=n test_oracle_random.
  */
@@ -34,13 +33,13 @@ static uint64_t next_random(void)
     return z ^ z >> 31;
 }
 
-/* Uniform in low .. high, both included. */
+/* Uniform in low .. high, both inclusive. */
 static int64_t between(int64_t low, int64_t high)
 {
     return low + (int64_t)(next_random() % (uint64_t)(high - low + 1));
 }
 
-/* One question, and what its generator knows of the answer. */
+/* One pair, and a common point if its generator knows one. */
 typedef struct sample {
     int64_t vertex[3][3];
     oracle_box box;
@@ -71,7 +70,7 @@ static void place_box_on_triangle(sample *s, int64_t width, int64_t slack)
     }
 }
 
-/* So small that every kind of coincidence happens often. */
+/* Small enough that every kind of coincidence happens often. */
 static void make_tiny(sample *s)
 {
     for (int i = 0; i < 3; i++)
@@ -80,7 +79,7 @@ static void make_tiny(sample *s)
     s->box.width = between(1, 3);
 }
 
-/* Vertices on the corners of the voxels' lattice. */
+/* Vertices on voxel corners. */
 static void make_lattice(sample *s)
 {
     int64_t width = (int64_t)1 << between(0, 18);
@@ -127,7 +126,7 @@ static void make_sliver(sample *s)
     place_box_on_triangle(s, width, width + 2);
 }
 
-/* In the plane of one of the box's faces, or one unit beside it. */
+/* In the plane of one of the box's faces, or one unit away from it. */
 static void make_coplanar(sample *s)
 {
     int64_t width = (int64_t)1 << between(0, 20), reach = width << between(0, 8);
@@ -141,7 +140,7 @@ static void make_coplanar(sample *s)
     s->box.corner[axis] = s->vertex[0][axis] - between(0, 1) * width + between(-1, 1);
 }
 
-/* Points, segments, and three points in a row. */
+/* Points, segments, and three collinear points. */
 static void make_degenerate(sample *s)
 {
     int64_t step[3], width = between(1, 64);
@@ -157,7 +156,7 @@ static void make_degenerate(sample *s)
     place_box_on_triangle(s, width, 1);
 }
 
-/* A point on the surface of the box, or one unit beside it: a corner, on an edge or on a face. */
+/* A point on the surface of the box, or one unit away from it: at a corner, on an edge or on a face. */
 static void pick_contact(sample *s, int64_t width)
 {
     s->box.width = width;
@@ -184,7 +183,7 @@ static void make_edge_contact(sample *s)
     }
 }
 
-/* The inside of a triangle passes exactly through a point on the surface of the box. */
+/* The interior of a triangle passes exactly through a point on the surface of the box. */
 static void make_face_contact(sample *s)
 {
     int64_t reach = (int64_t)9 << between(0, 24), u[3], v[3];
@@ -199,7 +198,7 @@ static void make_face_contact(sample *s)
     }
 }
 
-/* Adds one of the catalogue's offsets, where the coordinates leave room for it. */
+/* Adds one of the catalog's offsets if the coordinates remain in range. */
 static void move_sample(sample *s)
 {
     static const int64_t offsets[] = {0, 1000, 1 << 16, 1 << 20, 1000000, 100000000, 536870911, -500000000};
@@ -239,7 +238,7 @@ static void print_sample(const char *words, const sample *s)
                 (long long)s->box.corner[2], (long long)s->box.width);
 }
 
-/* Both references' answer; fails the test where they differ. */
+/* The answer of both references; fails the test if they differ. */
 static bool ask_both(const sample *s, oracle_coverage coverage)
 {
     oracle_triangle triangle = triangle_of(s);
@@ -264,7 +263,7 @@ static bool box_has(const oracle_box *box, const int64_t point[3], oracle_covera
     return true;
 }
 
-/* The same question with vertices and axes in another order, and seen in a mirror. */
+/* The same pair with vertices and axes permuted, and reflected. */
 static void check_symmetry(const sample *s, bool half_open, bool closed)
 {
     sample turned = *s, mirrored = *s;
@@ -284,7 +283,7 @@ static void check_symmetry(const sample *s, bool half_open, bool closed)
     assert_int_equal(ask_both(&mirrored, ORACLE_CLOSED), closed);
 }
 
-/* least_percent: half-open hits and misses must each be at least that many, so that a class cannot become trivial. */
+/* least_percent: the minimum for half-open hits and for misses, so that no class is trivial. */
 static void check_class(void (*make)(sample *), int64_t least_percent)
 {
     int64_t half_open_count = 0, boundary_count = 0;
@@ -330,7 +329,7 @@ CLASS_TEST(degenerate, 10)
 CLASS_TEST(edge_contact, 10)
 CLASS_TEST(face_contact, 10)
 
-/* The coordinates at the very end of the range, in all signs: what overflows, overflows here. */
+/* Coordinates at the very ends of the range, with all signs: an overflow would happen here. */
 static void references_agree_at_the_ends_of_the_range(void **state)
 {
     const int64_t ends[4] = {1 - COORDINATE_END, -1, 0, COORDINATE_END - 1};

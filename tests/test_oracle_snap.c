@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves the reference for grid and snap: against the definition written in doubles, against exact products by fma, on
- * ties and signs worked out by hand, and on the triangles that count and do not count. Seeds are fixed and printed.
+ * Tests the reference for grid and snap: against the definition in doubles, against exact products by fma, on ties and
+ * signs computed by hand, and on accepted and refused triangles. Seeds are fixed and printed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,7 +33,7 @@ static double random_double(uint64_t *state, int bits)
     return next_random(state) & 1 ? -value : value;
 }
 
-/* What the design says, in the words of the language; the tests are compiled without contraction. */
+/* The documented definition in C; the tests are compiled without contraction. */
 static double snap_in_doubles(const oracle_grid *grid, double value, int axis)
 {
     double offset = value - grid->origin[axis];
@@ -70,7 +70,7 @@ static void snap_equals_the_definition_in_doubles(void **state)
     assert_in_range(refused_count, 1000, 200000);
 }
 
-/* With edge 2^20 the scale is 1: halves go to the even neighbor. */
+/* With edge 2^20 the scale is 1: halves round to the even neighbor. */
 static void ties_go_to_even(void **state)
 {
     const double origin[3] = {0, 0, 0}, values[] = {0.5, 1.5, 2.5, -0.5, -1.5, -2.5, 2.5000000000000004, -0.0, 5e-324};
@@ -162,8 +162,8 @@ static void default_grid_is_the_bounds_cube(void **state)
     }
 }
 
-/* Coordinates that are integers and span 0 .. 2^20 - 1 stay as they are, on both kinds of grid. */
-static void integer_meshes_are_their_own_snap(void **state)
+/* Integer coordinates that span 0 .. 2^20 - 1 do not change, on both kinds of grid. */
+static void integer_meshes_do_not_change_when_snapped(void **state)
 {
     const double positions[9] = {0, 1048575, 7, 1048575, 0, 524288, 3, 5, 123456}, origin[3] = {0, 0, 0};
     const oracle_positions mesh = {positions, 3, NULL, 1};
@@ -183,7 +183,7 @@ static void integer_meshes_are_their_own_snap(void **state)
     }
 }
 
-static void only_accepted_triangles_make_the_grid(void **state)
+static void default_grid_covers_accepted_triangles_only(void **state)
 {
     const double positions[] = {0, 0, 0, 8, 1, 1, 1, 4, 2, -900, 5, NAN, INFINITY, 0, 0, 5000, 5000, 5000};
     const uint32_t indices[] = {0, 1, 3, 4, 1, 0, 0, 1, 2, 5, 6, 5, UINT32_MAX, 5, 5};
@@ -222,8 +222,8 @@ int main(void)
         cmocka_unit_test(limit_is_two_to_the_29),
         cmocka_unit_test(default_scale_is_rounded_toward_zero),
         cmocka_unit_test(default_grid_is_the_bounds_cube),
-        cmocka_unit_test(integer_meshes_are_their_own_snap),
-        cmocka_unit_test(only_accepted_triangles_make_the_grid),
+        cmocka_unit_test(integer_meshes_do_not_change_when_snapped),
+        cmocka_unit_test(default_grid_covers_accepted_triangles_only),
         cmocka_unit_test(one_point_has_edge_one),
     };
 

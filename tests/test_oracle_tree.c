@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Proves the lists of tests/oracle: Morton codes, the sort, the comparison of two lists, and the canonical tree of a
- * list against one written out by hand, against a walk from its root, and against the trees of other depths.
+ * Tests the lists of tools/reference: Morton codes, the sort, the comparison of two lists, and the canonical tree of a
+ * list against one written by hand, against a walk from its root, and against the trees of other depths.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -99,7 +99,7 @@ static void comparison_counts_voxels_and_pairs(void **state)
 
 /* Depth 2: octant 0 holds leaves 0 and 7, octant 5 holds leaf 3 (of two triangles), octant 6 holds leaves 1, 2 and
    4. */
-static void tree_is_the_one_written_out_by_hand(void **state)
+static void tree_equals_the_one_written_by_hand(void **state)
 {
     oracle_pair list[] = {{000, 1}, {007, 0}, {053, 0}, {053, 2}, {061, 0}, {062, 0}, {064, 3}};
     const oracle_pairs pairs = {list, 7};
@@ -151,7 +151,7 @@ static oracle_pairs statue_like_pairs(unsigned depth)
     return pairs;
 }
 
-/* Goes down from the root by mask and first child, as a user of the tree does; false where there is no such leaf. */
+/* Descends from the root by mask and first child, as a user of the tree does; false if there is no such leaf. */
 static bool find_leaf(const oracle_tree *tree, uint64_t code, uint32_t *leaf)
 {
     uint32_t node = 0;
@@ -170,7 +170,7 @@ static bool find_leaf(const oracle_tree *tree, uint64_t code, uint32_t *leaf)
     return true;
 }
 
-static void tree_holds_just_the_leaves_of_the_list(void **state)
+static void tree_has_exactly_the_leaves_of_the_list(void **state)
 {
     (void)state;
     for (unsigned depth = 1; depth <= 6; depth++) {
@@ -220,7 +220,7 @@ static void trees_nest(void **state)
     oracle_pairs_free(&deep_pairs);
 }
 
-static void leaf_codes_come_back_from_the_masks(void **state)
+static void leaf_codes_are_recovered_from_the_masks(void **state)
 {
     oracle_pairs pairs = statue_like_pairs(8);
     uint64_t leaf_count = oracle_pairs_voxel_count(&pairs), leaf = 0;
@@ -270,11 +270,11 @@ int main(void)
         cmocka_unit_test(codes_and_boxes_fit),
         cmocka_unit_test(sort_orders_by_code_then_triangle),
         cmocka_unit_test(comparison_counts_voxels_and_pairs),
-        cmocka_unit_test(tree_is_the_one_written_out_by_hand),
+        cmocka_unit_test(tree_equals_the_one_written_by_hand),
         cmocka_unit_test(empty_tree_is_a_root_without_children),
-        cmocka_unit_test(tree_holds_just_the_leaves_of_the_list),
+        cmocka_unit_test(tree_has_exactly_the_leaves_of_the_list),
         cmocka_unit_test(trees_nest),
-        cmocka_unit_test(leaf_codes_come_back_from_the_masks),
+        cmocka_unit_test(leaf_codes_are_recovered_from_the_masks),
         cmocka_unit_test(requests_out_of_range_are_refused),
     };
 

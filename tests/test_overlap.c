@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * T4 pairs, in the shared text itself: one definition of "touches", shared by C, OpenCL C and GLSL: the three agree bit
- * for bit, and with the exact references.
+ * T4 pairs, on the shared source itself: one definition of "touches" for C, OpenCL C and GLSL. The three agree bit for
+ * bit with each other, and they agree with the exact references.
  *
- * kernels/shared/integer.clh and overlap.clh are run, in each language, on thousands of random and hard records
- * in each of their three widths, half-open, closed and thin (agree/sample.h makes them, agree/probe.clh asks). GLSL is
- * asked twice: with 64-bit integers of the language, and with those made of two words. Only the spans may differ, which
- * float arithmetic estimates: they must hold every voxel that the integers let pass.
+ * The tests run kernels/shared/integer.clh and overlap.clh in each language on thousands of random and hard records, in
+ * all three widths and in half-open, closed and thin coverage. agree/sample.h generates the records, agree/probe.clh
+ * runs the functions. GLSL runs twice: with the language's 64-bit integers and with pairs of 32-bit words. Only the
+ * spans may differ, since float arithmetic estimates them: they must contain every voxel that the integers accept.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -28,9 +28,9 @@ enum { RECORDS = 16384, TEXT_BYTES = 400 };
 
 #define SEED UINT64_C(20240229)
 
-#define KEY_INT64 "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n"
+#define DEFINE_INT64 "#extension GL_ARB_gpu_shader_int64 : require\n#define SVO_INT64\n"
 
-/* One way of compiling the shared text, with its records and what C says about them. */
+/* A variant of the shared source, with its records and the results of C. */
 typedef struct variant {
     const char *name;
     const char *options; /* OpenCL C */
@@ -125,7 +125,7 @@ static int free_variants(void **state)
     return 0;
 }
 
-/* Everything needed to see the record again. */
+/* Everything needed to reproduce the record. */
 static const char *describe(const variant *v, uint32_t record, char text[TEXT_BYTES])
 {
     const int32_t *w = v->given[record].words;
@@ -156,7 +156,7 @@ static void c_agrees_with_the_exact_references(void **state)
         if (touches(&v->expected[i]) != first || first != second) {
             fail_msg("%s: C %d, references %d and %d", describe(v, i, text), touches(&v->expected[i]), first, second);
         }
-        /* Thin is never more than half-open, which is never more than closed. */
+        /* Thin is a subset of half-open, which is a subset of closed. */
         const bool half_open = oracle_sat_touches(&s->triangle, &s->box, ORACLE_HALF_OPEN);
         if ((v->thin && first && !half_open) ||
             (half_open && !oracle_sat_touches(&s->triangle, &s->box, ORACLE_CLOSED))) {
@@ -164,7 +164,7 @@ static void c_agrees_with_the_exact_references(void **state)
         }
         touched[s->kind] += first;
     }
-    /* The records ask something: each kind has hits and misses in numbers (a point meets all voxels of its bounds). */
+    /* The records are not trivial: each kind has many hits and misses (a point meets all voxels of its bounds). */
     const unsigned kind_count = RECORDS / SAMPLE_KINDS;
     for (int kind = 0; kind < SAMPLE_KINDS; ++kind) {
         const unsigned most = kind == SAMPLE_POINT ? kind_count : kind_count - kind_count / 64;
@@ -175,7 +175,7 @@ static void c_agrees_with_the_exact_references(void **state)
     }
 }
 
-/* Every voxel of the record's column that meets the triangle lies in the span, wherever the library asks for spans. */
+/* Every voxel of the record's column that meets the triangle lies in the span, wherever the library uses spans. */
 static void check_span(const variant *v, uint32_t record, const probe_output *found, const char *language)
 {
     if (!v->samples[record].axis_is_longest) {
@@ -207,7 +207,7 @@ static void compare_answers(const variant *v, const probe_output *found, const c
     }
 }
 
-static void spans_of_c_hold_what_meets(void **state)
+static void spans_of_c_contain_the_touched_voxels(void **state)
 {
     const variant *v = *state;
     compare_answers(v, v->expected, "C");
@@ -234,7 +234,7 @@ static void opencl_agrees_with_c(void **state)
     svo_device_destroy(&device);
 }
 
-/* A context; skips where int64 is asked for and the context has none. */
+/* Opens a context; skips the test if int64 is set and the context has no 64-bit integers. */
 static svo_gl_context *context_or_skip(bool int64)
 {
     svo_gl_context *context = machine_any_context_or_skip();
@@ -246,10 +246,10 @@ static svo_gl_context *context_or_skip(bool int64)
     return context;
 }
 
-static void run_shader(svo_gl_context *context, bool int64, const char *key, const machine_job *job)
+static void run_shader(svo_gl_context *context, bool int64, const char *defines, const machine_job *job)
 {
     char prologue[200];
-    (void)snprintf(prologue, sizeof prologue, "%s%s", int64 ? KEY_INT64 : "", key);
+    (void)snprintf(prologue, sizeof prologue, "%s%s", int64 ? DEFINE_INT64 : "", defines);
     machine_run_shader(context, prologue, probe_source_gl, job);
 }
 
@@ -275,7 +275,7 @@ static void glsl_with_two_words_agrees_with_c(void **state)
 }
 
 /*
- * The integer operations themselves. What they must give is computed here, in 128-bit and unsigned arithmetic.
+ * The integer operations themselves. The expected results are computed here in 128-bit and unsigned arithmetic.
  */
 
 static int64_t from_words(const int32_t *words)
@@ -290,7 +290,7 @@ static void to_words(uint64_t bits, int32_t *words)
     memcpy(words, halves, sizeof halves);
 }
 
-/* An edge value, the neighbor of a power of two, or a random number of random length. */
+/* An extreme value, the neighbor of a power of two, or a random number of random length. */
 static int64_t random_integer(uint64_t *random)
 {
     static const int64_t edges[] = {0, 1, -1, INT64_MAX, INT64_MIN, INT64_MIN + 1};
@@ -314,7 +314,7 @@ static int32_t low_word(int64_t value)
     return words[0];
 }
 
-/* Whether the operations on a and b stay inside 64 bits; only GLSL defines what happens outside. */
+/* Whether the operations on a and b fit into 64 bits; only GLSL defines overflow. */
 static bool sum_fits(int64_t a, int64_t b)
 {
     int64_t ignored;
@@ -369,7 +369,7 @@ static void expect_integers(const probe_input *given, probe_output *out)
     out->words[PROBE_POSITIVE] = a > 0;
 }
 
-/* Two roundings of a float are 2^-23 together at most. */
+/* Two roundings of a float add up to at most 2^-23. */
 static void check_float(const char *language, int64_t a, int32_t bits)
 {
     float found;
@@ -398,7 +398,7 @@ static void check_integers(const probe_input *given, const probe_output *found, 
     }
 }
 
-/* Records for the integer operations and room for the answers. */
+/* Records for the integer operations and memory for the results. */
 typedef struct integer_records {
     probe_input *given;
     probe_output *found;
@@ -467,11 +467,11 @@ static void integers_in_glsl_with_two_words(void **state)
     check_integers_in_glsl(false);
 }
 
-#define VARIANT_TESTS(i)                                                         \
-    cmocka_unit_test_prestate(c_agrees_with_the_exact_references, &variants[i]), \
-        cmocka_unit_test_prestate(spans_of_c_hold_what_meets, &variants[i]),     \
-        cmocka_unit_test_prestate(opencl_agrees_with_c, &variants[i]),           \
-        cmocka_unit_test_prestate(glsl_with_int64_agrees_with_c, &variants[i]),  \
+#define VARIANT_TESTS(i)                                                                \
+    cmocka_unit_test_prestate(c_agrees_with_the_exact_references, &variants[i]),        \
+        cmocka_unit_test_prestate(spans_of_c_contain_the_touched_voxels, &variants[i]), \
+        cmocka_unit_test_prestate(opencl_agrees_with_c, &variants[i]),                  \
+        cmocka_unit_test_prestate(glsl_with_int64_agrees_with_c, &variants[i]),         \
         cmocka_unit_test_prestate(glsl_with_two_words_agrees_with_c, &variants[i])
 
 int main(void)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The payload: color, normal, material and fill of every leaf and every inner node equal the reference byte for byte,
- * for every sort of attribute a mesh can have; colors are what doubles say; means over very many triangles are exact;
- * and neither order nor the cut of the list matters.
+ * for every kind of attribute. Colors agree with double precision. Means over very many triangles are exact. Neither
+ * the order nor the chunking of the list matters.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 #include "scenes.h"
 
 #define NEED_MEANS ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
-/* Payload of every sort. */
+/* Payload of every kind. */
 #define NEED_PAYLOAD (NEED_MEANS | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
 
 static void check_payload(const fixture *opened, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options)
@@ -53,7 +53,7 @@ static void payload_of_every_attribute_is_exact(void **state)
     }
 }
 
-/* What the mesh does not have falls back: white, the triangle's own normal, the first material, no texture. */
+/* Missing attributes have defaults: white, the triangle's own normal, the first material, no texture. */
 static void payload_without_some_attributes_is_exact(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -75,7 +75,7 @@ static void payload_without_some_attributes_is_exact(void **state)
     }
 }
 
-/* Triangles that reach far outside the grid, so that weights come from areas of 61 bits. */
+/* Triangles that reach far outside the grid, so that weights are computed from 61-bit areas. */
 static void payload_of_wide_triangles_is_exact(void **state)
 {
     static const double reaches[] = {0.3, 5.0, 120.0, 510.0};
@@ -95,7 +95,7 @@ static void payload_at_great_depths_is_exact(void **state)
     attributed_mesh made;
     attributed_mesh_create(12, 3, 0.0, &made);
     for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
-        /* Larger grids keep the voxels of depth 12, or there would be thousands of millions. */
+        /* Deeper grids keep the voxel size of depth 12; otherwise there would be billions of voxels. */
         const double edge = depth <= 12 ? 0.0 : ldexp(1.0, (int)depth - 12);
         check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD, .edge = edge});
     }
@@ -113,10 +113,10 @@ static void payload_of_scenes_is_exact(void **state)
     }
 }
 
-/* Where there is less surface in a voxel, in faces, rounding has a say in which triangle weighs more. */
+/* In faces: with less surface than this in a voxel, rounding affects the weights. */
 #define AREA_THAT_COUNTS 1e-4
 
-/* The distance of built leaf colors from those in doubles. */
+/* The largest difference of built leaf colors from those in doubles. */
 static double largest_color_error(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_weights weights)
 {
     const svo_plan_options options = {.need = SVO_NEED_COLOR, .weights = weights};
@@ -149,8 +149,8 @@ static double largest_color_error(const fixture *opened, const svo_mesh *mesh, u
     return largest;
 }
 
-/* Half a unit for each of the blend, the product and the mean; weights of 16 bits cost next to nothing. */
-static void colors_are_what_doubles_say(void **state)
+/* Half a unit for each of the blend, the product and the mean; the error of 16-bit weights is negligible. */
+static void colors_agree_with_doubles(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     for (uint64_t seed = 1; seed <= 4; ++seed) {
@@ -167,9 +167,9 @@ static void colors_are_what_doubles_say(void **state)
     }
 }
 
-/* Half a unit for each of the texel, its 256ths on both axes, the product and the mean, and another half for weights of
-   16 bits where neighboring texels differ by all they can. */
-static void textures_are_what_doubles_say(void **state)
+/* Half a unit for each of the texel, its 256ths on both axes, the product and the mean, and another half for 16-bit
+   weights where neighboring texels differ by the full range. */
+static void textures_agree_with_doubles(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     for (uint64_t seed = 1; seed <= 4; ++seed) {
@@ -186,7 +186,7 @@ static void textures_are_what_doubles_say(void **state)
     }
 }
 
-/* Triangles in one voxel, each of one random color and normal. */
+/* Triangles in one voxel, each with one random color and normal. */
 typedef struct crowd {
     owned_mesh base;
     svo_mesh mesh;
@@ -223,7 +223,7 @@ static void crowd_destroy(crowd *made)
     owned_mesh_free(&made->base);
 }
 
-/* Half a unit for the mean; normals another half for being integers. */
+/* Half a unit for the mean; for normals another half, since their inputs are rounded to integers. */
 static void assert_crowd_mean(const crowd *made, const built *actual)
 {
     const size_t count = made->mesh.triangle_count;
@@ -285,7 +285,7 @@ static void t14_means_over_many_triangles_are_exact(void **state)
     }
 }
 
-/* Sums above 32 bits: ten million triangles, in the colors of two materials. */
+/* Sums above 32 bits: ten million triangles with the colors of two materials. */
 static void t14_means_over_millions_of_triangles_are_exact(void **state)
 {
     enum { COUNT = 10000000 };
@@ -329,8 +329,9 @@ static void t14_means_over_millions_of_triangles_are_exact(void **state)
     free(indices);
 }
 
-/* A hundred thousand triangles of sixty thousand materials in one voxel, and of a few materials in some hundreds. */
-static void materials_of_crowds_are_exact(void **state)
+/* A hundred thousand triangles with sixty thousand materials in one voxel, and with a few materials in some hundred
+   voxels. */
+static void materials_of_many_triangles_are_exact(void **state)
 {
     static const struct {
         size_t triangle_count, material_count;
@@ -369,7 +370,7 @@ static void materials_of_crowds_are_exact(void **state)
     free(materials);
 }
 
-/* Leaves say how much surface is in them to half a step, nodes above how much there is below them. */
+/* The fill of a leaf is the area in it within half a step, the fill of a node the area below it. */
 static void fills_are_areas(void **state)
 {
     static const char *const specs[] = {"knot:2000", "statue:3000", "cube", "needles:200"};
@@ -389,7 +390,7 @@ static void fills_are_areas(void **state)
             assert_true(fabs(fill - actual.arrays.fills[actual.info.inner_count + leaf]) <= 0.51);
             total += areas[leaf];
         }
-        assert_true(fabs(total - actual.arrays.fills[0]) <= 0.51); /* 64 x 64 faces to the root's */
+        assert_true(fabs(total - actual.arrays.fills[0]) <= 0.51); /* 64 x 64 leaf faces per face of the root */
         print_message("%s: %.6f faces of the grid\n", specs[i], total / 4096.0);
         free(areas);
         exact_destroy(&expected);
@@ -398,8 +399,8 @@ static void fills_are_areas(void **state)
     }
 }
 
-/* Segments, points and triangles that only touch a voxel weigh alike there, whatever their size. */
-static void what_has_no_area_weighs_alike(void **state)
+/* Segments, points and triangles that only touch a voxel have equal weights there, whatever their size. */
+static void triangles_without_area_have_equal_weights(void **state)
 {
     /* A point, a short and a long segment in one voxel of 8; colors of the three. */
     static const float positions[] = {0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F, 0.3F,  0.3F,  0.3F,
@@ -454,13 +455,13 @@ int main(void)
         cmocka_unit_test(payload_of_wide_triangles_is_exact),
         cmocka_unit_test(payload_at_great_depths_is_exact),
         cmocka_unit_test(payload_of_scenes_is_exact),
-        cmocka_unit_test(colors_are_what_doubles_say),
-        cmocka_unit_test(textures_are_what_doubles_say),
+        cmocka_unit_test(colors_agree_with_doubles),
+        cmocka_unit_test(textures_agree_with_doubles),
         cmocka_unit_test(t14_means_over_many_triangles_are_exact),
         cmocka_unit_test(t14_means_over_millions_of_triangles_are_exact),
-        cmocka_unit_test(materials_of_crowds_are_exact),
+        cmocka_unit_test(materials_of_many_triangles_are_exact),
         cmocka_unit_test(fills_are_areas),
-        cmocka_unit_test(what_has_no_area_weighs_alike),
+        cmocka_unit_test(triangles_without_area_have_equal_weights),
         cmocka_unit_test(payload_does_not_depend_on_the_chunks),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Plans: what they say of a mesh is true, what is not asked for is neither in the plan nor in the tree, and arguments
- * out of range are refused with a message that names function, argument, value and limit.
+ * Plans: their figures for a mesh are correct, data that is not requested is neither in the plan nor in the tree, and
+ * arguments out of range are refused with a message that names function, argument, value and limit.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,8 @@ static void the_estimate_predicts_the_fragments(void **state)
             fixture_build(opened, scene_mesh(made), depth, &(svo_plan_options){.need = SVO_NEED_NONE}, &actual);
             const double expected = actual.plan.expected_fragments;
             const double ratio = (double)actual.report.fragments / expected;
-            print_message("%s at depth %u: %.0f expected, %.4f of it came\n", specs[i], depth, expected, ratio);
+            print_message("%s at depth %u: %.0f fragments expected, ratio of actual to expected %.4f\n", specs[i],
+                          depth, expected, ratio);
             assert_true(ratio > 0.97 && ratio < 1.03);
             assert_int_equal(actual.report.reruns, 0);
             built_destroy(&actual);
@@ -67,7 +68,7 @@ static double exact_snap_error(const svo_mesh *mesh, const oracle_grid *grid)
     return largest;
 }
 
-static void plan_numbers_are_true(void **state)
+static void plan_figures_are_correct(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -123,7 +124,7 @@ static void refused_and_outside_triangles_are_counted(void **state)
     assert_true(fitted.edge == 1e9);
 }
 
-static void default_need_is_what_the_mesh_has(void **state)
+static void default_need_follows_the_mesh(void **state)
 {
     static const float three[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint8_t colors[12] = {0};
@@ -154,10 +155,10 @@ static bool has_buffer(const svo_buffer_info *buffers, size_t count, const char 
     return false;
 }
 
-/* What each request brings along; everything else is there always. */
+/* The buffers that depend on the request; all others always exist. */
 static const struct {
     const char *name;
-    uint32_t needs; /* any of these */
+    uint32_t needs; /* needed for any of these */
 } optional_buffers[] = {
     {"list_begin", SVO_NEED_RAYS | SVO_NEED_MATERIAL},
     {"list", SVO_NEED_RAYS},
@@ -203,14 +204,14 @@ static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_
     assert_int_equal(count, expected_count);
 }
 
-/* Of a payload array on the device. */
+/* Size of a payload array on the device. */
 static uint64_t payload_bytes(const svo_tree_info *info, uint32_t need, svo_need bit, uint64_t element_bytes)
 {
     const uint64_t count = (info->constant & (uint32_t)bit) != 0 ? 1 : info->node_count;
     return (need & (uint32_t)bit) != 0 ? count * element_bytes : 0;
 }
 
-/* The arrays of the tree: what was asked for, of the sizes the header promises, and nothing else. */
+/* The tree has exactly the requested arrays, with the sizes that the header documents. */
 static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
 {
     const svo_tree_info *info = &actual->info;
@@ -266,7 +267,7 @@ static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, con
     return count;
 }
 
-/* Where nothing had to grow: the same buffers in the same order, and room for what they came to hold. */
+/* If nothing had to grow: the same buffers in the same order, within the predicted sizes. */
 static void assert_prediction_holds(const built *actual, const svo_buffer_info *predicted)
 {
     assert_int_equal(actual->report.reruns, 0);
@@ -274,13 +275,13 @@ static void assert_prediction_holds(const built *actual, const svo_buffer_info *
         assert_string_equal(predicted[i].name, actual->buffers[i].name);
         assert_int_equal(predicted[i].count, actual->buffers[i].count);
         if (predicted[i].bytes < actual->buffers[i].bytes) {
-            fail_msg("%s: %llu bytes, of which the plan had promised %llu", predicted[i].name,
-                     (unsigned long long)actual->buffers[i].bytes, (unsigned long long)predicted[i].bytes);
+            fail_msg("%s: %llu bytes, %llu planned", predicted[i].name, (unsigned long long)actual->buffers[i].bytes,
+                     (unsigned long long)predicted[i].bytes);
         }
     }
 }
 
-/* Colors that differ from vertex to vertex, by malloc; the scene's own are all white. */
+/* Colors that differ between vertices, allocated by malloc; the scene's own are all white. */
 static uint8_t *varied_colors(size_t vertex_count)
 {
     uint8_t *colors = malloc(vertex_count * 4);
@@ -291,7 +292,7 @@ static uint8_t *varied_colors(size_t vertex_count)
     return colors;
 }
 
-static void what_is_not_asked_for_is_not_there(void **state)
+static void unrequested_data_is_absent(void **state)
 {
     const fixture by_cl = fixture_cl_of_group(state);
     const fixture *opened = &by_cl;
@@ -328,7 +329,7 @@ static void what_is_not_asked_for_is_not_there(void **state)
     scene_destroy(&made);
 }
 
-/* The sorted builder's buffers come as predicted, too, whatever is asked for. */
+/* The sorted builder's buffers match the prediction too, for every request. */
 static void the_sorted_builder_keeps_to_its_plan(void **state)
 {
     const fixture by_cl = fixture_cl_of_group(state);
@@ -361,7 +362,7 @@ static void assert_refused(const fixture *opened, const svo_mesh *mesh, unsigned
     assert_null(strchr(message, '\n'));
     for (size_t i = 0; words[i] != NULL; ++i) {
         if (strstr(message, words[i]) == NULL) {
-            fail_msg("'%s' does not say '%s'", message, words[i]);
+            fail_msg("'%s' does not contain '%s'", message, words[i]);
         }
     }
 }
@@ -528,11 +529,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_estimate_predicts_the_fragments),
-        cmocka_unit_test(plan_numbers_are_true),
+        cmocka_unit_test(plan_figures_are_correct),
         cmocka_unit_test(integer_meshes_snap_without_error),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
-        cmocka_unit_test(default_need_is_what_the_mesh_has),
-        cmocka_unit_test(what_is_not_asked_for_is_not_there),
+        cmocka_unit_test(default_need_follows_the_mesh),
+        cmocka_unit_test(unrequested_data_is_absent),
         cmocka_unit_test(the_sorted_builder_keeps_to_its_plan),
         cmocka_unit_test(depths_out_of_range_are_refused),
         cmocka_unit_test(options_out_of_range_are_refused),

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a build allocates is what its plan lists, whatever is asked for, by both builders, however the list is cut and
- * however often it grows; and scenes of nothing, a point or a triangle take next to nothing.
+ * A build allocates exactly what its plan lists, for every request, with both builders, for every chunking and however
+ * often the list grows. Empty scenes, a point or a triangle need little memory.
  *
- * measured_build compares every figure; the tests here are the cases.
+ * measured_build compares every figure; the tests here provide the cases.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@
 static const svo_builder builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
 enum { BUILDERS = sizeof builders / sizeof builders[0] };
 
-static void every_request_takes_what_the_plan_lists(void **state)
+static void every_request_allocates_the_planned_buffers(void **state)
 {
     (void)state;
     static const uint32_t needs[] = {SVO_NEED_NONE,     SVO_NEED_DEFAULT,
@@ -42,8 +42,8 @@ static void every_request_takes_what_the_plan_lists(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* The list in many chunks, and one that has to grow: attempts that were too small are listed, too. */
-static void cut_and_grown_lists_take_what_the_plan_lists(void **state)
+/* The list in many chunks, and a list that has to grow: attempts that were too small are listed too. */
+static void chunked_and_grown_lists_allocate_the_planned_buffers(void **state)
 {
     (void)state;
     static const struct {
@@ -69,8 +69,8 @@ static void cut_and_grown_lists_take_what_the_plan_lists(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* Upper limits, at depth 9, with everything asked for. */
-static void tiny_scenes_take_next_to_nothing(void **state)
+/* Upper limits, at depth 9, with everything requested. */
+static void tiny_scenes_need_little_memory(void **state)
 {
     (void)state;
     static const float positions[] = {0.5F, 0.5F, 0.5F, 0.502F, 0.5F, 0.5F, 0.5F, 0.502F, 0.5F};
@@ -107,9 +107,9 @@ static void tiny_scenes_take_next_to_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_request_takes_what_the_plan_lists),
-        cmocka_unit_test(cut_and_grown_lists_take_what_the_plan_lists),
-        cmocka_unit_test(tiny_scenes_take_next_to_nothing),
+        cmocka_unit_test(every_request_allocates_the_planned_buffers),
+        cmocka_unit_test(chunked_and_grown_lists_allocate_the_planned_buffers),
+        cmocka_unit_test(tiny_scenes_need_little_memory),
     };
     return cmocka_run_group_tests_name("planned memory", tests, NULL, NULL);
 }

@@ -8,7 +8,7 @@
 
 #include "run_program.h"
 
-static void wrong_usage_is_exit_code_2(void **state)
+static void usage_errors_exit_with_code_2(void **state)
 {
     (void)state;
     run_badly("$SVOCL", 2, "no command");
@@ -627,7 +627,7 @@ static void a_picture_is_written(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {IN_FOLDER(wrong_usage_is_exit_code_2),
+    const struct CMUnitTest tests[] = {IN_FOLDER(usage_errors_exit_with_code_2),
                                        IN_FOLDER(names_without_meaning_are_refused),
                                        IN_FOLDER(help_goes_to_standard_output),
                                        IN_FOLDER(scenes_are_written_and_read_again),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays and points against the triangles of a tree, beside a reference that tries every triangle in long double: hits,
- * any hit, counts, nearest triangles, trees of every depth, kernels of one's own, and the ways to call it.
+ * Rays and points against the triangles of a tree, compared with a reference that tests every triangle in long double:
+ * closest hits, any hit, counts, nearest triangles, trees of every depth, users' own kernels, and valid and invalid
+ * calls.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -46,7 +47,7 @@ static void any_hit_and_count_agree_with_the_reference(void **state)
         assert_int_equal(count[i].count, oracle_ray_count(&mesh, &wide));
         double t = 0;
         if (any[i].triangle != SVO_NO_TRIANGLE) {
-            assert_true(oracle_ray_meets(&mesh, any[i].triangle, &wide, &t)); /* none refused: ids are positions */
+            assert_true(oracle_ray_meets(&mesh, any[i].triangle, &wide, &t)); /* none refused: ids equal indices */
             assert_true(is_tied(&mesh, &rays[i], (double)any[i].t, t));
         }
     }
@@ -54,7 +55,7 @@ static void any_hit_and_count_agree_with_the_reference(void **state)
     owned_mesh_free(&owned);
 }
 
-/* Everything but the leaves looked into. */
+/* Compares everything except the number of visited leaves. */
 static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, unsigned depth)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -65,7 +66,7 @@ static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, u
     }
 }
 
-/* As random_ray, in the unit of the tree's edge. */
+/* Like random_ray, scaled by the tree's edge. */
 static svo_ray random_ray_near(const built *tree, uint64_t *random, double spread)
 {
     svo_ray ray = random_ray(random, spread);
@@ -98,7 +99,7 @@ static void hits_do_not_depend_on_the_depth(void **state)
 }
 
 /* u, v and the normal of one known triangle. */
-static void a_hit_says_where_on_the_triangle(void **state)
+static void hits_report_the_point_on_the_triangle(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     static const float corners[9] = {0, 0, 0, 4, 0, 0, 0, 4, 0};
@@ -115,7 +116,7 @@ static void a_hit_says_where_on_the_triangle(void **state)
     built_destroy(&tree);
 }
 
-static void an_empty_tree_is_never_met(void **state)
+static void rays_miss_an_empty_tree(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const svo_mesh nothing = {.struct_size = sizeof nothing};
@@ -132,9 +133,9 @@ static void an_empty_tree_is_never_met(void **state)
 
 /* ---- batches and single rays ---- */
 
-/* A camera's rays go eight on one way, scattered ones on their own, and counting takes each alone: the hits are the
-   same. */
-static void hits_do_not_depend_on_the_company(void **state)
+/* A camera's rays are traced in packets of eight, scattered ones alone, and counting traces each alone: the hits are
+   the same. */
+static void hits_do_not_depend_on_neighboring_rays(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     enum { EDGE = 90, RAYS = EDGE * EDGE + 5 };
@@ -150,7 +151,7 @@ static void hits_do_not_depend_on_the_company(void **state)
     for (size_t i = 0; i < RAYS; ++i) {
         const size_t row = i / EDGE;
         const double across[3] = {(double)(i % EDGE) / EDGE - 0.5, (double)row / EDGE - 0.5, 1.0};
-        /* Every seventh row is broken up by rays that are none, or of their own direction. */
+        /* Every seventh row is interrupted by invalid rays, or by rays with other directions. */
         const bool odd = i / EDGE % 7 == 0 && i % 3 == 0;
         rays[i] = (svo_ray){.t_min = 0, .t_max = i % 11 == 0 ? 2.0f : INFINITY};
         for (int axis = 0; axis < 3; ++axis) {
@@ -173,8 +174,8 @@ static void hits_do_not_depend_on_the_company(void **state)
     scene_destroy(&made);
 }
 
-/* Rays that each go their own way, in batches of sizes around those that go through stages together. */
-static void hits_do_not_depend_on_the_batch(void **state)
+/* Incoherent rays, in batches of sizes around those that are traced as a stream. */
+static void hits_do_not_depend_on_the_batch_size(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     static const size_t sizes[] = {1, 7, 8, 9, 15, 16, 17, 63, 64, 65, 71, 72, 73, 127, 128, 129, 200};
@@ -203,9 +204,9 @@ static void hits_do_not_depend_on_the_batch(void **state)
     scene_destroy(&made);
 }
 
-/* A pile of sheets, the last first: rays up and down that begin between two of them meet the next one, with hundreds of
-   boxes ahead and behind. */
-static void rays_through_a_pile_meet_the_next_sheet(void **state)
+/* A stack of sheets in descending order: rays up and down that begin between two of them hit the next one, with
+   hundreds of bounding boxes ahead and behind. */
+static void rays_through_a_stack_hit_the_next_sheet(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     enum { SHEETS = 2000, EDGE = 1 << 12 };
@@ -220,7 +221,7 @@ static void rays_through_a_pile_meet_the_next_sheet(void **state)
         const float height = (float)(2 * (SHEETS - i));
         const float sheet[9] = {0, 0, height, EDGE - 1, 0, height, 0, EDGE - 1, height};
         memcpy(corners + 9 * i, sheet, sizeof sheet);
-        /* Up through all of them from below, the part that begins a unit under this one; and down likewise. */
+        /* Up through all of them from below, with t_min one unit below this one; and down likewise. */
         rays[2 * i] = (svo_ray){{100, 200, -10}, {0, 0, 1}, height + 9, INFINITY};
         rays[2 * i + 1] = (svo_ray){{300, 100, 5000}, {0, 0, -1}, 4999 - height, INFINITY};
     }
@@ -241,8 +242,8 @@ static void rays_through_a_pile_meet_the_next_sheet(void **state)
     built_destroy(&tree);
 }
 
-/* Triangles in one place, and ever smaller ones beside each other, which no cut can balance: every one is found. */
-static void crowds_and_nests_of_triangles_are_found(void **state)
+/* Coincident triangles, and smaller and smaller ones side by side, which no split can balance: every one is found. */
+static void coincident_and_nested_triangles_are_found(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     enum { NESTED = 18, COPIES = 300, TRIANGLES = NESTED * COPIES };
@@ -275,9 +276,9 @@ static void crowds_and_nests_of_triangles_are_found(void **state)
     built_destroy(&tree);
 }
 
-/* ---- when the BVH is made ---- */
+/* ---- when the BVH is built ---- */
 
-static void the_bvh_is_made_when_it_is_asked_for(void **state)
+static void the_bvh_is_built_on_request(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     const svo_ray ray = {{0.5f, 0.5f, -1}, {0, 0, 1}, 0, INFINITY};
@@ -353,7 +354,7 @@ static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned 
             assert_true(distance >= (double)points[i].max_distance - slack);
             continue;
         }
-        const uint32_t met = results[i].triangle; /* none refused: ids are positions */
+        const uint32_t met = results[i].triangle; /* none refused: ids equal indices */
         if (fabs((double)results[i].distance - distance) > slack ||
             oracle_triangle_distance(&snapped, met, at) > distance + slack) {
             fail_msg("depth %u, point %zu: triangle %u at %.9g, the reference has %zu at %.9g", depth, i, met,
@@ -368,7 +369,7 @@ static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned 
     built_destroy(&tree);
 }
 
-static void the_nearest_triangle_is_the_nearest(void **state)
+static void the_nearest_triangle_agrees_with_the_reference(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     scene *made = make_scene("knot:1500");
@@ -382,7 +383,7 @@ static void the_nearest_triangle_is_the_nearest(void **state)
     scene_destroy(&made);
 }
 
-/* ---- a kernel of one's own ---- */
+/* ---- a user's own kernel ---- */
 
 static const char voxel_kernel[] =
     "__kernel void find(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits)\n"
@@ -426,8 +427,8 @@ static void run_voxel_kernel(const fixture *opened, const built *tree, const svo
     clReleaseKernel(kernel);
 }
 
-/* The tree need not hold lists. Voxels come before the triangles in them, by at most their diagonal. */
-static void voxels_are_met_just_before_their_triangles(void **state)
+/* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
+static void voxel_hits_come_just_before_triangle_hits(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     enum { RAYS = 1000 };
@@ -475,7 +476,7 @@ static void voxels_are_met_just_before_their_triangles(void **state)
 
 /* ---- calls ---- */
 
-static void refuses_what_it_cannot_do(void **state)
+static void invalid_calls_are_refused(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     scene *made = make_scene("cube");
@@ -498,7 +499,7 @@ static void refuses_what_it_cannot_do(void **state)
     scene_destroy(&made);
 }
 
-/* On a queue that may run commands in any order, events alone say what comes first. */
+/* On an out-of-order queue, only events define the order of commands. */
 static void events_order_an_out_of_order_queue(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -540,19 +541,19 @@ static void events_order_an_out_of_order_queue(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_hit_says_where_on_the_triangle),
-        cmocka_unit_test(an_empty_tree_is_never_met),
+        cmocka_unit_test(hits_report_the_point_on_the_triangle),
+        cmocka_unit_test(rays_miss_an_empty_tree),
         cmocka_unit_test(any_hit_and_count_agree_with_the_reference),
         cmocka_unit_test(hits_do_not_depend_on_the_depth),
-        cmocka_unit_test(hits_do_not_depend_on_the_company),
-        cmocka_unit_test(hits_do_not_depend_on_the_batch),
-        cmocka_unit_test(rays_through_a_pile_meet_the_next_sheet),
-        cmocka_unit_test(crowds_and_nests_of_triangles_are_found),
-        cmocka_unit_test(the_bvh_is_made_when_it_is_asked_for),
+        cmocka_unit_test(hits_do_not_depend_on_neighboring_rays),
+        cmocka_unit_test(hits_do_not_depend_on_the_batch_size),
+        cmocka_unit_test(rays_through_a_stack_hit_the_next_sheet),
+        cmocka_unit_test(coincident_and_nested_triangles_are_found),
+        cmocka_unit_test(the_bvh_is_built_on_request),
         cmocka_unit_test(the_bvh_is_refused_for_trees_without_lists),
-        cmocka_unit_test(the_nearest_triangle_is_the_nearest),
-        cmocka_unit_test(voxels_are_met_just_before_their_triangles),
-        cmocka_unit_test(refuses_what_it_cannot_do),
+        cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
+        cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
+        cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of measurements: JSON reads back as it was written, and invalid text is refused with the reason. */
+/* Tables of results: written JSON reads back unchanged, and invalid text is refused with the reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -80,7 +80,7 @@ static void test_round_trip(void **state)
     result_destroy(&set);
 }
 
-static void test_csv_quotes_what_must_be(void **state)
+static void test_csv_quotes_special_characters(void **state)
 {
     (void)state;
     result_set *set = make_set();
@@ -159,7 +159,7 @@ static void test_quartiles_by_hand(void **state)
     "{" MACHINE ",\"tables\":[{\"id\":\"a\",\"title\":\"\",\"note\":\"\",\"columns\":" columns ",\"rows\":" rows "}]}"
 #define ONE_COLUMN "[{\"name\":\"n\",\"unit\":\"\"}]"
 
-static void test_what_is_no_result_is_refused(void **state)
+static void test_invalid_results_are_refused(void **state)
 {
     (void)state;
     static const struct {
@@ -199,10 +199,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_csv_quotes_what_must_be),
+        cmocka_unit_test(test_csv_quotes_special_characters),
         cmocka_unit_test(test_unfinished_row_is_not_written),
         cmocka_unit_test(test_take_replaces_by_id),
-        cmocka_unit_test(test_what_is_no_result_is_refused),
+        cmocka_unit_test(test_invalid_results_are_refused),
         cmocka_unit_test(test_quartiles_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

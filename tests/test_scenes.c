@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The procedural scenes: well-formed meshes of about the asked size, the same bytes on every machine and compiler
- * (pinned hashes), closed where they say so; and files that hold exactly what was written.
+ * The procedural scenes: well-formed meshes of about the requested size, identical bytes with every machine and
+ * compiler (pinned hashes), closed where documented. Mesh files contain exactly the mesh.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
@@ -79,7 +79,7 @@ static void check_well_formed(const char *spec, const svo_mesh *mesh)
 
 typedef struct expected_scene {
     const char *spec;
-    uint32_t asked; /* ANY_COUNT: not checked */
+    uint32_t requested; /* ANY_COUNT: not checked */
     double tolerance; /* relative */
     uint64_t hash; /* 0: not pinned */
 } expected_scene;
@@ -115,10 +115,10 @@ static void every_scene_is_well_formed_and_pinned(void **unused)
         scene *made = create(row->spec);
         const svo_mesh *mesh = scene_mesh(made);
         check_well_formed(row->spec, mesh);
-        const double error = fabs((double)mesh->triangle_count - row->asked);
-        if (row->asked != ANY_COUNT && error > row->tolerance * row->asked) {
-            fail_msg("%s: %zu triangles, asked %u, allowed error %g", row->spec, mesh->triangle_count, row->asked,
-                     row->tolerance * row->asked);
+        const double error = fabs((double)mesh->triangle_count - row->requested);
+        if (row->requested != ANY_COUNT && error > row->tolerance * row->requested) {
+            fail_msg("%s: %zu triangles, requested %u, allowed error %g", row->spec, mesh->triangle_count,
+                     row->requested, row->tolerance * row->requested);
         }
         const uint64_t hash = mesh_hash(mesh);
         if (row->hash != 0 && hash != row->hash) {
@@ -130,7 +130,7 @@ static void every_scene_is_well_formed_and_pinned(void **unused)
     }
 }
 
-static void the_same_request_gives_the_same_bytes_and_another_seed_others(void **unused)
+static void bytes_depend_only_on_request_and_seed(void **unused)
 {
     (void)unused;
     const scene_description *description;
@@ -150,16 +150,16 @@ static void the_same_request_gives_the_same_bytes_and_another_seed_others(void *
     }
 }
 
-static void the_default_count_is_the_described_one(void **unused)
+static void the_default_count_matches_the_description(void **unused)
 {
     (void)unused;
     const scene_description *description;
     for (size_t k = 0; (description = scene_describe(k)) != NULL; ++k) {
         scene *made = create(description->name);
-        const double asked = description->default_triangles;
+        const double requested = description->default_triangles;
         const double count = (double)scene_mesh(made)->triangle_count;
-        if (fabs(count - asked) > 0.025 * asked) {
-            fail_msg("%s: %g triangles by default, described as %g", description->name, count, asked);
+        if (fabs(count - requested) > 0.025 * requested) {
+            fail_msg("%s: %g triangles by default, described as %g", description->name, count, requested);
         }
         assert_true(strlen(description->summary) > 10);
         scene_destroy(&made);
@@ -175,7 +175,7 @@ static int compare_edges(const void *a, const void *b)
     return first < second ? -1 : first > second ? 1 : 0;
 }
 
-/* Every directed edge occurs once and so does its reverse: closed, edge-manifold and consistently turned. */
+/* Every directed edge occurs once and so does its reverse: closed, edge-manifold and consistently oriented. */
 static void check_closed(const char *spec)
 {
     scene *made = create(spec);
@@ -238,8 +238,7 @@ static void closed_scenes_face_outwards(void **unused)
     }
 }
 
-/* The side a triangle turns to the viewer is the side its vertices' normals are on; a coarse mesh may bend away from
-   them here and there. */
+/* A triangle's front side is the side of its vertex normals; in a coarse mesh, a few triangles may deviate. */
 static void normals_are_on_the_outer_side(void **unused)
 {
     (void)unused;
@@ -266,7 +265,7 @@ static void normals_are_on_the_outer_side(void **unused)
             turned_away += side < 0;
         }
         if (50 * turned_away > mesh->triangle_count) {
-            fail_msg("%s: %zu of %zu triangles turn away from their normals", description->name, turned_away,
+            fail_msg("%s: %zu of %zu triangles face away from their normals", description->name, turned_away,
                      mesh->triangle_count);
         }
         scene_destroy(&made);
@@ -362,7 +361,7 @@ static char *read_file(const char *name)
     return text;
 }
 
-/* The bytes of a color in 0 .. 1 as any importer rounds it. */
+/* The bytes of a color in 0 .. 1, rounded like an importer does. */
 static int byte_of(double component)
 {
     return (int)floor(component * 255 + 0.5);
@@ -501,7 +500,7 @@ static void ply_files_hold_the_mesh(void **unused)
     }
 }
 
-static void ply_multiplies_base_colors_in_or_says_why_not(void **unused)
+static void ply_bakes_in_base_colors_or_reports_why_not(void **unused)
 {
     (void)unused;
     const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
@@ -536,7 +535,7 @@ static void ply_multiplies_base_colors_in_or_says_why_not(void **unused)
     assert_int_equal(empty_folder(), 1);
 }
 
-static void failed_writes_leave_nothing_and_say_where(void **unused)
+static void failed_writes_leave_no_file_and_name_the_path(void **unused)
 {
     (void)unused;
     scene *made = create("cornell:500");
@@ -563,8 +562,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_scene_is_well_formed_and_pinned),
-        cmocka_unit_test(the_same_request_gives_the_same_bytes_and_another_seed_others),
-        cmocka_unit_test(the_default_count_is_the_described_one),
+        cmocka_unit_test(bytes_depend_only_on_request_and_seed),
+        cmocka_unit_test(the_default_count_matches_the_description),
         cmocka_unit_test(statue_and_knot_are_closed_manifolds),
         cmocka_unit_test(closed_scenes_face_outwards),
         cmocka_unit_test(normals_are_on_the_outer_side),
@@ -572,8 +571,8 @@ int main(void)
         cmocka_unit_test(obj_files_hold_the_mesh),
         cmocka_unit_test(material_libraries_hold_the_base_colors),
         cmocka_unit_test(ply_files_hold_the_mesh),
-        cmocka_unit_test(ply_multiplies_base_colors_in_or_says_why_not),
-        cmocka_unit_test(failed_writes_leave_nothing_and_say_where),
+        cmocka_unit_test(ply_bakes_in_base_colors_or_reports_why_not),
+        cmocka_unit_test(failed_writes_leave_no_file_and_name_the_path),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

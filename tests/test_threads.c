@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Handles that belong to different threads are independent: two threads build at once, on one OpenCL context with a
- * queue each, again and again, every time the tree that one thread alone builds.
+ * Handles of different threads are independent: two threads build at the same time and repeatedly, in one OpenCL
+ * context with one queue each. Every tree equals the one that a single thread builds.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,9 +22,9 @@ enum { THREADS = 2, ROUNDS = 6, MESHES = 3, TRIANGLES = 80, DEPTH = 6 };
 static const svo_plan_options everything = {.struct_size = sizeof everything,
                                             .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS};
 
-/* One thread's work: cmocka's asserts belong to the main thread, so the outcome is counted. */
+/* One thread's work. cmocka's asserts work in the main thread only, so the outcome is counted. */
 typedef struct worker {
-    const fixture *shared; /* its device's OpenCL context is everybody's */
+    const fixture *shared; /* all threads use its device's OpenCL context */
     svo_gl_context_kind kind;
     svo_gl_share share;
     const owned_mesh *meshes;

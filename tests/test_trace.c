@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of trees against a reference that tests every voxel's box in double: what is occupied is drawn, what is not
- * is background, from outside and inside, along the axes and across them; and the camera that frames a tree.
+ * Pictures of trees against a reference that tests every voxel's box in double: occupied voxels are drawn, the rest is
+ * background, from outside and inside, along the axes and across them. Also tests the camera that frames a tree.
  *
- * Trees are made by hand, all black: a pixel is black where all its rays hit and has the row's background where none
- * does.
+ * Trees are made by hand and all black: a pixel is black if all its rays hit and has the row's background if none does.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -44,7 +43,7 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z)
     return code;
 }
 
-/* Whether anything is below the node with this code on this level. */
+/* Whether the node with this code on this level has a leaf below it. */
 static bool is_occupied(const occupancy *voxels, uint32_t level, uint32_t code)
 {
     const uint32_t leaves_log2 = 3 * (voxels->depth - level);
@@ -56,7 +55,7 @@ static bool is_occupied(const occupancy *voxels, uint32_t level, uint32_t code)
     return false;
 }
 
-/* Fills masks and first children breadth-first; returns the number of nodes. codes: room for all nodes. */
+/* Fills masks and first children breadth-first; returns the number of nodes. codes: capacity for all nodes. */
 static uint32_t link_nodes(const occupancy *voxels, svo_tree_info *info, uint8_t *masks, uint32_t *first,
                            uint32_t *codes)
 {
@@ -122,7 +121,7 @@ static occupancy *new_occupancy(uint32_t depth)
 
 typedef enum reference_answer { REFERENCE_MISS, REFERENCE_HIT, REFERENCE_TOO_CLOSE } reference_answer;
 
-/* Whether the half-line meets the box grown by margin on every side. */
+/* Whether the half-line meets the box enlarged by margin on every side. */
 static bool meets_box(const double eye[3], const double direction[3], const double low[3], double width, double margin)
 {
     double entry = 0;
@@ -204,7 +203,7 @@ static pinhole pinhole_of(const svo_camera *camera)
     return hole;
 }
 
-/* What the four rays of a pixel meet, if they agree. */
+/* The common result of the four rays of a pixel, if they agree. */
 static reference_answer reference_pixel(const occupancy *voxels, const pinhole *hole, uint32_t x, uint32_t y)
 {
     reference_answer answer = REFERENCE_TOO_CLOSE;
@@ -251,7 +250,7 @@ static bool is_black(const uint8_t *pixel)
     return pixel[0] == 0 && pixel[1] == 0 && pixel[2] == 0 && pixel[3] == 255;
 }
 
-/* Compares a picture of black voxels with the reference; returns how many pixels were all hit. */
+/* Compares a picture of black voxels with the reference; returns the number of fully covered pixels. */
 static uint32_t check_picture(const char *name, const occupancy *voxels, const svo_camera *camera)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
@@ -310,7 +309,7 @@ static void one_voxel_covers_its_pixels(void **unused)
         const uint32_t last = (1u << depth) - 1;
         voxels->leaves[morton(last / 2, last, last / 3)] = true;
         assert_true(check_picture("one voxel", voxels, &outside) > 0);
-        /* From below, a voxel of the finest test tree covers no pixel wholly. */
+        /* From below, a voxel of the finest test tree covers no pixel completely. */
         assert_true(check_picture("one voxel from below", voxels, &below) > 0 || depth == TEST_DEPTH_MAX);
         free(voxels);
     }
@@ -333,7 +332,7 @@ static void random_voxels_are_drawn_from_everywhere(void **unused)
             state = state * 1664525u + 1013904223u;
             voxels->leaves[leaf] = state >> 24 < 6;
         }
-        /* The eye's own voxel stays empty. */
+        /* The voxel that contains the eye remains empty. */
         voxels->leaves[morton(8, 8, 8)] = false;
         assert_true(check_picture("random voxels", voxels, &cameras[k]) > 50);
         free(voxels);
@@ -358,7 +357,7 @@ static void every_pixel_of_a_wall_is_hit(void **unused)
     free(voxels);
 }
 
-/* A field of view of 1e-30: all rays have two components that are zero or as good as zero. */
+/* A field of view of 1e-30: all rays have two components that are zero or nearly zero. */
 static void parallel_rays_along_an_axis_hit_and_miss(void **unused)
 {
     (void)unused;
@@ -374,7 +373,7 @@ static void parallel_rays_along_an_axis_hit_and_miss(void **unused)
             render(tree, &camera, picture);
             assert_true(is_black(picture));
             assert_true(is_black(picture + sizeof picture - 4));
-            /* A voxel farther to one side, nothing is hit; on the border between the two it must only end. */
+            /* One voxel to the side, nothing is hit; on the border between the two, tracing must only terminate. */
             for (int step = 1; step <= 2; ++step) {
                 svo_camera beside = camera;
                 beside.eye[(axis + 1) % 3] += 0.0625f * (float)step;
@@ -406,7 +405,7 @@ static occupancy *make_ball(uint32_t depth)
     return voxels;
 }
 
-static void the_same_picture_comes_twice(void **unused)
+static void pictures_are_repeatable(void **unused)
 {
     (void)unused;
     static uint8_t first[WIDTH * HEIGHT * 4];
@@ -452,7 +451,7 @@ static void a_ball_is_lit_from_above(void **unused)
 
 /* ---- the framing camera ---- */
 
-/* How far towards the edge of the picture the farthest corner of the box is seen: 1 is the edge. */
+/* Where the outermost corner of the box appears in the picture: 0 is the center, 1 the edge. */
 static double seen_extent(const svo_camera *camera, double aspect, const double low[3], const double high[3])
 {
     const pinhole hole = pinhole_of(camera);
@@ -473,7 +472,7 @@ static double seen_extent(const svo_camera *camera, double aspect, const double 
     return extent;
 }
 
-static void the_framing_camera_shows_all_and_fills_the_picture(void **unused)
+static void the_framing_camera_shows_the_tree_and_fills_the_picture(void **unused)
 {
     (void)unused;
     static const uint32_t bvh[][6] = {
@@ -496,7 +495,7 @@ static void the_framing_camera_shows_all_and_fills_the_picture(void **unused)
             svo_camera_frame(tree, aspects[k], &camera);
             const double extent = seen_extent(&camera, (double)aspects[k], low, high);
             if (!(extent > 0.85 && extent < 1)) {
-                fail_msg("box %zu, aspect %g: seen up to %g of the picture", box, (double)aspects[k], extent);
+                fail_msg("box %zu, aspect %g: it extends to %g of the picture", box, (double)aspects[k], extent);
             }
         }
         svo_tree_destroy(&tree);
@@ -565,7 +564,7 @@ static int open_device(void **unused)
         print_error("no OpenCL device: %s\n", message.text);
         return -1;
     }
-    /* Out of order: every wait must be said. */
+    /* Out of order: every dependency must be explicit. */
     cl_int error = CL_SUCCESS;
     queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device),
                                  CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
@@ -591,9 +590,9 @@ int main(void)
         cmocka_unit_test(random_voxels_are_drawn_from_everywhere),
         cmocka_unit_test(every_pixel_of_a_wall_is_hit),
         cmocka_unit_test(parallel_rays_along_an_axis_hit_and_miss),
-        cmocka_unit_test(the_same_picture_comes_twice),
+        cmocka_unit_test(pictures_are_repeatable),
         cmocka_unit_test(a_ball_is_lit_from_above),
-        cmocka_unit_test(the_framing_camera_shows_all_and_fills_the_picture),
+        cmocka_unit_test(the_framing_camera_shows_the_tree_and_fills_the_picture),
         cmocka_unit_test(bad_arguments_are_refused),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The front end of OpenCL alone against the exact references, on the stiff rows of the catalogue. Needs no OpenGL.
+ * The OpenCL front end against the exact references, on the ill-conditioned rows of the catalog. Needs no OpenGL.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,7 +34,7 @@ static void check_exact(const fixture *opened, const svo_mesh *mesh, unsigned de
     built_destroy(&actual);
 }
 
-/* All sorts of triangles, on the fitted grid and on one they reach far out of: every class, both lengths of codes. */
+/* All kinds of triangles, on the fitted grid and on one that they reach far out of: every class, both code lengths. */
 static void random_meshes_are_exact(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -77,8 +77,8 @@ static void t9_every_depth_is_exact(void **state)
     }
 }
 
-/* T7: triangles across the whole grid, which are cut into tiles, beside small ones; one chunk, and chunks smaller than
-   the triangles. */
+/* T7: triangles across the whole grid, which are split into tiles, and small ones; in one chunk, and in chunks smaller
+   than the triangles. */
 static void t7_large_triangles_are_cut_into_tiles(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -101,7 +101,7 @@ static void t7_large_triangles_are_cut_into_tiles(void **state)
     }
 }
 
-/* T10: lists of one fragment, of all but one, of as many as needed. */
+/* T10: lists with a capacity of one fragment, of all but one, and of exactly all. */
 static void t10_lists_grow_to_the_exact_need(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -126,7 +126,7 @@ static void t10_lists_grow_to_the_exact_need(void **state)
     }
 }
 
-/* Segments that run steeply along an axis outside the grid, where their bounds inside it say nothing of their
+/* Segments that run steeply along an axis outside the grid, so that their bounds inside the grid do not show their
    direction. */
 static void steep_segments_beyond_the_grid_are_exact(void **state)
 {
@@ -154,9 +154,9 @@ static uint64_t bytes_of(const built *actual, const char *name)
     return 0;
 }
 
-/* The front end's buffers are in the plan's list, its time is the device's own, and its kernels are compiled
-   beforehand. */
-static void what_it_takes_is_reported(void **state)
+/* The plan's list has the front end's buffers, its time is measured on the device, and its kernels are compiled
+   before. */
+static void buffers_and_times_are_reported(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     scene *made = fixture_scene("knot:2000");
@@ -212,7 +212,7 @@ static void arguments_are_checked(void **state)
     assert_string_equal(svo_frontend_share(opened.cl), "none");
 }
 
-/* A handful of triangles is not worth starting OpenGL for, many are; both times in words. */
+/* A few triangles do not justify the start of OpenGL, many do; the reason is reported in both cases. */
 static void small_plans_need_no_opengl(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -243,7 +243,7 @@ int main(void)
         cmocka_unit_test(t7_large_triangles_are_cut_into_tiles),
         cmocka_unit_test(t10_lists_grow_to_the_exact_need),
         cmocka_unit_test(steep_segments_beyond_the_grid_are_exact),
-        cmocka_unit_test(what_it_takes_is_reported),
+        cmocka_unit_test(buffers_and_times_are_reported),
         cmocka_unit_test(queues_of_all_kinds_give_the_same_tree),
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(small_plans_need_no_opengl),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds that do not wait: the same trees as svo_build's, bit for bit, in memory that was there before; and what
- * happens where there is too little of it.
+ * Enqueued builds: they give the same trees as svo_build, bit for bit, in preallocated memory, and report if there is
+ * too little of it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -57,7 +57,7 @@ static void hash_of(const fixture *opened, svo_tree *tree, char hash[SVO_HASH_TE
     succeed(opened, svo_tree_hash(tree, SVO_HASH_ALL, hash));
 }
 
-/* The hash of an enqueued build, and its counts. */
+/* The hash of an enqueued build and its counts. */
 static void enqueue_and_hash(const fixture *opened, svo_plan *plan, int trim, built *out)
 {
     svo_workspace *workspace = make_workspace(opened, plan);
@@ -142,8 +142,8 @@ static void deep_grids_thin_and_closed_coverage_and_all_weights(void **state)
     scene_destroy(&made);
 }
 
-/* The front end of OpenGL draws while the build is enqueued. */
-static void opengl_may_make_the_list(void **state)
+/* The OpenGL front end draws while the build is enqueued. */
+static void opengl_can_produce_the_fragments(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     struct scene *made = fixture_scene("cornell");
@@ -161,8 +161,8 @@ static void opengl_may_make_the_list(void **state)
     scene_destroy(&made);
 }
 
-/* No triangle; a point; one that thin coverage does not see. */
-static void nothing_and_next_to_nothing(void **state)
+/* No triangle; a point; a triangle that meets no voxel with thin coverage. */
+static void empty_and_tiny_meshes(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     static const float point[9] = {0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F};
@@ -176,7 +176,7 @@ static void nothing_and_next_to_nothing(void **state)
     }
 }
 
-/* Everything is made by svo_workspace_create and svo_workspace_make_tree, and is what they say. */
+/* svo_workspace_create and svo_workspace_make_tree make all allocations, with the sizes that they report. */
 static void enqueuing_allocates_nothing(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -209,9 +209,9 @@ static void enqueuing_allocates_nothing(void **state)
     scene_destroy(&made);
 }
 
-/* One workspace, many builds of two trees, at once and again, on an out-of-order queue; the first waits for an event of
-   the user's. */
-static void builds_of_a_workspace_follow_each_other(void **state)
+/* Many builds of two trees with one workspace on an out-of-order queue, some of them pending at the same time; the
+   first waits for a user event. */
+static void builds_of_a_workspace_are_ordered(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:2000");
@@ -263,9 +263,9 @@ static void builds_of_a_workspace_follow_each_other(void **state)
     scene_destroy(&made);
 }
 
-/* Whichever launch fails, the call comes back at once, although the build before it waits for an event that nobody has
-   set; and what was enqueued is in nobody's way. */
-static void a_build_that_fails_half_way_waits_for_nothing(void **state)
+/* Whichever launch fails, the call returns at once, although the commands enqueued before it wait for an event that is
+   not set yet. These commands do no harm. */
+static void a_failed_enqueue_does_not_block(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:500");
@@ -298,7 +298,7 @@ static void a_build_that_fails_half_way_waits_for_nothing(void **state)
         assert_string_equal(hash, expected.hash);
     }
     assert_true(failed > 20); /* launches of a build */
-    /* One is given up last, and the workspace goes with it. */
+    /* The last enqueue fails, and tree and workspace are destroyed right after it. */
     counting_fail_launch(failed / 2);
     assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
     svo_tree_destroy(&tree);
@@ -308,8 +308,8 @@ static void a_build_that_fails_half_way_waits_for_nothing(void **state)
     scene_destroy(&made);
 }
 
-/* Measuring leaves a plan as it is, and so does a workspace that cannot be made. */
-static void a_plan_stays_as_it_is_until_there_is_a_workspace(void **state)
+/* Measuring does not change a plan, nor does a workspace that cannot be created. */
+static void a_plan_is_unchanged_until_a_workspace_exists(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:500");
@@ -333,8 +333,8 @@ static void a_plan_stays_as_it_is_until_there_is_a_workspace(void **state)
     scene_destroy(&made);
 }
 
-/* A list too short by one, and by much; nodes that do not fit. The figures that come back are enough. */
-static void too_little_room_comes_back_with_figures(void **state)
+/* A list that is too short by one, and by many; nodes that do not fit. The reported capacities suffice. */
+static void insufficient_capacity_reports_the_required_figures(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:2000");
@@ -366,8 +366,8 @@ static void too_little_room_comes_back_with_figures(void **state)
     scene_destroy(&made);
 }
 
-/* Tiny triangles across the corners of a lattice: many voxels each, where the law expects little more than one. */
-static void nodes_short_of_room_come_back_too(void **state)
+/* Tiny triangles across the corners of a lattice: many voxels each, where the estimate expects little more than one. */
+static void insufficient_node_capacity_is_reported(void **state)
 {
     static const float corners[9] = {1.0F, -1.0F, 0.5F, -1.0F, 1.0F, 0.5F, 0.25F, 0.5F, -1.0F};
     enum { COUNT = 15 * 15 * 15 };
@@ -388,7 +388,7 @@ static void nodes_short_of_room_come_back_too(void **state)
     svo_build_report report = {.struct_size = sizeof report};
     succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
-    assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was long enough */
+    assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was large enough */
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
     svo_plan_destroy(&plan);
@@ -397,8 +397,8 @@ static void nodes_short_of_room_come_back_too(void **state)
     free(positions);
 }
 
-/* One buffer of the caller's under two workspaces, one after the other, at different offsets. */
-static void scratch_may_be_the_callers(void **state)
+/* Two workspaces use one buffer of the caller, one after the other, at different offsets. */
+static void the_caller_may_provide_scratch(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("cornell");
@@ -427,7 +427,7 @@ static void scratch_may_be_the_callers(void **state)
         svo_workspace_destroy(&workspace);
     }
     svo_workspace *workspace = NULL;
-    options.offset_bytes = offset + info.scratch_alignment; /* too little behind it */
+    options.offset_bytes = offset + info.scratch_alignment; /* too few bytes after it */
     assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace),
                      SVO_INVALID_ARGUMENT);
     options.offset_bytes = 1; /* not aligned */
@@ -527,15 +527,15 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enqueued_builds_make_the_same_trees),
         cmocka_unit_test(deep_grids_thin_and_closed_coverage_and_all_weights),
-        cmocka_unit_test(opengl_may_make_the_list),
-        cmocka_unit_test(nothing_and_next_to_nothing),
+        cmocka_unit_test(opengl_can_produce_the_fragments),
+        cmocka_unit_test(empty_and_tiny_meshes),
         cmocka_unit_test(enqueuing_allocates_nothing),
-        cmocka_unit_test(builds_of_a_workspace_follow_each_other),
-        cmocka_unit_test(a_build_that_fails_half_way_waits_for_nothing),
-        cmocka_unit_test(a_plan_stays_as_it_is_until_there_is_a_workspace),
-        cmocka_unit_test(too_little_room_comes_back_with_figures),
-        cmocka_unit_test(nodes_short_of_room_come_back_too),
-        cmocka_unit_test(scratch_may_be_the_callers),
+        cmocka_unit_test(builds_of_a_workspace_are_ordered),
+        cmocka_unit_test(a_failed_enqueue_does_not_block),
+        cmocka_unit_test(a_plan_is_unchanged_until_a_workspace_exists),
+        cmocka_unit_test(insufficient_capacity_reports_the_required_figures),
+        cmocka_unit_test(insufficient_node_capacity_is_reported),
+        cmocka_unit_test(the_caller_may_provide_scratch),
         cmocka_unit_test(counting_first_makes_the_list_exact),
         cmocka_unit_test(wrong_arguments_are_refused),
     };

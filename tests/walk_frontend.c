@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Fragment lists made on the host from the exact references' pairs. */
+/* Makes fragment lists on the host from the exact references' pairs. */
 #include "walk_frontend.h"
 
 #include <stdlib.h>
@@ -9,17 +9,17 @@
 #include "oracle.h"
 #include "plan/estimate.h"
 
-/* All pairs of a plan, of its kept triangles. */
+/* All pairs of a plan's kept triangles. */
 typedef struct walk {
     const svo_plan *plan;
     oracle_pairs pairs; /* by code */
     const oracle_pair **by_triangle;
-    size_t *triangle_begin; /* where each triangle's pairs begin in by_triangle; triangle_count + 1 are of use */
+    size_t *triangle_begin; /* where each triangle's pairs begin in by_triangle; triangle_count + 1 are used */
 } walk;
 
-/* The fragments of one chunk as they are found. */
+/* The fragments of one chunk, in the order in which they are found. */
 typedef struct gathered {
-    oracle_pair *pairs; /* room for all there are */
+    oracle_pair *pairs; /* capacity for all pairs of the plan */
     size_t count;
 } gathered;
 
@@ -49,8 +49,8 @@ static bool walk_make(const svo_plan *plan, walk *w)
     if (w->by_triangle == NULL) {
         return false;
     }
-    /* A counting sort. Counts stand two places on, begins one, so that placing the pairs leaves each begin in its
-       place. */
+    /* A counting sort. Counts are stored two elements later, begins one, so that placing the pairs moves each begin to
+       its own element. */
     for (size_t i = 0; i < w->pairs.count; ++i) {
         ++w->triangle_begin[w->pairs.pairs[i].triangle + 2];
     }
@@ -73,7 +73,7 @@ static uint32_t coordinate(uint64_t code, unsigned axis)
     return value;
 }
 
-/* Any projection along the item's axis will do, if only every voxel lies in one pixel. */
+/* Any projection along the item's axis will do, as long as every voxel lies in one pixel. */
 static bool in_tile(const svo_i_draw *draw, unsigned axis, uint64_t code)
 {
     return coordinate(code, (axis + 1) % 3) - draw->tile_x < draw->tile_width &&
@@ -93,7 +93,7 @@ static void gather_draw(const walk *w, const svo_i_draw *draw, gathered *out)
     }
 }
 
-/* Fisher and Yates. */
+/* Fisher-Yates shuffle. */
 static void shuffle(gathered *fragments, uint64_t *state)
 {
     for (size_t left = fragments->count; left > 1; --left) {
@@ -104,7 +104,7 @@ static void shuffle(gathered *fragments, uint64_t *state)
     }
 }
 
-/* Fragments in the form the kernels read; by malloc, NULL when out of memory. */
+/* Fragments in the form that kernels read; allocated by malloc, NULL when out of memory. */
 static uint32_t *encode(const walk *w, const gathered *fragments, size_t count)
 {
     const bool long_code = w->plan->info.depth > SVO_CODE30_DEPTH_MAX;
@@ -121,7 +121,7 @@ static uint32_t *encode(const walk *w, const gathered *fragments, size_t count)
     return words;
 }
 
-/* What lies beyond the fragments in the buffer is never written, so that a reader of it can be found out. */
+/* The buffer beyond the fragments is never written, so that a read past their end is detected. */
 static svo_status upload(const walk *w, const gathered *fragments, cl_command_queue queue, svo_i_fragments *chunk)
 {
     const size_t fragment_bytes = svo_i_plan_fragment_bytes(w->plan);

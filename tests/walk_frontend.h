@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A front end for tests, in place of a rasterizer: the exact references walk the plan's snapped mesh on the host, and
- * the fragments go to OpenCL in an order as odd as a GPU's. It obeys the plan's layout as a real front end does (draws,
- * tiles, capacities, counting on when a chunk is full), so that the builder and its kernels can be tested without
- * OpenGL.
+ * A front end for tests that replaces the rasterizer: the exact references walk the plan's snapped mesh on the host,
+ * and the fragments go to OpenCL in an order as irregular as a GPU's. It follows the plan's layout like a real front
+ * end (draws, tiles, capacities, counting beyond a full chunk), so that the builder and its kernels can be tested
+ * without OpenGL.
  */
 #ifndef SVOCL_TESTS_WALK_FRONTEND_H
 #define SVOCL_TESTS_WALK_FRONTEND_H
@@ -12,10 +12,10 @@
 
 typedef struct walk_frontend {
     svo_frontend frontend; /* for svo_build */
-    uint64_t seed; /* of the order inside the chunks */
+    uint64_t seed; /* for the order inside the chunks */
 } walk_frontend;
 
-/* *out must stay where it is while it is used; it owns nothing. */
+/* *out must not move while it is used; it owns nothing. */
 void walk_frontend_init(svo_device *device, uint64_t seed, walk_frontend *out);
 
 #endif

@@ -6,7 +6,7 @@
  *   SCALAR(record, items, field)   one number
  *   ARRAY(record, items, field)    several
  *
- * items: the name of an array of such records. Included by C, and embedded into the text of a kernel and a shader.
+ * items: the name of an array of such records. Included by C, and embedded into the source of a kernel and a shader.
  */
 RECORD(svo_draw_item, draw_item_items, triangle)
 SCALAR(svo_draw_item, draw_item_items, triangle)
@@ -103,7 +103,7 @@ ARRAY(svo_cast_params, cast_params_items, sun)
 SCALAR(svo_cast_params, cast_params_items, samples)
 ARRAY(svo_cast_params, cast_params_items, up)
 SCALAR(svo_cast_params, cast_params_items, occlusion_range)
-/* From here on what kernels alone read and write: a shader has not room for so many blocks. */
+/* The rest is used by kernels only: a shader has too few storage blocks for these records. */
 #if !defined(GL_core_profile)
 RECORD(svo_ray, ray_items, origin[0])
 ARRAY(svo_ray, ray_items, origin)

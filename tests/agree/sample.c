@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes a triangle in grid units by kind and a voxel near it, then permutes and translates both as the library does. */
+/* Makes a triangle of a given kind in grid units and a voxel near it, then permutes and translates both like the
+   library. */
 #include "sample.h"
 
 #define GRID_UNITS   (1 << 20)
 #define NARROW_UNITS (1 << 14)
 #define WIDE_UNITS   ((1 << 29) - 1)
 
-/* A triangle in the making. */
+/* A triangle under construction. */
 typedef struct draft {
     uint64_t random;
     int64_t low, high; /* allowed coordinates */
     int64_t grid_units; /* voxels lie in [0, grid_units) */
     int64_t w; /* edge of a voxel */
     int64_t corner[3][3];
-    bool centered; /* the triangle was made around this point of the grid */
+    bool centered; /* the triangle was made around `center` */
     int64_t center[3];
 } draft;
 
@@ -32,7 +33,7 @@ uint64_t sample_random(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-/* low .. high, both possible */
+/* low .. high, both inclusive */
 static int64_t between(draft *d, int64_t low, int64_t high)
 {
     return low + (int64_t)(sample_random(&d->random) % (uint64_t)(high - low + 1));
@@ -68,7 +69,8 @@ static void make_anywhere(draft *d)
     }
 }
 
-/* Reaching out of the grid, with a point of it as its center or, for those to be flattened, between the first two. */
+/* A triangle that reaches out of the grid. A point of the grid is its center or, for triangles to be flattened, lies
+   between the first two corners. */
 static void make_around(draft *d, bool mirrored)
 {
     const int64_t reach = (INT64_C(1) << between(d, 16, 28)) - 1;
@@ -84,7 +86,7 @@ static void make_around(draft *d, bool mirrored)
     }
 }
 
-/* The third corner goes to the segment between the others, then up to slack away from it. */
+/* Moves the third corner onto the segment between the others, then up to slack away from it. */
 static void flatten(draft *d, int64_t slack)
 {
     const int64_t parts = between(d, 1, 7);
@@ -105,7 +107,7 @@ static void make_point(draft *d)
     }
 }
 
-/* Rounds the coordinates along axis to voxel boundaries; the same one for all where together is set. */
+/* Rounds the coordinates along axis to voxel boundaries; all to the same one if together is set. */
 static void round_axis(draft *d, int axis, bool together)
 {
     for (int i = 0; i < 3; ++i) {
@@ -165,7 +167,7 @@ static void make_triangle(draft *d, sample_kind kind)
     }
 }
 
-/* The voxels of the triangle's bounds along axis, inside the grid; false if there are none. */
+/* The range of voxels that the triangle's bounds cover along axis, inside the grid; false if it is empty. */
 static bool find_bounds(const draft *d, int axis, bool closed, int64_t *first, int64_t *last)
 {
     int64_t low = d->corner[0][axis];
@@ -182,7 +184,7 @@ static bool find_bounds(const draft *d, int axis, bool closed, int64_t *first, i
     return meets;
 }
 
-/* A point of the triangle, or close to it, inside the grid, in a few attempts; false if none was found. */
+/* A point on or near the triangle, inside the grid, in a few attempts; false if none was found. */
 static bool find_point(draft *d, int64_t point[3])
 {
     for (int attempt = 0; attempt < 32; ++attempt) {
@@ -208,7 +210,7 @@ static bool find_point(draft *d, int64_t point[3])
     return false;
 }
 
-/* The axis of projection the library would take: the largest component of the normal. */
+/* The library's axis of projection: the largest component of the normal. */
 static int longest_axis(const draft *d)
 {
     int longest = 0;
@@ -233,12 +235,12 @@ static void start(draft *d, sample_width width, uint64_t seed, uint32_t index)
     d->grid_units = width == SAMPLE_NARROW ? NARROW_UNITS : GRID_UNITS;
     d->low = width == SAMPLE_WIDE ? -WIDE_UNITS : 0;
     d->high = width == SAMPLE_WIDE ? WIDE_UNITS : d->grid_units - 1;
-    /* Half of them the smallest voxels of the library: rounding is largest compared with them. */
+    /* Half of the records use the library's smallest voxels: rounding is largest relative to them. */
     const int64_t w_log2_max = width == SAMPLE_NARROW ? 13 : 19;
     d->w = INT64_C(1) << (between(d, 0, 1) == 0 ? 8 : between(d, 8, w_log2_max));
 }
 
-/* Triangles that miss the grid are made anew. */
+/* Repeats until the triangle meets the grid. */
 static void make_inside(draft *d, sample_kind kind, bool closed, int64_t first[3], int64_t last[3])
 {
     bool meets = false;
@@ -251,7 +253,7 @@ static void make_inside(draft *d, sample_kind kind, bool closed, int64_t first[3
     }
 }
 
-/* A voxel of the bounds: near a point of the triangle if one is known, else any. */
+/* A voxel of the bounds: near a point of the triangle if one was found, else any. */
 static void choose_voxel(draft *d, const int64_t first[3], const int64_t last[3], int64_t voxel[3])
 {
     int64_t point[3];
@@ -263,12 +265,12 @@ static void choose_voxel(draft *d, const int64_t first[3], const int64_t last[3]
     }
 }
 
-/* A triangle with the voxels of its bounds and the one that is asked about. */
+/* A triangle with the voxels of its bounds and the voxel to test. */
 typedef struct placed {
     int64_t first[3], last[3], voxel[3];
 } placed;
 
-/* Writes the record in coordinates from the first voxel's corner, turned so that axis comes last. */
+/* Writes the record in coordinates relative to the first voxel's corner, permuted so that axis comes last. */
 static void write_record(const draft *d, const placed *p, int axis, sample *out)
 {
     const bool thin = out->coverage == ORACLE_THIN;

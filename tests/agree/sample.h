@@ -9,7 +9,7 @@
 #include "oracle.h"
 #include "probe.h"
 
-/* Which arithmetic the records are for; each has the coordinates that kernels/shared/overlap.clh allows for it. */
+/* The arithmetic the records are for; kernels/shared/overlap.clh states the range of coordinates of each. */
 typedef enum sample_width { SAMPLE_NARROW, SAMPLE_REGULAR, SAMPLE_WIDE } sample_width;
 
 typedef enum sample_kind {
@@ -20,7 +20,7 @@ typedef enum sample_kind {
     SAMPLE_POINT,
     SAMPLE_FACE, /* in the plane of a voxel's face */
     SAMPLE_LATTICE, /* corners of voxels */
-    SAMPLE_EXTREME, /* coordinates at the ends of their range, and beside voxel boundaries there */
+    SAMPLE_EXTREME, /* coordinates at the ends of their range, and next to voxel boundaries there */
     SAMPLE_KINDS
 } sample_kind;
 const char *sample_kind_name(sample_kind kind);
@@ -28,14 +28,14 @@ const char *sample_kind_name(sample_kind kind);
 typedef struct sample {
     sample_kind kind;
     probe_input record;
-    /* The same for the oracle: the record's (u, v, t) are its (x, y, z), for thin coverage after turning them back. */
+    /* The same for the oracle: the record's (u, v, t) are its (x, y, z); thin coverage permutes them back first. */
     oracle_triangle triangle;
     oracle_box box;
     oracle_coverage coverage;
-    bool axis_is_longest; /* t is the axis that the library would choose, which spans ask for */
+    bool axis_is_longest; /* t is the axis that the library would choose; spans require it */
 } sample;
 
-/* Record number index of the sequence that seed starts: half-open and closed ones, or thin ones. */
+/* Record number index of the sequence for seed, with half-open and closed coverage, or with thin coverage. */
 void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out);
 void sample_make_thin(sample_width width, uint64_t seed, uint32_t index, sample *out);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Shared by the fuzz targets: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and how a target reports
- * a violated promise. replay.c calls the same entry points with stored inputs, as an ordinary test.
+ * Shared by the fuzz targets: libFuzzer's entry points (https://llvm.org/docs/LibFuzzer.html), and a macro that reports
+ * a violated guarantee. replay.c calls the same entry points with stored inputs, as an ordinary test.
  */
 #ifndef SVOCL_TESTS_FUZZ_FUZZ_H
 #define SVOCL_TESTS_FUZZ_FUZZ_H
@@ -12,17 +12,17 @@
 #include <stdlib.h>
 
 /* NOLINTBEGIN(readability-identifier-naming): libFuzzer's names */
-/* One input of any bytes; always returns 0. A finding ends the process. */
+/* Runs one input of arbitrary bytes; always returns 0. A finding ends the process. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count);
 
-/* Called by libFuzzer in place of its own mutations: changes byte_count bytes in place, up to byte_count_max, and
-   returns how many there are now. */
+/* Called by libFuzzer instead of its own mutations: changes byte_count bytes in place, up to byte_count_max, and
+   returns the new count. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t byte_count, size_t byte_count_max, unsigned seed);
-/* libFuzzer's own mutations, for the function above. */
+/* libFuzzer's own mutations, for use by the function above. */
 size_t LLVMFuzzerMutate(uint8_t *data, size_t byte_count, size_t byte_count_max);
 /* NOLINTEND(readability-identifier-naming) */
 
-/* Not assert(): release builds check too. */
+/* Unlike assert(), it also checks in release builds. */
 #define REQUIRE(condition)                                                                  \
     do {                                                                                    \
         if (!(condition)) {                                                                 \

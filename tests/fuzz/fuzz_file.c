@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: arbitrary bytes as a .svo file. Either they are refused with a message of one line, or the tree is well
+ * Fuzz target: arbitrary bytes as a .svo file. Either they are refused with a one-line message, or the tree is well
  * formed: array lengths match the header, the masks form a tree, every list entry and index is in range.
  */
 #include <string.h>
@@ -20,7 +20,7 @@ static void check_refusal(svo_status status, const svo_tree *tree, const svo_mes
     REQUIRE(strchr(message->text, '\n') == NULL);
 }
 
-/* Reads an array to its end, where a sanitizer would see that it is shorter. */
+/* Reads an array to its end, so that a sanitizer detects one that is too short. */
 static void read_array(const void *array, uint64_t byte_count)
 {
     static volatile uint8_t sink;
@@ -56,7 +56,7 @@ static void read_arrays(const svo_tree_info *info, const svo_tree_arrays *arrays
     }
 }
 
-/* Whether the masks describe a tree of that depth, by a traversal that shares no code with the reader. */
+/* Whether the masks describe a tree of the given depth, by a traversal that shares no code with the reader. */
 static void check_masks(const svo_tree_info *info, const svo_tree_arrays *arrays)
 {
     REQUIRE(info->depth >= SVO_DEPTH_MIN && info->depth <= SVO_DEPTH_MAX);
@@ -75,7 +75,7 @@ static void check_masks(const svo_tree_info *info, const svo_tree_arrays *arrays
     }
 }
 
-/* From each leaf to the coordinates of its triangles, as a ray caster goes. */
+/* Reads the coordinates of the triangles of each leaf, as a ray caster does. */
 static void check_lists(const svo_tree_info *info, const svo_tree_arrays *arrays)
 {
     REQUIRE(arrays->list_begin[0] == 0 && arrays->list_begin[info->leaf_count] == info->list_count);

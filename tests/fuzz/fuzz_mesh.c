@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Fuzz target: arbitrary arrays as a mesh, with arbitrary options, for svo_plan_create, and chunkings of the plan. The
- * result is either a status with a message of one line, or a plan that keeps plan.h's promises: every triangle is kept,
- * refused or outside as defined there, snapped as the reference does, and in a class whose arithmetic can represent it.
- * OpenCL is not used: of the device a plan needs only the place for messages.
+ * result is either a status with a one-line message, or a plan that keeps plan.h's guarantees: every triangle is kept,
+ * refused or outside as defined there, snapped like the reference, and in a class whose arithmetic can represent it.
+ * OpenCL is not used: a plan needs only the device's message buffer.
  */
 #include <float.h>
 #include <math.h>
@@ -16,7 +16,7 @@
 #include "plan/estimate.h"
 #include "plan/grid.h"
 
-#define UNITS_MAX    (1 << 29) /* DESIGN 3: the arithmetic ends here */
+#define UNITS_MAX    (1 << 29) /* the limit of the arithmetic */
 #define NARROW_UNITS (1 << 14)
 #define REGULAR_BITS 20u
 
@@ -29,7 +29,7 @@ static void check_refusal(svo_status status, const svo_plan *plan, const svo_dev
     REQUIRE(strchr(device->message.text, '\n') == NULL);
 }
 
-/* Half a unit, and what rounding to double adds at the size of the coordinates. */
+/* Half a unit, plus the rounding error of doubles at the coordinates' magnitude. */
 static void check_snap_error(const svo_plan_info *info, const oracle_positions *positions)
 {
     double largest = 0.0;
@@ -44,7 +44,7 @@ static void check_snap_error(const svo_plan_info *info, const oracle_positions *
     REQUIRE(info->snap_error <= 0.5 / info->scale * (1.0 + 1e-9) + largest * 8.0 * DBL_EPSILON + DBL_MIN);
 }
 
-/* The grid against the reference, where doubles are normal: below, the definition itself leaves them. */
+/* Compares the grid with the reference where doubles are normal; below that range the definition does not apply. */
 static void check_grid(const svo_plan *plan, const mesh_input *input, const oracle_positions *positions)
 {
     const svo_plan_info *info = &plan->info;
@@ -66,7 +66,7 @@ static void check_grid(const svo_plan *plan, const mesh_input *input, const orac
 
 typedef enum fate { FATE_REFUSED, FATE_OUTSIDE, FATE_KEPT } fate;
 
-/* What the definition says of a triangle, in doubles; corners and snapped are set where it is accepted. */
+/* Classifies a triangle by the definition, in doubles; corners and snapped are set if it is accepted. */
 static fate judge(const svo_plan *plan, const oracle_positions *positions, size_t triangle, uint32_t corners[3],
                   double snapped[9])
 {
@@ -93,7 +93,7 @@ static fate judge(const svo_plan *plan, const oracle_positions *positions, size_
     return outside ? FATE_OUTSIDE : far ? FATE_REFUSED : FATE_KEPT;
 }
 
-/* A kept triangle's corners as the plan has them, against the definition in doubles and the reference in integers. */
+/* Compares the plan's corners of a kept triangle with the definition in doubles and the reference in integers. */
 static void check_corners(const svo_plan *plan, const oracle_positions *positions, uint32_t kept,
                           const uint32_t corners[3], const double snapped[9])
 {
@@ -135,7 +135,7 @@ static void check_triangles(const svo_plan *plan, const mesh_input *input, const
     REQUIRE(plan->info.refused_triangles == refused && plan->info.outside_triangles == outside);
 }
 
-/* The class's arithmetic holds the triangle, and nothing that reaches outside is in a class that must not. */
+/* The class's arithmetic can represent the triangle, and classes for the inside hold no triangle that reaches out. */
 static void check_class(const svo_plan *plan, uint32_t triangle, svo_i_class class_id)
 {
     const int32_t units = (int32_t)(1u << plan->info.snap_bits);
@@ -158,7 +158,7 @@ static void check_class(const svo_plan *plan, uint32_t triangle, svo_i_class cla
     }
 }
 
-/* A triangle that is not drawn as its bounding rectangle is inside the grid and not steeper than its axis allows. */
+/* A triangle not drawn as its bounding rectangle lies inside the grid and is not steeper than its axis allows. */
 static void check_flags(const svo_plan *plan, const svo_draw_item *item)
 {
     const uint32_t *corners = plan->indices + (size_t)item->triangle * 3;
@@ -178,7 +178,7 @@ static void check_flags(const svo_plan *plan, const svo_draw_item *item)
     }
 }
 
-/* Every kept triangle is an item once. */
+/* Every kept triangle is exactly one item. */
 static void check_items(const svo_plan *plan)
 {
     uint8_t *seen = calloc((size_t)plan->triangle_count + 1, 1);
@@ -219,7 +219,7 @@ static void check_payload(const svo_plan *plan, const mesh_input *input)
     }
 }
 
-/* Sizes neither wrap around nor hide a buffer from the peak. */
+/* No size wraps around, and the peak covers every buffer. */
 static void check_buffers(const svo_plan *plan)
 {
     const uint64_t capacity = plan->options.fragment_capacity;
@@ -232,7 +232,7 @@ static void check_buffers(const svo_plan *plan)
     for (size_t i = 0; i < count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         REQUIRE(svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && buffer.name != NULL && buffer.count > 0);
-        const uint64_t bytes = buffer.bytes / buffer.count; /* all of one name need not live at one time */
+        const uint64_t bytes = buffer.bytes / buffer.count; /* buffers of one name need not all live at the same time */
         largest = bytes > largest ? bytes : largest;
         const uint64_t room = buffer.bytes / svo_i_plan_fragment_bytes(plan);
         REQUIRE(strcmp(buffer.name, "fragments") != 0 || buffer.count > 1 || room >= capacity || room >= most);

@@ -73,7 +73,7 @@ static void write_cube(const char *folder, const char *name, uint8_t depth, svo_
     write_seed(folder, name, &to);
 }
 
-/* A cube that reaches outside the caller's grid, which is as wide as given. */
+/* A cube that reaches outside the caller's grid of the given edge. */
 static void write_outside(const char *folder, const char *name, double edge)
 {
     seed to = {.byte_count = 0};
@@ -115,7 +115,7 @@ static void write_textured(const char *folder, const char *name)
     write_seed(folder, name, &to);
 }
 
-/* Triangles of any three of these coordinates each: what is not finite, what is at the ends of the range, and zeros. */
+/* Triangles from extreme coordinates: not finite, at the ends of the range, and zero. */
 static void write_garbage(const char *folder, const char *name)
 {
     static const double coordinates[] = {0.0,    1.0,  -0.0,  1e-310, 1e308,     -1e308, NAN, INFINITY, -INFINITY,

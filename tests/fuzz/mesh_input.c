@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Bytes to a mesh, for fuzz_mesh; mesh_input.h has the form. */
+/* Decodes bytes to a mesh for fuzz_mesh; mesh_input.h describes the format. */
 #include "mesh_input.h"
 
 #include <string.h>
 
 #include "fuzz.h"
 
-#define TEXTURE_EDGE_MAX 8u /* 0 texels, which is an error, up to this */
+#define TEXTURE_EDGE_MAX 8u /* from 0 texels, which is an error, up to this */
 
 typedef struct reader {
     const uint8_t *data;
@@ -35,7 +35,7 @@ static uint8_t read_byte(reader *from)
 static void *new_array(reader *from, size_t byte_count)
 {
     REQUIRE(from->input->array_count < MESH_INPUT_ARRAYS_MAX);
-    /* Of an empty array no byte may be read. NOLINTNEXTLINE(clang-analyzer-optin.portability.UnixAPI) */
+    /* No byte of an empty array may be read. NOLINTNEXTLINE(clang-analyzer-optin.portability.UnixAPI) */
     void *array = malloc(byte_count);
     REQUIRE(array != NULL || byte_count == 0);
     from->input->arrays[from->input->array_count++] = array;
@@ -82,7 +82,7 @@ static void read_positions(reader *from, position_form form)
     }
 }
 
-/* One byte an index; three of its values stand for indices that are out of range. */
+/* One byte per index; three of its values stand for indices out of range. */
 static void read_indices(reader *from)
 {
     svo_mesh *mesh = &from->input->mesh;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Chunkings of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk within its limit,
- * however often chunks were too small.
+ * Checks chunkings of the fragment list: every triangle is drawn over every pixel exactly once, in a chunk within its
+ * limit, however often chunks were too small.
  */
 #include "mesh_layout.h"
 
@@ -9,7 +9,7 @@
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 
-/* Expected fragments in terms of what a chunk holds: bounds the number of tiles, and so the time of one input. */
+/* Expected fragments, in capacities of a chunk: bounds the number of tiles and thus the time of one input. */
 #define EXPECTED_CHUNKS_MAX 16.0
 #define GROWTHS             2
 
@@ -23,9 +23,9 @@ static uint64_t scramble(uint64_t x)
 }
 
 /*
- * A random number per pixel, summed over a rectangle: the product of one random function's differences in x and
- * another's in y. Rectangles whose sums add up to the sum of the screen cover each of its pixels once, but for odds of
- * 2^-64.
+ * The sum over a rectangle of one random number per pixel: a difference of one random function in x times a difference
+ * of another in y. If the sums of rectangles add up to the sum of the screen, they cover each pixel once, except with
+ * probability 2^-64.
  */
 static uint64_t rectangle_sum(uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {
@@ -70,14 +70,14 @@ static void check_layout(const svo_plan *plan, const svo_i_chunking *layout, uin
     free(covered);
 }
 
-/* One triangle in one column always fits a chunk: what the cut is allowed to build on. */
+/* One triangle in one column always fits into a chunk. Chunking relies on this. */
 static bool can_overflow(const svo_i_chunking *layout, const svo_i_chunk *chunk)
 {
     const svo_i_draw *draw = &layout->draws[chunk->first_draw];
     return chunk->draw_count > 1 || draw->item_count > 1 || draw->tile_width > 1 || draw->tile_height > 1;
 }
 
-/* Nothing, as much as there is room for, more, or more than any chunk may hold. */
+/* Nothing, exactly the capacity, more, or more than any chunk may hold. */
 static uint64_t choose_need(const svo_i_chunking *layout, const svo_i_chunk *chunk, uint64_t limit, uint64_t random)
 {
     switch (random % 4) {

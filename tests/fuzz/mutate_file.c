@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mutations of .svo files that pass the checks of lengths and checksums: after most changes the header, the chunk table
- * and all checksums are recomputed. Without this a fuzzer never gets past the first checksum. Only libFuzzer calls it;
- * inputs that it finds are complete.
+ * Mutations of .svo files that pass the checks of lengths and checksums: after most changes, the header, the chunk
+ * table and all checksums are recomputed. Otherwise a fuzzer would never get past the first checksum. Only libFuzzer
+ * calls it; the inputs it stores need no further processing.
  */
 #include <stdbool.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static uint64_t next_random(uint64_t *state)
     return z ^ z >> 31;
 }
 
-/* The head of the file as far as it is there; the rest is zero. Files need not be aligned in memory. */
+/* The head of the file; bytes beyond the end of the file are zero. Files need not be aligned in memory. */
 static file_head read_head(const uint8_t *data, size_t byte_count)
 {
     file_head head;
@@ -39,7 +39,7 @@ static uint32_t chunk_count(const file_head *head)
     return head->header.chunk_count < SVO_TREE_BUFFER_COUNT ? head->header.chunk_count : SVO_TREE_BUFFER_COUNT;
 }
 
-/* Length and checksum of what the chunk unpacks to; left alone where it does not unpack. */
+/* Sets length and checksum of the uncompressed chunk; unchanged if decompression fails. */
 static void repair_packed(file_chunk *chunk, const uint8_t *stored)
 {
     static uint8_t plain[PLAIN_BYTES_MAX];
@@ -63,7 +63,7 @@ static void repair_chunk(file_chunk *chunk, const uint8_t *data, size_t byte_cou
     }
 }
 
-/* Makes checksums true and, if asked, places: chunks back to back, of which the last takes all bytes that are left. */
+/* Recomputes checksums and, on request, offsets: chunks back to back, the last one takes all remaining bytes. */
 static void repair(uint8_t *data, size_t byte_count, bool places)
 {
     file_head head = read_head(data, byte_count);
@@ -92,7 +92,7 @@ static void repair(uint8_t *data, size_t byte_count, bool places)
     memcpy(data, &head, head_bytes);
 }
 
-/* Changes a part of the file, which keeps its length: a few bytes anywhere in it. */
+/* Changes a few bytes of a part of the file; its length does not change. */
 static void mutate_part(uint8_t *data, size_t begin, size_t end, uint64_t *random)
 {
     if (end <= begin) {
@@ -104,7 +104,7 @@ static void mutate_part(uint8_t *data, size_t begin, size_t end, uint64_t *rando
     (void)LLVMFuzzerMutate(data + first, length, length);
 }
 
-/* A chunk that may become longer or shorter; what lies behind it moves. Returns the file's new length. */
+/* Changes a chunk, possibly its length; the bytes after it move. Returns the file's new length. */
 static size_t resize_chunk(uint8_t *data, size_t byte_count, size_t byte_count_max, uint32_t chunk_index)
 {
     file_head head = read_head(data, byte_count);
@@ -127,7 +127,7 @@ static size_t resize_chunk(uint8_t *data, size_t byte_count, size_t byte_count_m
     return begin + mutated_bytes + tail_bytes;
 }
 
-/* One change: in the header's values, in the table, in a chunk's bytes, to a chunk's length, or anywhere. */
+/* Makes one change: a value of the header, the table, a chunk's bytes, a chunk's length, or anywhere. */
 static size_t change(uint8_t *data, size_t byte_count, size_t byte_count_max, uint64_t *random)
 {
     const file_head head = read_head(data, byte_count);

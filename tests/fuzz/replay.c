@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Feeds every file of the given folders to a fuzz target: seeds and past findings as an ordinary test. */
+/* Feeds every file of the given folders to a fuzz target: runs seeds and past findings as an ordinary test. */
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 #define PATH_BYTES      4096
 #define INPUT_BYTES_MAX ((size_t)1 << 20)
 
-/* The input in memory of exactly its size, so that a sanitizer detects a read past its end. */
+/* Runs an input from an allocation of exactly its size, so that a sanitizer detects a read past its end. */
 static int replay_file(const char *path)
 {
     static uint8_t buffer[INPUT_BYTES_MAX];
@@ -32,7 +32,7 @@ static int replay_file(const char *path)
     return 0;
 }
 
-/* Returns how many inputs failed to be read; *count grows by the inputs there are. */
+/* Returns how many inputs could not be read; adds the number of all inputs to *count. */
 static int replay_folder(const char *folder, int *count)
 {
     DIR *directory = opendir(folder);

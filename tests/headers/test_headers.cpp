@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The public headers from C++: one function of each library is called, which links only if its header gives it C
- * linkage, and the version of the headers is that of the library.
+ * The public headers from C++. Calls one function of each library, which links only if its header declares C linkage,
+ * and checks that headers and library have the same version.
  */
 #include <cstdio>
 #include <cstring>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A program that uses svocl::io alone: whether what the installed package says is enough to link and run it. */
+/* A program that uses svocl::io alone: proves that the installed pkg-config file suffices to link and run it. */
 #include <stdio.h>
 
 #include "svocl/io.h"

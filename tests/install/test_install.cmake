@@ -1,11 +1,11 @@
-# Installs the build into an empty prefix and uses it as a stranger would: once through find_package, with the minimal
-# sample as the program and the CMake lines of the README, and once through pkg-config.
+# Installs the build into an empty prefix and uses it like a new user: once through find_package, with the minimal
+# sample and the CMake lines of the README, and once through pkg-config.
 # BUILD_DIR, SOURCE_DIR, WORK_DIR, C_COMPILER, GENERATOR and VERSION come from the command line.
 set(prefix ${WORK_DIR}/prefix)
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR}/consumer)
 
-# Runs a command, fails with its output if it fails, and leaves its standard output in out.
+# Runs a command and stores its standard output in out. If the command fails, fails with its output.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
   if(NOT result EQUAL 0)

@@ -5,7 +5,7 @@ function(expect_shown file)
   file(READ ${SOURCE_DIR}/${file} text)
   string(FIND "${readme}" "${text}```" position)
   if(position EQUAL -1)
-    message(SEND_ERROR "README.md does not show ${file} as it is; copy the file into its block again")
+    message(SEND_ERROR "README.md does not show the current ${file}; copy the file into its block again")
   endif()
 endfunction()
 

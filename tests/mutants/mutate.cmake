@@ -1,6 +1,6 @@
-# svocl_mutate(folder files file from to): copies files into folder, each into a subfolder named as the one that it comes
-# from, with one mistake in the one named file: its text from, which it must have exactly once, is replaced by to. For the
-# tests that show that the tests find such mistakes.
+# svocl_mutate(folder files file from to): copies files into folder, each into a subfolder with the name of its original
+# folder, and plants one mistake in the named file: replaces the text from, which must occur exactly once, by to. Used
+# by the tests that prove that the other tests find mistakes.
 function(svocl_mutate folder files file from to)
   foreach(path IN LISTS files)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
@@ -12,7 +12,7 @@ function(svocl_mutate folder files file from to)
       string(FIND "${text}" "${from}" first)
       string(FIND "${text}" "${from}" last REVERSE)
       if(first EQUAL -1 OR NOT first EQUAL last)
-        message(FATAL_ERROR "svocl_mutate: '${from}' is not exactly once in ${path}")
+        message(FATAL_ERROR "svocl_mutate: '${from}' does not occur exactly once in ${path}")
       endif()
       string(REPLACE "${from}" "${to}" text "${text}")
     endif()

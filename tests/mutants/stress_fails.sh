@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# svocl stress of a program with a mistake in it: exits with 1, and says which cases failed.
+# Runs svocl stress of a program with a planted mistake: it must exit with 1 and report the failed cases.
 #
 # usage: stress_fails.sh PROGRAM only|also CASE...
-#   only: these cases fail and no others. also: these fail, whatever else does.
+#   only: exactly these cases fail. also: at least these cases fail.
 set -euo pipefail
 
 readonly program=$1 others=$2
 shift 2
 status=0
-# By expansion, whatever the hardware offers: the margin is part of that way.
+# Uses gl-expand even if the hardware offers conservative rasterization: only expansion has the margin.
 report=$("$program" stress --count 1 --frontend gl-expand) || status=$?
 failed=$(sed -n 's/^ *\(T.*[^ ]\) *svocl .* FAILED$/\1/p' <<<"$report" | sort)
 expected=$(printf '%s\n' "$@" | sort)
