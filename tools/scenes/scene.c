@@ -59,7 +59,7 @@ static svo_status fail_name(svo_message *message, const char *name, size_t name_
         length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", k == 0 ? "" : ", ",
                                    kinds[k].description.name);
     }
-    return scene_fail(message, SVO_INVALID_ARGUMENT, "scene_create: unknown scene '%.*s', the scenes are %s",
+    return scene_fail(message, SVO_INVALID_ARGUMENT, "scene_create: unknown scene '%.*s'; there are %s",
                       (int)(name_bytes < 64 ? name_bytes : 64), name, names);
 }
 
