@@ -55,7 +55,7 @@ static void any_hit_and_count_agree_with_the_reference(void **state)
     owned_mesh_free(&owned);
 }
 
-/* Compares everything except the number of visited leaves. */
+/* Compares everything except the number of visited BVH leaves. */
 static void assert_same_hits(const svo_hit *a, const svo_hit *b, size_t count, unsigned depth)
 {
     for (size_t i = 0; i < count; ++i) {
