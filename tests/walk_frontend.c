@@ -182,12 +182,14 @@ static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chu
 {
     const svo_plan *plan = commands->plan;
     const double start_ms = svo_i_now_ms();
+    svo_status status = SVO_OK;
     walk w;
-    SVO_I_TRY(walk_make(plan, &w) ? SVO_OK : no_memory(plan));
-    SVO_I_TRY(make_chunks(&w, layout, ((const walk_frontend *)self)->seed, commands->queue, list));
-    walk_free(&w);
+    SVO_I_TRY_CLEANUP(walk_make(plan, &w) ? SVO_OK : no_memory(plan));
+    SVO_I_TRY_CLEANUP(make_chunks(&w, layout, ((const walk_frontend *)self)->seed, commands->queue, list));
     svo_i_report_add(commands->report, SVO_STAGE_VOXELIZE, svo_i_now_ms() - start_ms, "wall");
-    return SVO_OK;
+cleanup:
+    walk_free(&w);
+    return status;
 }
 
 static void release(void *self, svo_i_fragment_list *list)

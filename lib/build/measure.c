@@ -58,16 +58,17 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
 {
     svo_i_allocations discarded = {0};
     svo_build_report report = {0};
-    build->commands.mode = SVO_I_MODE_MEASURE;
-    build->commands.device = plan->device;
-    build->commands.plan = plan;
-    build->commands.report = &report;
-    if (build->commands.allocations == NULL) {
-        build->commands.allocations = &discarded;
-    }
+    svo_i_commands *commands = &build->commands;
     build->tree = svo_i_tree_new();
     if (build->tree == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
+    }
+    commands->mode = SVO_I_MODE_MEASURE;
+    commands->device = plan->device;
+    commands->plan = plan;
+    commands->report = &report;
+    if (commands->allocations == NULL) {
+        commands->allocations = &discarded;
     }
     svo_i_plan_buffers_reset(plan);
     const svo_status status = measure_stages(build, chunking, extent);
@@ -75,6 +76,8 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
     mark_persistent(build);
     svo_i_allocations_free(&discarded);
     svo_tree_destroy(&build->tree);
+    commands->report = NULL;
+    commands->allocations = NULL;
     return status;
 }
 
