@@ -181,7 +181,7 @@ static int name_document(program *state, document *one, const char *folder, cons
 /* README.md and the chapters in alphabetical order. */
 static int list_documents(program *state, const char *folder, document *all, size_t *count)
 {
-    document chapters;
+    document chapters = {.path = ""};
     struct dirent **entries = NULL;
     int exit_code = name_document(state, &all[0], folder, "", "README.md");
     if (exit_code == PROGRAM_DONE) {
