@@ -2,7 +2,7 @@
 # that were read. A file named in #include "..." comes once, before the first file that includes it, regardless of #if
 # around that line. It is searched for in the folder of the file that includes it, then in FOLDERS. The #include "..."
 # lines are removed; #include <...> lines are kept.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 
 # find_included(name file variable): sets variable to the path that `#include "name"` in file refers to.
 function(find_included name file variable)

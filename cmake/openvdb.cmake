@@ -1,6 +1,5 @@
 # `svocl bench peers` measures OpenVDB if libopenvdb-dev and libboost-dev are installed. They are no part of the set-up:
 # they take 15 MB to download, and one file takes most of a minute to compile. C++ is enabled for this file alone.
-option(SVOCL_OPENVDB "measure OpenVDB in svocl bench, where it is installed" ON)
 set(SVOCL_OPENVDB_FOUND OFF)
 if(SVOCL_OPENVDB)
   find_path(OPENVDB_INCLUDE_DIR openvdb/tools/MeshToVolume.h)

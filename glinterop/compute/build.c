@@ -16,6 +16,7 @@
 #include "compute/surface.h"
 #include "core/message.h"
 #include "plan/estimate.h"
+#include "plan/progress.h"
 #include "stages/geometry.h"
 #include "stages/material.h"
 
@@ -172,12 +173,15 @@ static svo_status run_stages(svo_i_gl_build *gl_build)
     const svo_i_work *work = &build->commands.plan->work;
     SVO_I_TRY(alloc_cursors(gl_build));
     SVO_I_TRY(make_nodes(gl_build));
+    SVO_I_TRY(svo_i_progress_reach(build->commands.plan, SVO_STAGE_SUBDIVIDE, 1.0));
     if (work->lists) {
         SVO_I_TRY(svo_i_geometry_upload(build));
         SVO_I_TRY(svo_i_gl_pack(gl_build, true));
+        SVO_I_TRY(svo_i_progress_reach(build->commands.plan, SVO_STAGE_PACK, 1.0));
     }
     if (work->surface) {
         SVO_I_TRY(make_payload(gl_build));
+        SVO_I_TRY(svo_i_progress_reach(build->commands.plan, SVO_STAGE_FILTER, 1.0));
     }
     return copy_arrays(gl_build);
 }
@@ -186,6 +190,7 @@ svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build)
 {
     svo_i_gl_build gl_build = {.build = build, .compute = compute};
     svo_i_gl_clear_errors(compute->gl);
+    svo_i_compute_fill_zero(compute, compute->exhausted); /* a build that failed may have left its mark */
     const svo_status status = run_stages(&gl_build);
     for (uint32_t i = 0; gl_build.cursors != NULL && i < build->list.chunk_count; ++i) {
         svo_i_compute_free(compute, &gl_build.cursors[i]);

@@ -10,11 +10,6 @@
 #include "compute/program.h"
 #include "core/message.h"
 
-static bool has_int64(const svo_i_gl_functions *gl, bool no_int64)
-{
-    return !no_int64 && svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64");
-}
-
 /* llvmpipe's timer queries omit work, and the first ones return nonsense. */
 static bool has_reliable_timer(const svo_i_gl_functions *gl)
 {
@@ -31,7 +26,7 @@ static svo_status create_objects(svo_i_compute *compute)
     return status;
 }
 
-svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, bool no_int64, svo_i_compute **out)
+svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, svo_i_compute **out)
 {
     svo_i_compute *compute = calloc(1, sizeof *compute);
     if (compute == NULL) {
@@ -41,7 +36,6 @@ svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, boo
     compute->device = device;
     compute->context = context;
     compute->gl = svo_i_gl_context_functions(context);
-    compute->int64 = has_int64(compute->gl, no_int64);
     compute->has_timer = has_reliable_timer(compute->gl);
     SVO_I_TRY_CLEANUP(create_objects(compute));
     *out = compute;
@@ -57,7 +51,7 @@ void svo_i_compute_destroy(svo_i_compute **compute)
     if (dying == NULL) {
         return;
     }
-    if (svo_i_gl_context_make_current(dying->context, NULL) == SVO_OK) {
+    if (svo_i_gl_context_make_current_to_delete(dying->context)) {
         svo_i_compute_programs_destroy(dying);
         dying->gl->DeleteQueries(2, dying->queries);
         svo_i_compute_free(dying, &dying->exhausted);
@@ -72,17 +66,20 @@ void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const bool payload = (need & SVO_I_NEED_PAYLOAD) != 0;
-    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6; /* SVO_I_ENTRY_SORT_LONG has the most among the others */
-    const int has = gl->limits.compute_storage_blocks < gl->limits.storage_bindings ? gl->limits.compute_storage_blocks
-                                                                                    : gl->limits.storage_bindings;
+    /* Among the entry points without payload, SVO_I_ENTRY_SORT_LONG has the most blocks: its five and exhausted. */
+    const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6;
     reason[0] = '\0';
     if (gl->limits.compute_group_invocations < SVO_GROUP_ITEMS) {
         (void)snprintf(reason, reason_bytes, "%s has groups of %d invocations, below %d", gl->renderer,
                        gl->limits.compute_group_invocations, SVO_GROUP_ITEMS);
-    } else if (has < blocks) {
-        (void)snprintf(reason, reason_bytes, "%s has %d storage blocks for compute shaders, %sneeds %d", gl->renderer,
-                       has, payload ? "payload " : "it ", blocks);
-    } else if (payload && !has_int64(gl, no_int64)) {
+    } else if (gl->limits.storage_bindings < SVO_I_COMPUTE_BINDINGS) {
+        (void)snprintf(reason, reason_bytes, "%s has %d bindings of storage blocks, below %d", gl->renderer,
+                       gl->limits.storage_bindings, SVO_I_COMPUTE_BINDINGS);
+    } else if (gl->limits.compute_storage_blocks < blocks) {
+        (void)snprintf(reason, reason_bytes, "%s has %d storage blocks for compute shaders, below the %d of %s",
+                       gl->renderer, gl->limits.compute_storage_blocks, blocks,
+                       payload ? "payload" : "nodes and lists");
+    } else if (payload && (no_int64 || !svo_i_gl_has_extension(gl, "GL_ARB_gpu_shader_int64"))) {
         (void)snprintf(reason, reason_bytes, "payload needs GL_ARB_gpu_shader_int64, which %s does not have%s",
                        gl->renderer, no_int64 ? " by svo_gl_options.no_int64" : "");
     }

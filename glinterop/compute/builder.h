@@ -5,10 +5,11 @@
 
 #include "compute/compute.h"
 
-/* Compiles nothing yet. no_int64: as if the context had no 64-bit integers. SVO_GL_ERROR, SVO_OUT_OF_HOST_MEMORY. */
-svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, bool no_int64, svo_i_compute **out);
+/* Compiles nothing yet. Returns SVO_GL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, svo_i_compute **out);
 void svo_i_compute_destroy(svo_i_compute **compute);
-/* Writes to reason why this context cannot build a tree with these needs (svo_need bits), or "" if it can. */
+/* Writes to reason why this context cannot build a tree with these needs (svo_need bits), or "" if it can. no_int64: as
+   if the context had no 64-bit integers. */
 void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t need, char *reason,
                           size_t reason_bytes);
 

@@ -16,7 +16,6 @@ typedef struct svo_i_compute {
     svo_device *device;
     svo_gl_context *context;
     const svo_i_gl_functions *gl;
-    bool int64; /* the shaders have 64-bit integers */
     bool has_timer; /* the context's timer queries are reliable */
     struct svo_i_compute_program *programs;
     char defines[SVO_I_DEFINES_BYTES]; /* of the plan being built */

@@ -176,7 +176,7 @@ static svo_status warm_up(svo_i_compute *compute, const svo_i_compute_program *p
     svo_status status = SVO_OK;
     GLuint zeros = 0;
     SVO_I_TRY_CLEANUP(svo_i_compute_alloc_zero(compute, "zeros", 4096, &zeros));
-    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS && (GLint)i < gl->limits.storage_bindings; ++i) {
+    for (GLuint i = 0; i < SVO_I_COMPUTE_BINDINGS; ++i) {
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, zeros);
     }
     gl->UseProgram(program->name);
@@ -245,7 +245,7 @@ svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
     const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, compute->defines, sizeof compute->defines);
+    svo_i_plan_defines(plan, SVO_I_PROGRAM_FILTER, compute->defines, sizeof compute->defines);
     for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES; ++entry) {
         svo_i_compute_program *program = NULL;
         if (!shapes[entry].is_rare && (shapes[entry].need == 0 || (shapes[entry].need & need) != 0)) {

@@ -41,6 +41,24 @@ static void restore_binding(const svo_i_gl_binding *binding)
     svo_i_egl_binding_restore(&binding->egl);
 }
 
+/* Unbinds the context and restores what was current before, where that was something else. */
+static void release_binding(const svo_i_gl_binding *previous)
+{
+    if (previous->taken) {
+        svo_i_gl_binding own;
+        take_binding(&own);
+        restore_binding(previous);
+    }
+}
+
+/* A state that could not be read must not be restored. */
+static svo_status save_callers_state(svo_gl_context *context, svo_message *message)
+{
+    svo_i_gl_clear_errors(&context->functions);
+    svo_i_gl_state_save(&context->functions, &context->callers_state);
+    return svo_i_gl_check_query(&context->functions, "svo_gl_context_wrap", "reading the caller's state", message);
+}
+
 svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *message)
 {
     if (context->nesting == SVO_I_GL_NESTING_LIMIT) {
@@ -58,10 +76,23 @@ svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *m
         }
     }
     if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
-        svo_i_gl_state_save(&context->functions, &context->callers_state);
+        const svo_status status = save_callers_state(context, message);
+        if (status != SVO_OK) {
+            release_binding(previous);
+            return status;
+        }
     }
     ++context->nesting;
     return SVO_OK;
+}
+
+bool svo_i_gl_context_make_current_to_delete(svo_gl_context *context)
+{
+    svo_status status = svo_i_gl_context_make_current(context, NULL);
+    if (status != SVO_OK) {
+        status = svo_i_gl_context_make_current(context, NULL);
+    }
+    return status == SVO_OK;
 }
 
 void svo_i_gl_context_release_current(svo_gl_context *context)
@@ -73,12 +104,7 @@ void svo_i_gl_context_release_current(svo_gl_context *context)
     if (context->kind == SVO_GL_WRAPPED && context->nesting == 0) {
         svo_i_gl_state_restore(&context->functions, &context->callers_state);
     }
-    const svo_i_gl_binding *previous = &context->previous[context->nesting];
-    if (previous->taken) {
-        svo_i_gl_binding own;
-        take_binding(&own);
-        restore_binding(previous);
-    }
+    release_binding(&context->previous[context->nesting]);
 }
 
 const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *context)

@@ -44,6 +44,9 @@ struct svo_gl_context {
  * changes nothing.
  */
 svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *message);
+/* The same for a function that deletes objects and returns no status. It tries twice: what is not deleted now stays as
+   long as the context. */
+bool svo_i_gl_context_make_current_to_delete(svo_gl_context *context);
 /* Restores what was current before the matching svo_i_gl_context_make_current. */
 void svo_i_gl_context_release_current(svo_gl_context *context);
 

@@ -17,9 +17,7 @@
 
 #include "core/message.h"
 
-#define EGL_LIBRARY "libEGL.so.1"
-
-/* X(member, type): the functions of libEGL.so.1 that svocl uses, looked up as "egl" + member. */
+/* X(member, type): the functions of libEGL that svocl uses, looked up as "egl" + member. */
 #define EGL_FUNCTION_LIST(X)                          \
     X(GetError, PFNEGLGETERRORPROC)                   \
     X(GetProcAddress, PFNEGLGETPROCADDRESSPROC)       \
@@ -100,14 +98,15 @@ static svo_status egl_library_fill(egl_library *egl, svo_message *message)
     EGL_FUNCTION_LIST(EGL_FILL)
 #undef EGL_FILL
     if (missing != NULL) {
-        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: " EGL_LIBRARY " has no function %s", missing);
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: " SVO_I_EGL_LIBRARY " has no function %s",
+                          missing);
     }
     return SVO_OK;
 }
 
 static svo_status egl_library_open(egl_library *egl, svo_message *message)
 {
-    SVO_I_TRY(svo_i_library_open(EGL_LIBRARY, &egl->library, message));
+    SVO_I_TRY(svo_i_library_open(SVO_I_EGL_LIBRARY, &egl->library, message));
     return egl_library_fill(egl, message);
 }
 
@@ -378,7 +377,7 @@ const svo_i_gl_platform svo_i_egl_platform = {
 void svo_i_egl_binding_take(svo_i_egl_binding *binding)
 {
     *binding = (svo_i_egl_binding){0};
-    egl_library egl = {.library = svo_i_library_if_loaded(EGL_LIBRARY)};
+    egl_library egl = {.library = svo_i_library_if_loaded(SVO_I_EGL_LIBRARY)};
     if (egl.library != NULL && egl_library_fill(&egl, NULL) == SVO_OK) {
         binding->loaded = true;
         binding->api = egl.QueryAPI();
@@ -398,7 +397,7 @@ void svo_i_egl_binding_restore(const svo_i_egl_binding *binding)
     if (!binding->loaded) {
         return;
     }
-    egl_library egl = {.library = svo_i_library_if_loaded(EGL_LIBRARY)};
+    egl_library egl = {.library = svo_i_library_if_loaded(SVO_I_EGL_LIBRARY)};
     if (egl.library != NULL && egl_library_fill(&egl, NULL) == SVO_OK) {
         (void)egl.BindAPI(binding->api);
         if (binding->context != EGL_NO_CONTEXT) {

@@ -3,6 +3,7 @@
 #include "context/functions.h"
 
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,35 @@ static const entry_point entry_points[] = {
 #undef ENTRY_POINT
 };
 enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0], EXTENSIONS_MAX = 4096 };
+
+/* The function that messages name; svo_gl_context_wrap replaces it by its own. */
+#define FUNCTION "svo_gl_context_create"
+
+static const char *gl_error_name(GLenum error)
+{
+    switch (error) {
+    case GL_INVALID_ENUM:
+        return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+        return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+        return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+        return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+        return "GL_OUT_OF_MEMORY";
+    case GL_CONTEXT_LOST:
+        return "GL_CONTEXT_LOST";
+    default:
+        return "unknown error";
+    }
+}
+
+static svo_status fail_error(const char *function, const char *step, GLenum error, svo_message *message)
+{
+    const svo_status status = error == GL_OUT_OF_MEMORY ? SVO_OUT_OF_DEVICE_MEMORY : SVO_GL_ERROR;
+    return svo_i_fail(message, status, "%s: %s: %s (0x%04x)", function, step, gl_error_name(error), error);
+}
 
 /* Stores the pointer in the table, whatever its type: all function pointers have one representation. */
 static void store_function(svo_i_gl_functions *gl, const entry_point *entry, svo_i_function function)
@@ -48,7 +78,7 @@ static const char *load_required(svo_i_gl_functions *gl, svo_i_get_proc_address 
 
 static svo_status fail_missing(const char *missing, svo_message *message)
 {
-    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: the context has no function %s", missing);
+    return svo_i_fail(message, SVO_NO_GL, FUNCTION ": the context has no function %s", missing);
 }
 
 static void load_optional(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user)
@@ -79,49 +109,46 @@ static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
     gl->vendor = driver_string(gl, GL_VENDOR);
     gl->renderer = driver_string(gl, GL_RENDERER);
     gl->version_text = driver_string(gl, GL_VERSION);
+    SVO_I_TRY(svo_i_gl_check_query(gl, FUNCTION, "reading the version", message));
     if (gl->version_text[0] == '\0') {
-        return svo_i_fail(
-            message, SVO_NO_GL,
-            "svo_gl_context_create: the context does not report its version; is it current on this thread?");
+        return svo_i_fail(message, SVO_NO_GL,
+                          FUNCTION ": the context does not report its version; is it current on this thread?");
     }
     if (gl->version < SVO_I_GL_MINIMUM_VERSION) {
-        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: OpenGL \"%s\" of \"%s\" is below %d.%d",
-                          gl->version_text, gl->renderer, SVO_I_GL_MINIMUM_VERSION / 10, SVO_I_GL_MINIMUM_VERSION % 10);
+        return svo_i_fail(message, SVO_NO_GL, FUNCTION ": OpenGL \"%s\" of \"%s\" is below %d.%d", gl->version_text,
+                          gl->renderer, SVO_I_GL_MINIMUM_VERSION / 10, SVO_I_GL_MINIMUM_VERSION % 10);
     }
     return SVO_OK;
 }
 
-static const char *extension_name(const svo_i_gl_functions *gl, GLint index)
+/* Appends an extension name and a space to gl->extensions, of which bytes are used. */
+static svo_status add_extension(svo_i_gl_functions *gl, const char *name, size_t *bytes, svo_message *message)
 {
-    const char *name = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)index);
-    return name != NULL ? name : "";
+    const size_t length = strlen(name);
+    const size_t needed = *bytes + length + 2;
+    char *longer = realloc(gl->extensions, needed);
+    if (longer == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, FUNCTION ": no %zu bytes for the extension names", needed);
+    }
+    (void)snprintf(longer + *bytes, length + 2, "%s ", name);
+    gl->extensions = longer;
+    *bytes = needed - 1;
+    return SVO_OK;
 }
 
-/* Joins the extension names into one string, to be searched without the context being current. */
+/* Joins the extension names into one string, to be searched without the context being current. Each name is asked for
+   once: a driver that fails may give another answer the second time. */
 static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
 {
     GLint count = 0;
     gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
     count = count < EXTENSIONS_MAX ? count : EXTENSIONS_MAX; /* in case the driver returns nonsense */
-    size_t bytes = 1;
+    size_t bytes = 0;
     for (GLint i = 0; i < count; ++i) {
-        bytes += strlen(extension_name(gl, i)) + 1;
+        const char *name = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        SVO_I_TRY(name != NULL ? add_extension(gl, name, &bytes, message) : SVO_OK);
     }
-    gl->extensions = malloc(bytes);
-    if (gl->extensions == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY,
-                          "svo_gl_context_create: no %zu bytes for the extension names", bytes);
-    }
-    char *at = gl->extensions;
-    for (GLint i = 0; i < count; ++i) {
-        const char *name = extension_name(gl, i);
-        size_t length = strlen(name);
-        memcpy(at, name, length);
-        at[length] = ' ';
-        at += length + 1;
-    }
-    *at = '\0';
-    return SVO_OK;
+    return svo_i_gl_check(gl, FUNCTION, "reading the extensions", message);
 }
 
 static GLint integer_limit(const svo_i_gl_functions *gl, GLenum name)
@@ -138,24 +165,16 @@ static void load_limits(svo_i_gl_functions *gl)
     limits->storage_offset_alignment_bytes = integer_limit(gl, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
     limits->storage_bindings = integer_limit(gl, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
     limits->vertex_storage_blocks = integer_limit(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
-    limits->geometry_storage_blocks = integer_limit(gl, GL_MAX_GEOMETRY_SHADER_STORAGE_BLOCKS);
     limits->fragment_storage_blocks = integer_limit(gl, GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS);
     limits->compute_storage_blocks = integer_limit(gl, GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
-    limits->combined_storage_blocks = integer_limit(gl, GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS);
-    limits->fragment_atomic_counters = integer_limit(gl, GL_MAX_FRAGMENT_ATOMIC_COUNTERS);
     limits->framebuffer_width = integer_limit(gl, GL_MAX_FRAMEBUFFER_WIDTH);
     limits->framebuffer_height = integer_limit(gl, GL_MAX_FRAMEBUFFER_HEIGHT);
-    limits->subpixel_bits = integer_limit(gl, GL_SUBPIXEL_BITS);
-    limits->map_alignment_bytes = integer_limit(gl, GL_MIN_MAP_BUFFER_ALIGNMENT);
     limits->compute_group_invocations = integer_limit(gl, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
 
     GLint viewport[2] = {0, 0};
     gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     limits->viewport_width = viewport[0];
     limits->viewport_height = viewport[1];
-    for (GLuint axis = 0; axis < 3; ++axis) {
-        gl->GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &limits->compute_group_count[axis]);
-    }
 }
 
 /* Everything up to the extension names. A failure leaves the table partly filled. */
@@ -163,9 +182,10 @@ static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_p
                             svo_message *message)
 {
     const char *missing = load_required(gl, get_proc_address, user);
-    if (gl->GetIntegerv == NULL || gl->GetString == NULL || gl->GetStringi == NULL) {
+    if (gl->GetIntegerv == NULL || gl->GetString == NULL || gl->GetStringi == NULL || gl->GetError == NULL) {
         return fail_missing(missing, message);
     }
+    svo_i_gl_clear_errors(gl);
     /* An old context lacks functions too, but its version explains the failure better. */
     SVO_I_TRY(load_version(gl, message));
     if (missing != NULL) {
@@ -178,15 +198,15 @@ svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc
                          svo_message *message)
 {
     *gl = (svo_i_gl_functions){0};
-    const svo_status status = load_core(gl, get_proc_address, user, message);
-    if (status != SVO_OK) {
-        svo_i_gl_unload(gl);
-        return status;
-    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(load_core(gl, get_proc_address, user, message));
     load_optional(gl, get_proc_address, user);
     load_limits(gl);
-    svo_i_gl_clear_errors(gl);
+    SVO_I_TRY_CLEANUP(svo_i_gl_check_query(gl, FUNCTION, "reading the limits", message));
     return SVO_OK;
+cleanup:
+    svo_i_gl_unload(gl);
+    return status;
 }
 
 void svo_i_gl_unload(svo_i_gl_functions *gl)
@@ -219,24 +239,12 @@ void svo_i_gl_clear_errors(const svo_i_gl_functions *gl)
     }
 }
 
-static const char *gl_error_name(GLenum error)
+svo_status svo_i_gl_check_query(const svo_i_gl_functions *gl, const char *function, const char *step,
+                                svo_message *message)
 {
-    switch (error) {
-    case GL_INVALID_ENUM:
-        return "GL_INVALID_ENUM";
-    case GL_INVALID_VALUE:
-        return "GL_INVALID_VALUE";
-    case GL_INVALID_OPERATION:
-        return "GL_INVALID_OPERATION";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-        return "GL_INVALID_FRAMEBUFFER_OPERATION";
-    case GL_OUT_OF_MEMORY:
-        return "GL_OUT_OF_MEMORY";
-    case GL_CONTEXT_LOST:
-        return "GL_CONTEXT_LOST";
-    default:
-        return "unknown error";
-    }
+    const GLenum error = gl->GetError();
+    svo_i_gl_clear_errors(gl);
+    return error == GL_NO_ERROR || error == GL_INVALID_ENUM ? SVO_OK : fail_error(function, step, error, message);
 }
 
 svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message)
@@ -250,6 +258,5 @@ svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, co
         return SVO_OK;
     }
     svo_i_gl_clear_errors(gl);
-    svo_status status = error == GL_OUT_OF_MEMORY ? SVO_OUT_OF_DEVICE_MEMORY : SVO_GL_ERROR;
-    return svo_i_fail(message, status, "%s: %s: %s (0x%04x)", function, step, gl_error_name(error), error);
+    return fail_error(function, step, error, message);
 }

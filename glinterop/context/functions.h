@@ -26,104 +26,78 @@
  * X(member, type, core version, extension): the list of entry points, looked up as "gl" + member. Required where the
  * core version is at most SVO_I_GL_MINIMUM_VERSION; otherwise NULL unless the context has that version or extension.
  */
-#define SVO_I_GL_FUNCTION_LIST(X)                                                                                  \
-    X(GetError, PFNGLGETERRORPROC, 43, "")                                                                         \
-    X(GetString, PFNGLGETSTRINGPROC, 43, "")                                                                       \
-    X(GetStringi, PFNGLGETSTRINGIPROC, 43, "")                                                                     \
-    X(GetBooleanv, PFNGLGETBOOLEANVPROC, 43, "")                                                                   \
-    X(GetFloatv, PFNGLGETFLOATVPROC, 43, "")                                                                       \
-    X(GetIntegerv, PFNGLGETINTEGERVPROC, 43, "")                                                                   \
-    X(GetFloati_v, PFNGLGETFLOATI_VPROC, 43, "")                                                                   \
-    X(GetIntegeri_v, PFNGLGETINTEGERI_VPROC, 43, "")                                                               \
-    X(GetInteger64v, PFNGLGETINTEGER64VPROC, 43, "")                                                               \
-    X(GetInteger64i_v, PFNGLGETINTEGER64I_VPROC, 43, "")                                                           \
-    X(Finish, PFNGLFINISHPROC, 43, "")                                                                             \
-    X(Flush, PFNGLFLUSHPROC, 43, "")                                                                               \
-    X(Enable, PFNGLENABLEPROC, 43, "")                                                                             \
-    X(Disable, PFNGLDISABLEPROC, 43, "")                                                                           \
-    X(IsEnabled, PFNGLISENABLEDPROC, 43, "")                                                                       \
-    X(Enablei, PFNGLENABLEIPROC, 43, "")                                                                           \
-    X(Disablei, PFNGLDISABLEIPROC, 43, "")                                                                         \
-    X(IsEnabledi, PFNGLISENABLEDIPROC, 43, "")                                                                     \
-    X(ColorMask, PFNGLCOLORMASKPROC, 43, "")                                                                       \
-    X(DepthMask, PFNGLDEPTHMASKPROC, 43, "")                                                                       \
-    X(PolygonMode, PFNGLPOLYGONMODEPROC, 43, "")                                                                   \
-    X(ProvokingVertex, PFNGLPROVOKINGVERTEXPROC, 43, "")                                                           \
-    X(Viewport, PFNGLVIEWPORTPROC, 43, "")                                                                         \
-    X(ViewportIndexedf, PFNGLVIEWPORTINDEXEDFPROC, 43, "")                                                         \
-    X(Scissor, PFNGLSCISSORPROC, 43, "")                                                                           \
-    X(ScissorIndexed, PFNGLSCISSORINDEXEDPROC, 43, "")                                                             \
-    X(PointSize, PFNGLPOINTSIZEPROC, 43, "")                                                                       \
-    X(CreateShader, PFNGLCREATESHADERPROC, 43, "")                                                                 \
-    X(DeleteShader, PFNGLDELETESHADERPROC, 43, "")                                                                 \
-    X(ShaderSource, PFNGLSHADERSOURCEPROC, 43, "")                                                                 \
-    X(CompileShader, PFNGLCOMPILESHADERPROC, 43, "")                                                               \
-    X(GetShaderiv, PFNGLGETSHADERIVPROC, 43, "")                                                                   \
-    X(GetShaderInfoLog, PFNGLGETSHADERINFOLOGPROC, 43, "")                                                         \
-    X(CreateProgram, PFNGLCREATEPROGRAMPROC, 43, "")                                                               \
-    X(DeleteProgram, PFNGLDELETEPROGRAMPROC, 43, "")                                                               \
-    X(AttachShader, PFNGLATTACHSHADERPROC, 43, "")                                                                 \
-    X(DetachShader, PFNGLDETACHSHADERPROC, 43, "")                                                                 \
-    X(LinkProgram, PFNGLLINKPROGRAMPROC, 43, "")                                                                   \
-    X(GetProgramiv, PFNGLGETPROGRAMIVPROC, 43, "")                                                                 \
-    X(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC, 43, "")                                                       \
-    X(UseProgram, PFNGLUSEPROGRAMPROC, 43, "")                                                                     \
-    X(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC, 43, "")                                                     \
-    X(Uniform1i, PFNGLUNIFORM1IPROC, 43, "")                                                                       \
-    X(Uniform2i, PFNGLUNIFORM2IPROC, 43, "")                                                                       \
-    X(Uniform3i, PFNGLUNIFORM3IPROC, 43, "")                                                                       \
-    X(Uniform4i, PFNGLUNIFORM4IPROC, 43, "")                                                                       \
-    X(Uniform1ui, PFNGLUNIFORM1UIPROC, 43, "")                                                                     \
-    X(Uniform2ui, PFNGLUNIFORM2UIPROC, 43, "")                                                                     \
-    X(Uniform3ui, PFNGLUNIFORM3UIPROC, 43, "")                                                                     \
-    X(Uniform4ui, PFNGLUNIFORM4UIPROC, 43, "")                                                                     \
-    X(Uniform1f, PFNGLUNIFORM1FPROC, 43, "")                                                                       \
-    X(Uniform2f, PFNGLUNIFORM2FPROC, 43, "")                                                                       \
-    X(Uniform3f, PFNGLUNIFORM3FPROC, 43, "")                                                                       \
-    X(Uniform4f, PFNGLUNIFORM4FPROC, 43, "")                                                                       \
-    X(GenBuffers, PFNGLGENBUFFERSPROC, 43, "")                                                                     \
-    X(DeleteBuffers, PFNGLDELETEBUFFERSPROC, 43, "")                                                               \
-    X(BindBuffer, PFNGLBINDBUFFERPROC, 43, "")                                                                     \
-    X(BindBufferBase, PFNGLBINDBUFFERBASEPROC, 43, "")                                                             \
-    X(BindBufferRange, PFNGLBINDBUFFERRANGEPROC, 43, "")                                                           \
-    X(IsBuffer, PFNGLISBUFFERPROC, 43, "")                                                                         \
-    X(GetBufferParameteri64v, PFNGLGETBUFFERPARAMETERI64VPROC, 43, "")                                             \
-    X(BufferData, PFNGLBUFFERDATAPROC, 43, "")                                                                     \
-    X(BufferSubData, PFNGLBUFFERSUBDATAPROC, 43, "")                                                               \
-    X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC, 43, "")                                                         \
-    X(CopyBufferSubData, PFNGLCOPYBUFFERSUBDATAPROC, 43, "")                                                       \
-    X(ClearBufferData, PFNGLCLEARBUFFERDATAPROC, 43, "")                                                           \
-    X(ClearBufferSubData, PFNGLCLEARBUFFERSUBDATAPROC, 43, "")                                                     \
-    X(MapBufferRange, PFNGLMAPBUFFERRANGEPROC, 43, "")                                                             \
-    X(UnmapBuffer, PFNGLUNMAPBUFFERPROC, 43, "")                                                                   \
-    X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC, 43, "")                                                           \
-    X(DeleteVertexArrays, PFNGLDELETEVERTEXARRAYSPROC, 43, "")                                                     \
-    X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC, 43, "")                                                           \
-    X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC, 43, "")                                                           \
-    X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC, 43, "")                                                     \
-    X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC, 43, "")                                                           \
-    X(FramebufferParameteri, PFNGLFRAMEBUFFERPARAMETERIPROC, 43, "")                                               \
-    X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC, 43, "")                                             \
-    X(DrawArrays, PFNGLDRAWARRAYSPROC, 43, "")                                                                     \
-    X(DrawArraysInstanced, PFNGLDRAWARRAYSINSTANCEDPROC, 43, "")                                                   \
-    X(DispatchCompute, PFNGLDISPATCHCOMPUTEPROC, 43, "")                                                           \
-    X(DispatchComputeIndirect, PFNGLDISPATCHCOMPUTEINDIRECTPROC, 43, "")                                           \
-    X(MemoryBarrier, PFNGLMEMORYBARRIERPROC, 43, "")                                                               \
-    X(GenQueries, PFNGLGENQUERIESPROC, 43, "")                                                                     \
-    X(DeleteQueries, PFNGLDELETEQUERIESPROC, 43, "")                                                               \
-    X(BeginQuery, PFNGLBEGINQUERYPROC, 43, "")                                                                     \
-    X(EndQuery, PFNGLENDQUERYPROC, 43, "")                                                                         \
-    X(QueryCounter, PFNGLQUERYCOUNTERPROC, 43, "")                                                                 \
-    X(GetQueryObjectiv, PFNGLGETQUERYOBJECTIVPROC, 43, "")                                                         \
-    X(GetQueryObjectui64v, PFNGLGETQUERYOBJECTUI64VPROC, 43, "")                                                   \
-    X(FenceSync, PFNGLFENCESYNCPROC, 43, "")                                                                       \
-    X(ClientWaitSync, PFNGLCLIENTWAITSYNCPROC, 43, "")                                                             \
-    X(DeleteSync, PFNGLDELETESYNCPROC, 43, "")                                                                     \
-    X(ClipControl, PFNGLCLIPCONTROLPROC, 45, "GL_ARB_clip_control")                                                \
-    X(GetGraphicsResetStatus, PFNGLGETGRAPHICSRESETSTATUSPROC, 45, "GL_KHR_robustness")                            \
-    X(BufferStorage, PFNGLBUFFERSTORAGEPROC, 44, "GL_ARB_buffer_storage")                                          \
-    X(SubpixelPrecisionBiasNV, PFNGLSUBPIXELPRECISIONBIASNVPROC, SVO_I_GL_NEVER_CORE, "GL_NV_conservative_raster") \
-    X(ConservativeRasterParameteriNV, PFNGLCONSERVATIVERASTERPARAMETERINVPROC, SVO_I_GL_NEVER_CORE,                \
+#define SVO_I_GL_FUNCTION_LIST(X)                                                                   \
+    X(GetError, PFNGLGETERRORPROC, 43, "")                                                          \
+    X(GetString, PFNGLGETSTRINGPROC, 43, "")                                                        \
+    X(GetStringi, PFNGLGETSTRINGIPROC, 43, "")                                                      \
+    X(GetFloatv, PFNGLGETFLOATVPROC, 43, "")                                                        \
+    X(GetIntegerv, PFNGLGETINTEGERVPROC, 43, "")                                                    \
+    X(GetFloati_v, PFNGLGETFLOATI_VPROC, 43, "")                                                    \
+    X(GetIntegeri_v, PFNGLGETINTEGERI_VPROC, 43, "")                                                \
+    X(GetInteger64v, PFNGLGETINTEGER64VPROC, 43, "")                                                \
+    X(GetInteger64i_v, PFNGLGETINTEGER64I_VPROC, 43, "")                                            \
+    X(Finish, PFNGLFINISHPROC, 43, "")                                                              \
+    X(Enable, PFNGLENABLEPROC, 43, "")                                                              \
+    X(Disable, PFNGLDISABLEPROC, 43, "")                                                            \
+    X(IsEnabled, PFNGLISENABLEDPROC, 43, "")                                                        \
+    X(Enablei, PFNGLENABLEIPROC, 43, "")                                                            \
+    X(Disablei, PFNGLDISABLEIPROC, 43, "")                                                          \
+    X(IsEnabledi, PFNGLISENABLEDIPROC, 43, "")                                                      \
+    X(PolygonMode, PFNGLPOLYGONMODEPROC, 43, "")                                                    \
+    X(ViewportIndexedf, PFNGLVIEWPORTINDEXEDFPROC, 43, "")                                          \
+    X(ScissorIndexed, PFNGLSCISSORINDEXEDPROC, 43, "")                                              \
+    X(PointSize, PFNGLPOINTSIZEPROC, 43, "")                                                        \
+    X(CreateShader, PFNGLCREATESHADERPROC, 43, "")                                                  \
+    X(DeleteShader, PFNGLDELETESHADERPROC, 43, "")                                                  \
+    X(ShaderSource, PFNGLSHADERSOURCEPROC, 43, "")                                                  \
+    X(CompileShader, PFNGLCOMPILESHADERPROC, 43, "")                                                \
+    X(GetShaderiv, PFNGLGETSHADERIVPROC, 43, "")                                                    \
+    X(GetShaderInfoLog, PFNGLGETSHADERINFOLOGPROC, 43, "")                                          \
+    X(CreateProgram, PFNGLCREATEPROGRAMPROC, 43, "")                                                \
+    X(DeleteProgram, PFNGLDELETEPROGRAMPROC, 43, "")                                                \
+    X(AttachShader, PFNGLATTACHSHADERPROC, 43, "")                                                  \
+    X(LinkProgram, PFNGLLINKPROGRAMPROC, 43, "")                                                    \
+    X(GetProgramiv, PFNGLGETPROGRAMIVPROC, 43, "")                                                  \
+    X(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC, 43, "")                                        \
+    X(UseProgram, PFNGLUSEPROGRAMPROC, 43, "")                                                      \
+    X(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC, 43, "")                                      \
+    X(Uniform1i, PFNGLUNIFORM1IPROC, 43, "")                                                        \
+    X(Uniform2i, PFNGLUNIFORM2IPROC, 43, "")                                                        \
+    X(Uniform1ui, PFNGLUNIFORM1UIPROC, 43, "")                                                      \
+    X(GenBuffers, PFNGLGENBUFFERSPROC, 43, "")                                                      \
+    X(DeleteBuffers, PFNGLDELETEBUFFERSPROC, 43, "")                                                \
+    X(BindBuffer, PFNGLBINDBUFFERPROC, 43, "")                                                      \
+    X(BindBufferBase, PFNGLBINDBUFFERBASEPROC, 43, "")                                              \
+    X(BindBufferRange, PFNGLBINDBUFFERRANGEPROC, 43, "")                                            \
+    X(IsBuffer, PFNGLISBUFFERPROC, 43, "")                                                          \
+    X(GetBufferParameteri64v, PFNGLGETBUFFERPARAMETERI64VPROC, 43, "")                              \
+    X(BufferData, PFNGLBUFFERDATAPROC, 43, "")                                                      \
+    X(BufferSubData, PFNGLBUFFERSUBDATAPROC, 43, "")                                                \
+    X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC, 43, "")                                          \
+    X(CopyBufferSubData, PFNGLCOPYBUFFERSUBDATAPROC, 43, "")                                        \
+    X(ClearBufferData, PFNGLCLEARBUFFERDATAPROC, 43, "")                                            \
+    X(MapBufferRange, PFNGLMAPBUFFERRANGEPROC, 43, "")                                              \
+    X(UnmapBuffer, PFNGLUNMAPBUFFERPROC, 43, "")                                                    \
+    X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC, 43, "")                                            \
+    X(DeleteVertexArrays, PFNGLDELETEVERTEXARRAYSPROC, 43, "")                                      \
+    X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC, 43, "")                                            \
+    X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC, 43, "")                                            \
+    X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC, 43, "")                                      \
+    X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC, 43, "")                                            \
+    X(FramebufferParameteri, PFNGLFRAMEBUFFERPARAMETERIPROC, 43, "")                                \
+    X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC, 43, "")                              \
+    X(DrawArrays, PFNGLDRAWARRAYSPROC, 43, "")                                                      \
+    X(DispatchCompute, PFNGLDISPATCHCOMPUTEPROC, 43, "")                                            \
+    X(DispatchComputeIndirect, PFNGLDISPATCHCOMPUTEINDIRECTPROC, 43, "")                            \
+    X(MemoryBarrier, PFNGLMEMORYBARRIERPROC, 43, "")                                                \
+    X(GenQueries, PFNGLGENQUERIESPROC, 43, "")                                                      \
+    X(DeleteQueries, PFNGLDELETEQUERIESPROC, 43, "")                                                \
+    X(QueryCounter, PFNGLQUERYCOUNTERPROC, 43, "")                                                  \
+    X(GetQueryObjectui64v, PFNGLGETQUERYOBJECTUI64VPROC, 43, "")                                    \
+    X(ClipControl, PFNGLCLIPCONTROLPROC, 45, "GL_ARB_clip_control")                                 \
+    X(GetGraphicsResetStatus, PFNGLGETGRAPHICSRESETSTATUSPROC, 45, "GL_KHR_robustness")             \
+    X(BufferStorage, PFNGLBUFFERSTORAGEPROC, 44, "GL_ARB_buffer_storage")                           \
+    X(ConservativeRasterParameteriNV, PFNGLCONSERVATIVERASTERPARAMETERINVPROC, SVO_I_GL_NEVER_CORE, \
       "GL_NV_conservative_raster_pre_snap_triangles")
 
 /* The limits that glinterop/ reads. Counts may be 0: some drivers give the vertex stage no storage blocks. */
@@ -132,16 +106,10 @@ typedef struct svo_i_gl_limits {
     GLint storage_offset_alignment_bytes;
     GLint storage_bindings;
     GLint vertex_storage_blocks;
-    GLint geometry_storage_blocks;
     GLint fragment_storage_blocks;
     GLint compute_storage_blocks;
-    GLint combined_storage_blocks;
-    GLint fragment_atomic_counters;
     GLint framebuffer_width, framebuffer_height; /* without attachments */
     GLint viewport_width, viewport_height;
-    GLint subpixel_bits;
-    GLint map_alignment_bytes; /* GL_MIN_MAP_BUFFER_ALIGNMENT */
-    GLint compute_group_count[3]; /* GL_MAX_COMPUTE_WORK_GROUP_COUNT */
     GLint compute_group_invocations; /* GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS */
 } svo_i_gl_limits;
 
@@ -175,5 +143,8 @@ bool svo_i_gl_is_software(const svo_i_gl_functions *gl);
 void svo_i_gl_clear_errors(const svo_i_gl_functions *gl);
 /* SVO_OK, or SVO_GL_ERROR (SVO_OUT_OF_DEVICE_MEMORY for GL_OUT_OF_MEMORY): "function: step: GL_NAME (0x...)". */
 svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, const char *step, svo_message *message);
+/* The same after queries, of which the context need not know all names: GL_INVALID_ENUM is no failure. */
+svo_status svo_i_gl_check_query(const svo_i_gl_functions *gl, const char *function, const char *step,
+                                svo_message *message);
 
 #endif

@@ -41,6 +41,16 @@ svo_i_function svo_i_library_function(void *library, const char *name)
     return function;
 }
 
+void *svo_i_library_ask(const char *file_name, const char *function_name)
+{
+    typedef void *(*ask_function)(void);
+    void *library = svo_i_library_if_loaded(file_name);
+    const ask_function ask = library != NULL ? (ask_function)svo_i_library_function(library, function_name) : NULL;
+    void *answer = ask != NULL ? ask() : NULL;
+    svo_i_library_close(library);
+    return answer;
+}
+
 bool svo_i_list_has_token(const char *list, const char *token)
 {
     size_t length = strlen(token);

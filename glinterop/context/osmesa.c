@@ -13,12 +13,9 @@
 
 #include "core/message.h"
 
-#define OSMESA_LIBRARY "libOSMesa.so.8"
-#define GLX_LIBRARY    "libGLX.so.0"
-
 enum { PICTURE_SIDE = 4, PICTURE_BYTES = PICTURE_SIDE * PICTURE_SIDE * 4 };
 
-/* X(member, type): the functions of libOSMesa.so.8 that svocl uses, looked up as "OSMesa" + member. */
+/* X(member, type): the functions of libOSMesa that svocl uses, looked up as "OSMesa" + member. */
 #define OSMESA_FUNCTION_LIST(X)                        \
     X(CreateContextAttribs, create_context_function)   \
     X(DestroyContext, destroy_context_function)        \
@@ -37,7 +34,6 @@ typedef GLboolean (*get_color_buffer_function)(OSMesaContext context, GLint *wid
                                                void **pixels);
 typedef void (*get_integer_function)(GLint name, GLint *value);
 typedef svo_i_function (*get_proc_address_function)(const char *name);
-typedef void *(*glx_current_context_function)(void);
 
 typedef struct osmesa_library {
     void *library;
@@ -64,7 +60,8 @@ static svo_status osmesa_library_fill(osmesa_library *osmesa, svo_message *messa
     OSMESA_FUNCTION_LIST(OSMESA_FILL)
 #undef OSMESA_FILL
     if (missing != NULL) {
-        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: " OSMESA_LIBRARY " has no function %s", missing);
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: " SVO_I_OSMESA_LIBRARY " has no function %s",
+                          missing);
     }
     return SVO_OK;
 }
@@ -109,7 +106,7 @@ static svo_status osmesa_create(svo_gl_context_kind kind, uint32_t device_index,
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }
     svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(svo_i_library_open(OSMESA_LIBRARY, &native->osmesa.library, message));
+    SVO_I_TRY_CLEANUP(svo_i_library_open(SVO_I_OSMESA_LIBRARY, &native->osmesa.library, message));
     SVO_I_TRY_CLEANUP(osmesa_library_fill(&native->osmesa, message));
     SVO_I_TRY_CLEANUP(create_core_context(native, message));
     *out = native;
@@ -128,15 +125,7 @@ static bool osmesa_is_current(void *pointer)
 /* GLX and OSMesa share Mesa's current context unknown to each other, and GLX's cannot be restored from here. */
 static bool glx_is_current(void)
 {
-    void *library = svo_i_library_if_loaded(GLX_LIBRARY);
-    if (library == NULL) {
-        return false;
-    }
-    glx_current_context_function current_context =
-        (glx_current_context_function)svo_i_library_function(library, "glXGetCurrentContext");
-    bool is_current = current_context != NULL && current_context() != NULL;
-    svo_i_library_close(library);
-    return is_current;
+    return svo_i_library_ask(SVO_I_GLX_LIBRARY, "glXGetCurrentContext") != NULL;
 }
 
 static svo_status osmesa_make_current(void *pointer, svo_message *message)
@@ -155,8 +144,7 @@ static svo_status osmesa_make_current(void *pointer, svo_message *message)
 static svo_i_function osmesa_get_proc_address(void *pointer, const char *name)
 {
     const osmesa_context *native = pointer;
-    svo_i_function function = native->osmesa.GetProcAddress(name);
-    return function;
+    return native->osmesa.GetProcAddress(name);
 }
 
 /* OpenCL has no context property for OSMesa. */
@@ -178,7 +166,7 @@ const svo_i_gl_platform svo_i_osmesa_platform = {
 void svo_i_osmesa_binding_take(svo_i_osmesa_binding *binding)
 {
     *binding = (svo_i_osmesa_binding){0};
-    osmesa_library osmesa = {.library = svo_i_library_if_loaded(OSMESA_LIBRARY)};
+    osmesa_library osmesa = {.library = svo_i_library_if_loaded(SVO_I_OSMESA_LIBRARY)};
     if (osmesa.library != NULL && osmesa_library_fill(&osmesa, NULL) == SVO_OK && !glx_is_current()) {
         OSMesaContext current = osmesa.GetCurrentContext();
         GLint format = 0, type = 0;
@@ -198,7 +186,7 @@ void svo_i_osmesa_binding_restore(const svo_i_osmesa_binding *binding)
     if (binding->context == NULL) {
         return;
     }
-    osmesa_library osmesa = {.library = svo_i_library_if_loaded(OSMESA_LIBRARY)};
+    osmesa_library osmesa = {.library = svo_i_library_if_loaded(SVO_I_OSMESA_LIBRARY)};
     if (osmesa.library != NULL && osmesa_library_fill(&osmesa, NULL) == SVO_OK) {
         (void)osmesa.MakeCurrent(binding->context, binding->pixels, binding->pixel_type, binding->width,
                                  binding->height);

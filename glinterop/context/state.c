@@ -4,11 +4,8 @@
 
 #include <stddef.h>
 
-/* GL_NV_conservative_raster, its pre-snap mode, GL_INTEL_conservative_rasterization; the compatibility profile. */
-#define CONSERVATIVE_RASTERIZATION_NV    0x9346
-#define CONSERVATIVE_RASTER_MODE_NV      0x954D
-#define CONSERVATIVE_RASTERIZATION_INTEL 0x83FE
-#define POLYGON_STIPPLE                  0x0B42
+/* Of the compatibility profile. */
+#define POLYGON_STIPPLE 0x0B42
 
 /* Which contexts have a capability. */
 typedef enum known { ALWAYS = 0, COMPATIBILITY, NV, INTEL } known;
@@ -37,8 +34,8 @@ static const struct {
     {GL_CLIP_DISTANCE6, ALWAYS},
     {GL_CLIP_DISTANCE7, ALWAYS},
     {POLYGON_STIPPLE, COMPATIBILITY},
-    {CONSERVATIVE_RASTERIZATION_NV, NV},
-    {CONSERVATIVE_RASTERIZATION_INTEL, INTEL},
+    {GL_CONSERVATIVE_RASTERIZATION_NV, NV},
+    {GL_CONSERVATIVE_RASTERIZATION_INTEL, INTEL},
 };
 enum { CAPABILITY_COUNT = sizeof capabilities / sizeof capabilities[0] };
 _Static_assert(CAPABILITY_COUNT <= SVO_I_GL_STATE_CAPABILITIES_MAX, "svo_i_gl_state has room for all capabilities");
@@ -126,7 +123,7 @@ void svo_i_gl_state_save(const svo_i_gl_functions *gl, svo_i_gl_state *out)
         gl->GetIntegerv(GL_CLIP_DEPTH_MODE, &out->clip_depth);
     }
     if (has_conservative_mode(gl)) {
-        gl->GetIntegerv(CONSERVATIVE_RASTER_MODE_NV, &out->conservative_mode);
+        gl->GetIntegerv(GL_CONSERVATIVE_RASTER_MODE_NV, &out->conservative_mode);
     }
 }
 
@@ -184,7 +181,7 @@ void svo_i_gl_state_restore(const svo_i_gl_functions *gl, const svo_i_gl_state *
         gl->ClipControl((GLenum)state->clip_origin, (GLenum)state->clip_depth);
     }
     if (has_conservative_mode(gl)) {
-        gl->ConservativeRasterParameteriNV(CONSERVATIVE_RASTER_MODE_NV, state->conservative_mode);
+        gl->ConservativeRasterParameteriNV(GL_CONSERVATIVE_RASTER_MODE_NV, state->conservative_mode);
     }
     svo_i_gl_clear_errors(gl);
 }

@@ -9,43 +9,29 @@
 
 #include "core/message.h"
 
-/* The libraries that may have created the current context. Only those that the process has loaded are asked. */
-#define EGL_LIBRARY    "libEGL.so.1"
-#define GLX_LIBRARY    "libGLX.so.0"
-#define GLX_OLDER      "libGL.so.1"
-#define OSMESA_LIBRARY "libOSMesa.so.8"
-
-typedef void *(*current_function)(void);
-
-/* The result of a parameterless function of a loaded library, or NULL. */
-static void *ask_library(const char *file_name, const char *function_name)
-{
-    void *library = svo_i_library_if_loaded(file_name);
-    current_function function =
-        library != NULL ? (current_function)svo_i_library_function(library, function_name) : NULL;
-    void *answer = function != NULL ? function() : NULL;
-    svo_i_library_close(library);
-    return answer;
-}
+/* Has the functions of GLX where there is no SVO_I_GLX_LIBRARY. */
+#define OLDER_GLX_LIBRARY "libGL.so.1"
 
 static void *ask_glx(const char *function_name)
 {
-    void *answer = ask_library(GLX_LIBRARY, function_name);
-    return answer != NULL ? answer : ask_library(GLX_OLDER, function_name);
+    void *answer = svo_i_library_ask(SVO_I_GLX_LIBRARY, function_name);
+    return answer != NULL ? answer : svo_i_library_ask(OLDER_GLX_LIBRARY, function_name);
 }
 
 /* The context that is current on this thread according to EGL, GLX and OSMesa. */
 static svo_i_gl_handles find_current(void)
 {
-    void *context = ask_library(EGL_LIBRARY, "eglGetCurrentContext");
+    void *context = svo_i_library_ask(SVO_I_EGL_LIBRARY, "eglGetCurrentContext");
     if (context != NULL) {
-        return (svo_i_gl_handles){SVO_I_GL_SYSTEM_EGL, context, ask_library(EGL_LIBRARY, "eglGetCurrentDisplay")};
+        return (svo_i_gl_handles){SVO_I_GL_SYSTEM_EGL, context,
+                                  svo_i_library_ask(SVO_I_EGL_LIBRARY, "eglGetCurrentDisplay")};
     }
     context = ask_glx("glXGetCurrentContext");
     if (context != NULL) {
         return (svo_i_gl_handles){SVO_I_GL_SYSTEM_GLX, context, ask_glx("glXGetCurrentDisplay")};
     }
-    return (svo_i_gl_handles){SVO_I_GL_SYSTEM_OTHER, ask_library(OSMESA_LIBRARY, "OSMesaGetCurrentContext"), NULL};
+    return (svo_i_gl_handles){SVO_I_GL_SYSTEM_OTHER, svo_i_library_ask(SVO_I_OSMESA_LIBRARY, "OSMesaGetCurrentContext"),
+                              NULL};
 }
 
 static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, void **out, svo_message *message)

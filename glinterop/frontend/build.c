@@ -9,15 +9,20 @@
 #include "frontend/handle.h"
 #include "raster/rasterize.h"
 
-static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
+/* Refuses a plan that the context cannot build, before anything is compiled. */
+static svo_status check_limits(svo_gl *gl, const svo_plan *plan)
 {
-    svo_gl *gl = self;
     char reason[SVO_I_GL_REASON_BYTES];
     svo_i_compute_reason(gl->context, gl->no_int64, plan->work.made, reason, sizeof reason);
     if (reason[0] != '\0') {
-        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
     }
-    SVO_I_TRY(svo_i_gl_check_size(gl->compute, plan));
+    return svo_i_gl_check_size(gl->compute, plan);
+}
+
+static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
+{
+    svo_gl *gl = self;
     SVO_I_TRY(gl->frontend.prepare(self, plan, warm_up));
     return svo_i_compute_prepare(gl->compute, plan);
 }
@@ -38,7 +43,7 @@ static svo_status make_tree(void *self, svo_i_build *build)
 
 static svo_status create_builder(svo_gl *gl)
 {
-    SVO_I_TRY(svo_i_compute_create(gl->device, gl->context, gl->no_int64, &gl->compute));
+    SVO_I_TRY(svo_i_compute_create(gl->device, gl->context, &gl->compute));
     gl->build_frontend = gl->frontend;
     gl->build_frontend.share = "none";
     gl->build_frontend.builder = "gl-compute";
@@ -75,6 +80,7 @@ svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_
     if (gl->compute == NULL) {
         SVO_I_TRY(create_builder(gl));
     }
+    SVO_I_TRY(check_limits(gl, plan));
     const svo_status status = build_current(gl, plan, queue, out, report);
     if (status != SVO_OK) {
         svo_i_message_rename(&plan->device->message, SVO_I_GL_BUILD);

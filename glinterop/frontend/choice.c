@@ -2,7 +2,7 @@
 /* Probes methods of rasterization and share paths when an svo_gl is created, and chooses one of each. */
 #include "frontend/choice.h"
 
-#include <string.h>
+#include <stdio.h>
 
 #include "core/message.h"
 #include "raster/selftest.h"
@@ -15,12 +15,12 @@ static svo_i_raster *try_hardware(svo_gl *gl)
     const char *missing = "";
     const svo_i_conservative method = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
     if (method == SVO_I_CONSERVATIVE_EXPAND) {
-        memcpy(reason, missing, strlen(missing) + 1);
+        (void)snprintf(reason, SVO_I_GL_REASON_BYTES, "%s", missing);
         return NULL;
     }
     svo_i_raster *raster = NULL;
     if (svo_i_raster_create(gl->device, gl->context, method, gl->no_int64, &raster) != SVO_OK) {
-        memcpy(reason, gl->device->message.text, SVO_I_GL_REASON_BYTES - 1);
+        (void)snprintf(reason, SVO_I_GL_REASON_BYTES, "%.*s", SVO_I_GL_REASON_BYTES - 1, gl->device->message.text);
         return NULL;
     }
     svo_i_raster_selftest(gl->device, gl->context, raster, reason, SVO_I_GL_REASON_BYTES);

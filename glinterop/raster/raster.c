@@ -19,12 +19,6 @@
 /* The smallest storage block limit that allows chunks of a useful size. */
 #define STORAGE_BLOCK_BYTES_MIN 16384
 
-/* GL_NV_conservative_raster, GL_NV_conservative_raster_pre_snap_triangles, GL_INTEL_conservative_rasterization. */
-#define CONSERVATIVE_RASTERIZATION_NV                  0x9346
-#define CONSERVATIVE_RASTER_MODE_NV                    0x954D
-#define CONSERVATIVE_RASTER_MODE_PRE_SNAP_TRIANGLES_NV 0x954F
-#define CONSERVATIVE_RASTERIZATION_INTEL               0x83FE
-
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_raster_common[];
 extern const char svo_i_source_raster_vertex[];
@@ -138,7 +132,7 @@ void svo_i_raster_destroy(svo_i_raster **raster)
     if (r == NULL) {
         return;
     }
-    if (svo_i_gl_context_make_current(r->context, NULL) == SVO_OK) {
+    if (svo_i_gl_context_make_current_to_delete(r->context)) {
         for (unsigned i = 0; i < SVO_I_CLASS_COUNT * 4u; ++i) {
             r->gl->DeleteProgram(r->programs[i / 4][i / 2 % 2][i % 2].name);
         }
@@ -232,6 +226,10 @@ static svo_status build_program(svo_i_raster *raster, svo_i_class class_id, vari
 cleanup:
     raster->gl->DeleteShader(shaders[0]);
     raster->gl->DeleteShader(shaders[1]);
+    if (status != SVO_OK && program->name != 0) {
+        raster->gl->DeleteProgram(program->name);
+        *program = (raster_program){0};
+    }
     return status;
 }
 
@@ -267,12 +265,14 @@ static svo_status set_state(svo_i_raster *raster, const svo_plan *plan)
     gl->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_SAMPLES, 0);
     gl->ViewportIndexedf(0, 0.0f, 0.0f, (GLfloat)pixels, (GLfloat)pixels);
     gl->BindVertexArray(raster->vertex_array);
-    if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    const GLenum completeness = gl->CheckFramebufferStatus(GL_FRAMEBUFFER);
+    SVO_I_TRY(check(raster, "setting up the framebuffer"));
+    if (completeness != GL_FRAMEBUFFER_COMPLETE) {
         return svo_i_device_fail(raster->device, SVO_GL_ERROR,
                                  "%s: a framebuffer of %d x %d pixels without attachments is not complete", FUNCTION,
                                  pixels, pixels);
     }
-    return check(raster, "setting up the framebuffer");
+    return SVO_OK;
 }
 
 svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan)
@@ -338,15 +338,16 @@ static void set_conservative(const svo_i_raster *raster, bool on)
     if (raster->conservative == SVO_I_CONSERVATIVE_EXPAND) {
         return;
     }
-    const GLenum capability = raster->conservative == SVO_I_CONSERVATIVE_NV ? CONSERVATIVE_RASTERIZATION_NV
-                                                                            : CONSERVATIVE_RASTERIZATION_INTEL;
+    const GLenum capability = raster->conservative == SVO_I_CONSERVATIVE_NV ? GL_CONSERVATIVE_RASTERIZATION_NV
+                                                                            : GL_CONSERVATIVE_RASTERIZATION_INTEL;
     if (!on) {
         gl->Disable(capability);
         return;
     }
     gl->Enable(capability);
     if (raster->conservative == SVO_I_CONSERVATIVE_NV) {
-        gl->ConservativeRasterParameteriNV(CONSERVATIVE_RASTER_MODE_NV, CONSERVATIVE_RASTER_MODE_PRE_SNAP_TRIANGLES_NV);
+        gl->ConservativeRasterParameteriNV(GL_CONSERVATIVE_RASTER_MODE_NV,
+                                           GL_CONSERVATIVE_RASTER_MODE_PRE_SNAP_TRIANGLES_NV);
     }
 }
 

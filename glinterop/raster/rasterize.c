@@ -10,6 +10,7 @@
 #include "commands/timing.h"
 #include "core/message.h"
 #include "plan/estimate.h"
+#include "plan/progress.h"
 #include "share/share.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */
@@ -90,13 +91,24 @@ static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan
     return SVO_OK;
 }
 
+/* Waits for the chunks that were drawn, where somebody asks for the progress. part: of all chunks. */
+static svo_status tell(const svo_i_rasterizer *rasterizer, svo_plan *plan, double part)
+{
+    if (plan->progress.callback == NULL) {
+        return SVO_OK;
+    }
+    svo_i_gl_context_functions(rasterizer->context)->Finish();
+    return svo_i_progress_reach(plan, SVO_STAGE_VOXELIZE, part);
+}
+
 /* Draws all chunks; needed: one counter per chunk. */
-static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
+static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
                               svo_i_fragment_list *list, uint32_t *needed)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         svo_i_share_buffer_bind(list->chunks[i].owner, SVO_I_RASTER_FRAGMENTS);
         SVO_I_TRY(svo_i_raster_draw(rasterizer->raster, plan, chunking, i));
+        SVO_I_TRY(tell(rasterizer, plan, (double)(i + 1) / chunking->chunk_count));
     }
     SVO_I_TRY(svo_i_raster_finish(rasterizer->raster, chunking->chunk_count, needed));
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
@@ -106,7 +118,7 @@ static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, const svo_plan
     return SVO_OK;
 }
 
-static svo_status draw_list(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
+static svo_status draw_list(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
                             svo_i_fragment_list *list)
 {
     uint32_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
@@ -142,7 +154,7 @@ static void take_time(svo_build_report *report, svo_stage stage, double *start_m
 static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *commands,
                             const svo_i_chunking *chunking, svo_i_fragment_list *list)
 {
-    const svo_plan *plan = commands->plan;
+    svo_plan *plan = commands->plan;
     double start_ms = svo_i_now_ms();
     SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
     SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));

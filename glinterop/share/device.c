@@ -29,7 +29,7 @@ static svo_device *create_joined(const svo_device *plain, svo_gl_context *contex
     return device;
 }
 
-/* The device on an OpenCL context without OpenGL. id: NULL: the device that the options name. */
+/* The device on an OpenCL context without OpenGL. id: NULL means the device that the options name. */
 static svo_status create_plain(cl_device_id id, const svo_device_options *options, svo_device **out,
                                svo_message *message)
 {
@@ -39,8 +39,9 @@ static svo_status create_plain(cl_device_id id, const svo_device_options *option
     cl_int error = CL_SUCCESS;
     cl_context alone = clCreateContext(NULL, 1, &id, NULL, NULL, &error);
     if (error != CL_SUCCESS) {
-        return svo_i_fail(message, SVO_CL_ERROR, "svo_gl_device_create: clCreateContext failed with %s (%d)",
-                          svo_i_cl_error_name(error), error);
+        (void)svo_i_fail(message, SVO_CL_ERROR, "svo_gl_device_create: clCreateContext failed with %s (%d)",
+                         svo_i_cl_error_name(error), error);
+        return SVO_CL_ERROR; /* as a constant, so that analyzers know that nothing was made */
     }
     const svo_status status = svo_device_create(alone, id, options, out, message);
     clReleaseContext(alone);
@@ -56,9 +57,6 @@ svo_status svo_gl_device_create(svo_gl_context *context, cl_device_id device, co
     }
     svo_device *plain = NULL;
     SVO_I_TRY(create_plain(device, options, &plain, message));
-    if (plain == NULL) {
-        return SVO_OK;
-    }
     svo_device *joined = create_joined(plain, context, options);
     if (joined != NULL) {
         svo_device_destroy(&plain);

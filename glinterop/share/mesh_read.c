@@ -17,15 +17,19 @@ static bool has_name(const svo_mesh_view *view)
 /* For a name that is no buffer, glBindBuffer fails in a core profile and creates one in other profiles. */
 static svo_status bind_view(const svo_i_gl_functions *gl, const svo_mesh_view *view, svo_message *message)
 {
-    if (!gl->IsBuffer(view->gl_buffer)) {
+    const bool is_buffer = gl->IsBuffer(view->gl_buffer) == GL_TRUE;
+    SVO_I_TRY(svo_i_gl_check(gl, FUNCTION, "glIsBuffer", message));
+    if (!is_buffer) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": %u is no buffer of the context", view->gl_buffer);
     }
     gl->BindBuffer(WORK_TARGET, view->gl_buffer);
     return svo_i_gl_check(gl, FUNCTION, "glBindBuffer", message);
 }
 
-static svo_status buffer_size(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message)
+static svo_status buffer_size(void *self, const char *name, const svo_mesh_view *view, size_t *bytes,
+                              svo_message *message)
 {
+    (void)name;
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(self);
     GLint64 held_bytes = 0;
     SVO_I_TRY(bind_view(gl, view, message));
@@ -43,9 +47,16 @@ static svo_status read_buffer(void *self, const svo_mesh_view *view, size_t offs
     return svo_i_gl_check(gl, FUNCTION, "glGetBufferSubData", message);
 }
 
+/* One by one: the host waits, so the events may be of different contexts. */
 static svo_status wait_for(cl_uint num_wait, const cl_event *wait, svo_message *message)
 {
-    const cl_int error = num_wait > 0 ? clWaitForEvents(num_wait, wait) : CL_SUCCESS;
+    cl_int error = CL_SUCCESS;
+    if ((num_wait > 0) != (wait != NULL)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": num_wait and wait disagree");
+    }
+    for (cl_uint i = 0; i < num_wait && error == CL_SUCCESS; ++i) {
+        error = clWaitForEvents(1, &wait[i]);
+    }
     return error == CL_SUCCESS ? SVO_OK
                                : svo_i_fail(message, SVO_CL_ERROR, FUNCTION ": clWaitForEvents failed with %s (%d)",
                                             svo_i_cl_error_name(error), error);

@@ -52,11 +52,15 @@ static svo_status fail_map(const svo_i_share_buffer *buffer, const char *functio
 }
 
 /* The alignment that OpenCL requires of a buffer's first byte. The device property is in bits. */
-static size_t cl_alignment_bytes(const svo_device *device)
+static svo_status find_cl_alignment(svo_device *device, size_t *bytes)
 {
     cl_uint bits = 0;
-    clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
-    return bits > 8 ? bits / 8 : 1;
+    const cl_int error = clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, "svo_i_share_buffer_create", "clGetDeviceInfo", error);
+    }
+    *bytes = bits > 8 ? bits / 8 : 1;
+    return SVO_OK;
 }
 
 /* Maps the whole OpenGL buffer persistently and finds the first byte that both APIs' alignments allow. */
@@ -90,7 +94,8 @@ static svo_status create_host(svo_i_share_buffer *buffer)
         return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
                                  "svo_i_share_buffer_create: the context has no glBufferStorage");
     }
-    size_t alignment_bytes = cl_alignment_bytes(buffer->device), allocated_bytes = 0;
+    size_t alignment_bytes = 1, allocated_bytes = 0;
+    SVO_I_TRY(find_cl_alignment(buffer->device, &alignment_bytes));
     if (!svo_i_add_size(buffer->bytes, alignment_bytes - 1, &allocated_bytes)) {
         return svo_i_device_fail(buffer->device, SVO_OUT_OF_HOST_MEMORY,
                                  "svo_i_share_buffer_create: %zu bytes do not fit the address space", buffer->bytes);
@@ -177,7 +182,7 @@ void svo_i_share_buffer_destroy(svo_i_share_buffer *buffer)
     if (buffer->mapping_queue != NULL) {
         (void)unmap_and_wait(buffer);
     }
-    const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current(buffer->context, NULL) == SVO_OK;
+    const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current_to_delete(buffer->context);
     (void)svo_i_share_interop_release(buffer);
     if (buffer->memory != NULL) {
         clReleaseMemObject(buffer->memory);
@@ -214,7 +219,11 @@ static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
         return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
                                  "svo_i_share_buffer_to_gl: OpenCL does not map the buffer in place");
     }
-    clRetainCommandQueue(queue);
+    error = clRetainCommandQueue(queue);
+    if (error != CL_SUCCESS) {
+        (void)clEnqueueUnmapMemObject(queue, buffer->memory, mapped, 0, NULL, NULL);
+        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_gl", "clRetainCommandQueue", error);
+    }
     buffer->mapping_queue = queue;
     return SVO_OK;
 }

@@ -50,10 +50,12 @@ svo_status svo_i_share_interop_acquire(svo_i_share_buffer *buffer, cl_command_qu
     }
     cl_event event = NULL;
     const cl_int enqueued = buffer->interop.EnqueueAcquireGLObjects(queue, 1, &buffer->memory, 0, NULL, &event);
-    const cl_int error = wait_and_release(enqueued, event);
-    if (enqueued == CL_SUCCESS) {
-        clRetainCommandQueue(queue);
+    cl_int error = wait_and_release(enqueued, event);
+    if (enqueued == CL_SUCCESS && clRetainCommandQueue(queue) == CL_SUCCESS) {
         buffer->acquiring_queue = queue;
+    } else if (enqueued == CL_SUCCESS) {
+        (void)buffer->interop.EnqueueReleaseGLObjects(queue, 1, &buffer->memory, 0, NULL, NULL);
+        error = CL_OUT_OF_RESOURCES;
     }
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_cl", "clEnqueueAcquireGLObjects", error);

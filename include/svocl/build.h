@@ -27,7 +27,7 @@ typedef struct svo_frontend svo_frontend;
  *
  * \param device must outlive the front end
  * \param out receives the front end
- * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, or SVO_UNSUPPORTED where the device has less than 17 KiB of
+ * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, or SVO_UNSUPPORTED where the device has less than 16.5 KiB of
  *          local memory. */
 SVO_API svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out);
 
@@ -56,26 +56,7 @@ SVO_API const char *svo_frontend_name(const svo_frontend *frontend);
  * \returns "none", "interop", "host", "copy"; static string. */
 SVO_API const char *svo_frontend_share(const svo_frontend *frontend);
 
-/** The stages of a build. Later versions may append some. */
-typedef enum svo_stage {
-    SVO_STAGE_GRID = 0, /**< "grid": validate, snap, classify (svo_plan_create) */
-    SVO_STAGE_COMPILE, /**< "compile": kernels and shaders, as far as this build compiled any */
-    SVO_STAGE_VOXELIZE, /**< "voxelize": triangles -> fragment list */
-    SVO_STAGE_TRANSFER, /**< "transfer": list from OpenGL to OpenCL, host data to the device, counts back */
-    SVO_STAGE_SUBDIVIDE, /**< "subdivide": nodes of all levels */
-    SVO_STAGE_PACK, /**< "pack": sorted leaf lists */
-    SVO_STAGE_LINK, /**< "link": linked leaf lists for the filter */
-    SVO_STAGE_FILTER, /**< "filter": payload of the leaves, then of each level above */
-    SVO_STAGE_COUNT /**< number of stages that the headers know */
-} svo_stage;
-
-/** Name of a stage.
- *
- * \param stage any value
- * \returns "grid", "compile", ...; static string. */
-SVO_API const char *svo_stage_name(svo_stage stage);
-
-/** Whether a build of the plan runs a stage. Every build has a grid and a compile stage.
+/** Whether a build of the plan runs a stage. Every build has a grid, a compile and a transfer stage.
  *
  * \param plan not NULL
  * \param stage any value
@@ -126,12 +107,23 @@ SVO_API size_t svo_build_report_stage(const svo_build_report *report, size_t ind
  *        CL_QUEUE_PROFILING_ENABLE, else of the wall clock. NULL: an in-order queue, made by the device handle on first
  *        use
  * \param out receives the tree
- * \param report receives what the build did, also on failure; NULL allowed
+ * \param report receives what the build did, also on failure, unless an argument is refused; NULL allowed
  * \returns SVO_OUT_OF_DEVICE_MEMORY (the message says how many bytes are needed), SVO_COMPILE_FAILED, SVO_CL_ERROR,
  *          SVO_GL_ERROR, SVO_NO_GL (the context cannot be made current), SVO_UNSUPPORTED (a limit of the context),
- *          SVO_OUT_OF_HOST_MEMORY, SVO_INVALID_ARGUMENT or SVO_INTERNAL on failure. */
+ *          SVO_OUT_OF_HOST_MEMORY, SVO_INVALID_ARGUMENT, SVO_CANCELED (the plan's progress callback) or SVO_INTERNAL on
+ *          failure. */
 SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
                              svo_build_report *report);
+
+/** Compiles the kernels that builds of a plan need with the front end of OpenCL, and launches each once on nothing,
+ *  since some drivers compile at the first launch. A build of the plan, or of another with the same kernels
+ *  (svo_plan_get_kernels), then compiles nothing. The shaders of OpenGL are not compiled.
+ *
+ * \param device of the plan
+ * \param plan not NULL
+ * \returns SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_UNSUPPORTED (see svo_frontend_create_cl), SVO_CANCELED,
+ *          SVO_OUT_OF_HOST_MEMORY or SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_device_warm(svo_device *device, svo_plan *plan);
 
 /** All the memory that builds of one plan need, allocated once, for builds that do not wait:
  *
@@ -160,7 +152,7 @@ typedef struct svo_workspace_options {
 typedef struct svo_workspace_info {
     size_t struct_size; /**< sizeof(svo_workspace_info) */
     uint64_t scratch_bytes; /**< exact; buffers that are not needed at the same time share memory */
-    uint64_t scratch_alignment; /**< bytes; CL_DEVICE_MEM_BASE_ADDR_ALIGN */
+    uint64_t scratch_alignment; /**< bytes; CL_DEVICE_MEM_BASE_ADDR_ALIGN, at least 128 */
     uint64_t tree_bytes; /**< of a tree with room for the capacities */
     uint64_t fragment_capacity; /**< fragments there is room for */
     uint64_t inner_capacity; /**< inner nodes there is room for */
@@ -183,18 +175,19 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
  * fragment estimate plus an eighth. Inner nodes follow from the fragment estimate, or from worst_case_nodes.
  *
  * \param plan with SVO_BUILDER_CL; must outlive the workspace
- * \param frontend must outlive the workspace. With a front end of OpenGL, svo_build_enqueue waits on the host for its
- *        wait list and for OpenGL, whose list is in memory of its own
- * \param queue for launches that make the driver compile; empty again when the function returns
+ * \param frontend not NULL; must outlive the workspace. With a front end of OpenGL, svo_build_enqueue waits on the host
+ *        for its wait list and for OpenGL, whose list is in memory of its own
+ * \param queue not NULL; for launches that make the driver compile, and empty again when the function returns
  * \param options NULL means all defaults
  * \param out receives the workspace
- * \returns SVO_UNSUPPORTED (another builder, or a list above the device's largest allocation), SVO_INVALID_ARGUMENT
- *          (scratch too small, of another context or not aligned), SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED,
- *          SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_UNSUPPORTED (another builder, or a list that does not fit one chunk), SVO_INVALID_ARGUMENT (scratch too
+ *          small, of another context or not aligned), SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED, SVO_CL_ERROR or
+ *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
                                         const svo_workspace_options *options, svo_workspace **out);
 
-/** Waits for builds in flight and destroys a workspace. Its trees live on; finish those with a build in flight first.
+/** Waits for builds in flight and destroys a workspace. Its trees live on. Finish those with a build in flight first:
+ *  afterwards svo_tree_finish refuses them, and they can only be destroyed.
  *
  * \param workspace set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_workspace_destroy(svo_workspace **workspace);
@@ -220,11 +213,12 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  * run to their end, and the next build waits for them.
  *
  * \param workspace not NULL
- * \param tree of this workspace, not trimmed. Its info and arrays are undefined until svo_tree_finish; its buffers may
- *        be given to kernels that wait for event
- * \param queue in-order or out-of-order
+ * \param tree of this workspace, not trimmed. It has no content until svo_tree_finish, see tree.h; its buffers and its
+ *        build state (svo_tree_get_build_state) may be given to kernels that wait for event. Commands that read its old
+ *        content come first, by wait or by an in-order queue
+ * \param queue of the device handle's context and device, in-order or out-of-order
  * \param num_wait number of events in wait
- * \param wait events to wait for; NULL when num_wait is 0
+ * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the whole build; NULL allowed
  * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
@@ -232,15 +226,15 @@ SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, c
 
 /** Waits for the build of a tree and reads its counts.
  *
- * \param tree with a build in flight
+ * \param tree with a build in flight, of a workspace that still exists
  * \param queue on the device's context; for the copies of a trim
  * \param trim not 0: buffers are replaced by copies of the tree's exact size, and no more builds go into the tree
  * \param report receives what the build did; NULL allowed. Stage times need a queue with CL_QUEUE_PROFILING_ENABLE in
  *        svo_build_enqueue
  * \returns SVO_CAPACITY_EXCEEDED when a capacity was too small. The tree stays undefined. report->fragments is the
  *          exact number of fragments, report->inner_nodes the room for inner nodes that suffices, and the message has
- *          both. A plan with that fragment_capacity fits, with worst_case_nodes where nodes were short. Otherwise as
- *          svo_build. */
+ *          both. A plan with that fragment_capacity fits, with worst_case_nodes where nodes were short.
+ *          SVO_INVALID_ARGUMENT without a build in flight, or after svo_workspace_destroy. Otherwise as svo_build. */
 SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report);
 
 /** Counts the fragments of a plan without keeping them. Their number becomes the plan's capacity, and its list of

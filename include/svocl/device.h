@@ -3,6 +3,9 @@
  * The device handle: the caller's OpenCL context and device, their limits, and the compiled kernels. It is the parent
  * of all other handles and keeps their error messages.
  *
+ * Queues, buffers, kernels and events that callers pass are of the handle's context, and queues of its device. Others
+ * are refused with SVO_INVALID_ARGUMENT.
+ *
  * Thread-safety: one thread at a time may use a device handle and what was made from it. Different device handles are
  * independent, also when they share a context.
  */
@@ -15,6 +18,7 @@
 #endif
 #include <CL/cl.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "svocl/export.h"
 #include "svocl/status.h"
@@ -32,8 +36,18 @@ typedef struct svo_device_options {
     svo_log_callback log; /**< NULL: nothing is logged */
     void *log_user; /**< passed to log */
     /** For svo_device_create_default: a part of "platform: device" in letters of either case, or indices as in "0.1"
-     *  (platform.device). NULL: the first GPU, else the first device. */
+     *  (platform.device). NULL matches every device. Of those that match, the first GPU is taken, else the first. */
     const char *device_name;
+    /** Upper limit in bytes for the OpenCL buffers of this handle and of what is made from it that live at the same
+     *  time: trees, scratch, BVHs, batches of rays. A buffer counts until the driver destroys it. OpenGL's memory, a
+     *  caller's buffers and the driver's own memory do not count. svo_build and svo_workspace_create refuse a plan
+     *  whose predicted bytes do not fit, before they compile or allocate, and any buffer that would exceed the limit is
+     *  SVO_OUT_OF_DEVICE_MEMORY. 0: no limit but the device's. */
+    uint64_t max_device_bytes;
+    /** For svo_device_create_default: the most compute units, on a CPU threads, that kernels run on. A device with more
+     *  is divided (clCreateSubDevices), and the handle's device is the part. 0: all of them. svo_device_create, whose
+     *  caller chooses the device, refuses it. */
+    uint32_t max_threads;
 } svo_device_options;
 
 /** All defaults. */
@@ -45,11 +59,12 @@ typedef struct svo_device_options {
  * (CL_GL_CONTEXT_KHR), svocl::gl shares buffers through it if the driver can.
  *
  * \param context retained until svo_device_destroy
- * \param device one of the context's devices, with OpenCL 1.2 or later and little-endian; retained
+ * \param device one of the context's devices; retained. It must be little-endian and have OpenCL 1.2 or later and
+ *        work-groups of 64 items
  * \param options NULL means all defaults
  * \param out receives the handle
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the device), SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_device_create(cl_context context, cl_device_id device, const svo_device_options *options,
                                      svo_device **out, svo_message *message);
 
@@ -58,7 +73,8 @@ SVO_API svo_status svo_device_create(cl_context context, cl_device_id device, co
  * \param options NULL means all defaults; device_name chooses the device
  * \param out receives the handle
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_NO_DEVICE when there is no platform or no device of that name; else as svo_device_create. */
+ * \returns SVO_NO_DEVICE when there is no platform or no device of that name; the message names platforms without any
+ *          device. SVO_UNSUPPORTED when it cannot be divided for max_threads. Else as svo_device_create. */
 SVO_API svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message);
 
 /** Destroys a handle. Destroy the plans, trees and front ends that were made from it first.
@@ -95,6 +111,32 @@ SVO_API const char *svo_device_message(const svo_device *device);
  * \param device not NULL
  * \returns milliseconds of wall clock. */
 SVO_API double svo_device_compile_ms(const svo_device *device);
+
+/** Saves the kernels that the handle has compiled, for svo_device_load_kernels: one file per program, keyed by
+ *  platform, device, driver, source and options, with a checksum. Programs that the folder has are left as they are;
+ *  others are replaced at once and whole.
+ *
+ * Asking a driver for its binaries may take long: PoCL takes 0.7 to 7 s for each program. So the library does it here
+ * alone, and never in a build.
+ *
+ * \param device not NULL
+ * \param folder made if there is none, but not the folders above it
+ * \param saved receives the number of files that were written; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_FILE_ERROR (with the path), SVO_CL_ERROR, SVO_UNSUPPORTED (a context of more than
+ *          64 devices) or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_device_save_kernels(svo_device *device, const char *folder, size_t *saved);
+
+/** Loads what svo_device_save_kernels saved for the same device, driver and version of the library. Builds use it in
+ *  place of compiling. Files of others are passed over; one that is damaged, or that the driver refuses, is passed over
+ *  with a warning to the log callback. A folder that does not exist has no kernels.
+ *
+ * Binaries are code: load none that others may write to. The checksum finds damage, not malice.
+ *
+ * \param device not NULL
+ * \param folder may be shared by several devices and versions
+ * \param loaded receives the number of programs that were loaded; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_FILE_ERROR (the folder cannot be read) or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_device_load_kernels(svo_device *device, const char *folder, size_t *loaded);
 
 #ifdef __cplusplus
 }

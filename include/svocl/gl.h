@@ -31,13 +31,13 @@ typedef enum svo_gl_context_kind {
     SVO_GL_EGL_DEVICE, /**< "egl-device": EGL_EXT_platform_device */
     SVO_GL_OSMESA, /**< "osmesa": off-screen Mesa, loaded at run time */
     SVO_GL_CONTEXT_KINDS, /**< number of kinds that svo_gl_context_create makes */
-    SVO_GL_WRAPPED /**< "wrapped": the caller's, by svo_gl_context_wrap */
+    SVO_GL_WRAPPED = 100 /**< "wrapped": the caller's, by svo_gl_context_wrap; a number that new kinds do not move */
 } svo_gl_context_kind;
 
 /** Name of a kind of context.
  *
  * \param kind any value
- * \returns "surfaceless", "egl-device", "osmesa", "wrapped"; static string. */
+ * \returns "surfaceless", "egl-device", "osmesa", "wrapped"; else "unknown context kind". Static string. */
 SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind);
 
 /** An OpenGL context. */
@@ -135,7 +135,7 @@ SVO_API svo_status svo_gl_mesh_read(const svo_mesh_buffers *buffers, svo_gl_cont
  *  (cl_khr_gl_sharing), else a plain one. svo_gl_share_reason says which and why. An OpenCL context of the caller's
  *  that was made against OpenGL serves as well, through svo_device_create.
  *
- * \param context must outlive the OpenCL context
+ * \param context its OpenGL context must outlive the OpenCL context
  * \param device NULL: chosen by the options as in svo_device_create_default
  * \param options NULL means all defaults
  * \param out receives the handle
@@ -185,8 +185,8 @@ typedef struct svo_gl svo_gl;
  * \param context must outlive the result
  * \param options NULL means all defaults
  * \param out receives the pair
- * \returns SVO_UNSUPPORTED with the reason in svo_device_message when a forced choice does not work; SVO_NO_GL,
- *          SVO_GL_ERROR, SVO_CL_ERROR, SVO_COMPILE_FAILED, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY. */
+ * \returns SVO_UNSUPPORTED, with the reason in svo_device_message, when a forced choice does not work or a limit of the
+ *          context is too low; SVO_NO_GL, SVO_GL_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY. */
 SVO_API svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_gl_options *options,
                                  svo_gl **out);
 
@@ -243,7 +243,8 @@ SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
 SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
                                 svo_build_report *report);
 
-/** Why svo_gl_build cannot make trees with these needs on a pair. Payload requires GL_ARB_gpu_shader_int64.
+/** Why svo_gl_build cannot make trees with these needs on a pair. It requires 16 bindings of storage blocks; payload
+ *  requires 16 blocks per compute shader and GL_ARB_gpu_shader_int64.
  *
  * \param gl not NULL
  * \param need svo_need bits; 0: nodes alone
@@ -265,13 +266,13 @@ SVO_API svo_gl_share svo_gl_chosen_share(const svo_gl *gl);
 /** Name of a kind of rasterization.
  *
  * \param raster any value
- * \returns "auto", "gl-expand", "gl-hw"; static string. */
+ * \returns "auto", "gl-expand", "gl-hw"; else "unknown". Static string. */
 SVO_API const char *svo_gl_raster_name(svo_gl_raster raster);
 
 /** Name of a share path.
  *
  * \param share any value
- * \returns "auto", "interop", "host", "copy"; static string. */
+ * \returns "auto", "interop", "host", "copy"; else "unknown". Static string. */
 SVO_API const char *svo_gl_share_name(svo_gl_share share);
 
 #ifdef __cplusplus

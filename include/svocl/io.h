@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Files (svocl::io): trees as .svo, meshes through assimp.
+ * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows.
  *
  * The .svo format, version 1. All numbers are little-endian; offsets are bytes from the start of the file.
  *
@@ -12,7 +12,7 @@
  *     24     8     u64 XXH3-64 over bytes 32 .. header_bytes
  *     32     4     u32 chunk_count
  *     36     4     u32 depth
- *     40     4     u32 snap_bits
+ *     40     4     u32 snap_bits: 20 .. 24
  *     44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
  *     48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
  *     50     2     u16 constant: of those bits, color, normal and material that are the same in all nodes: one element
@@ -64,8 +64,16 @@ typedef struct svo_save_options {
 /** All defaults. */
 #define SVO_SAVE_OPTIONS_INIT SVO_STRUCT_INIT(svo_save_options)
 
-/** Writes a .svo file. The bytes go to a temporary file beside path, which is flushed and renamed; on failure nothing
- *  is left behind and an existing file stays as it was.
+/** Writes a .svo file, whole or not at all: on failure nothing is left behind and an existing file stays as it was.
+ *
+ * The bytes go to a file without a name in the folder of path (O_TMPFILE), which is flushed and then takes the place of
+ * path. A process that ends meanwhile leaves nothing. On file systems without such files the bytes have a temporary
+ * name, .svocl-PID-N.tmp, which a process that is killed leaves behind; write through svo_tree_write to handle that
+ * yourself. A symbolic link stays, and what it leads to is written. Bytes for a device, a pipe or an open descriptor
+ * (/dev/stdout) go straight there; a pipe that nobody reads is an error and no SIGPIPE, and opening a named pipe waits
+ * for its reader.
+ *
+ * With compression, the compressed chunks are in memory until they are written.
  *
  * \param tree with host arrays (svo_tree_download)
  * \param path of the file
@@ -74,6 +82,26 @@ typedef struct svo_save_options {
  * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options,
                                  svo_message *message);
+
+/** Receives the bytes of a file in their order.
+ *
+ * \param user as given
+ * \param bytes valid during the call
+ * \param byte_count above 0
+ * \returns 0 when all of them were written; anything else ends the writing. */
+typedef int (*svo_write_callback)(void *user, const void *bytes, size_t byte_count);
+
+/** Writes the bytes of a .svo file through a function: into memory, an archive, a connection. They are those that
+ *  svo_tree_save writes.
+ *
+ * \param tree with host arrays (svo_tree_download)
+ * \param write receives the bytes, in a few large pieces
+ * \param user passed to write
+ * \param options NULL means all defaults: not compressed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (write did not return 0), SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user,
+                                  const svo_save_options *options, svo_message *message);
 
 /** Reads a .svo file into host arrays. Lengths, checksums and every index are checked: a tree that loads is well
  *  formed. Nothing larger than the file is allocated before the header is checked.
@@ -99,20 +127,41 @@ SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, co
 typedef struct svo_import_options {
     size_t struct_size; /**< sizeof(svo_import_options) */
     uint64_t memory_limit_bytes; /**< address space of the child process; 0: 8 GiB */
-    uint32_t time_limit_seconds; /**< wall clock; 0: 120 */
-    const char *child_program; /**< a program that calls svo_import_child_main first; NULL: /proc/self/exe */
+    uint32_t time_limit_seconds; /**< wall clock; 0: 5 s, and 1 s for each 10^6 bytes of the file */
+    const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.
+                                    NULL: the installed helper (svo_import_helper) */
+    uint32_t strict; /**< not 0: what would be a warning is an error */
 } svo_import_options;
 
 /** All defaults. */
 #define SVO_IMPORT_OPTIONS_INIT SVO_STRUCT_INIT(svo_import_options)
 
+/** What a file declares and what was read. */
+typedef struct svo_import_info {
+    size_t struct_size; /**< sizeof(svo_import_info) */
+    const char *reader; /**< "obj", "ply", "stl" or "off": the library's own; "assimp". A static string */
+    uint64_t declared_vertices; /**< vertices in the file, or by its header; 0 with assimp, as the next three */
+    uint64_t used_vertices; /**< of those, the ones that a triangle has */
+    uint64_t declared_faces; /**< faces in the file, or by its header; each triangle of a strip counts */
+    uint64_t read_faces; /**< of those, the ones that became triangles */
+    uint64_t triangles; /**< in the mesh */
+    uint64_t warnings; /**< given to the log callback */
+} svo_import_info;
+
+/** All zero. */
+#define SVO_IMPORT_INFO_INIT SVO_STRUCT_INIT(svo_import_info)
+
 /** A mesh from a file, with its arrays. */
 typedef struct svo_import svo_import;
 
-/** Reads a mesh file (OBJ with MTL, PLY, STL, glTF and what else assimp knows) in a child process with limits on memory
- *  and time, so that a reader that crashes or hangs ends in an error. Node transforms are applied and polygons
- *  triangulated. Points and lines become degenerate triangles if the file lists them as faces. Textures that cannot be
- *  read are logged and replaced by white.
+/** Reads a mesh file in a child process with limits on memory and time, so that a reader that crashes or hangs ends in
+ *  an error. OBJ with MTL, PLY, STL and OFF have readers of the library's own: every number of a text becomes the
+ *  nearest float, whatever the locale, and a damaged file is an error that names the line or byte, the value and the
+ *  limit. glTF and what else assimp knows is read by assimp; node transforms are applied. Polygons are triangulated.
+ *
+ *  What a file declares and is not in the mesh is a warning: vertices of no face, points, lines, elements and
+ *  statements that are not read, textures that cannot be read (white is used), indices of vertices that do not exist
+ *  (PLY; a build refuses such triangles and counts them). svo_import_options.strict makes them errors.
  *
  * \param path of the file
  * \param options NULL means all defaults
@@ -120,10 +169,27 @@ typedef struct svo_import svo_import;
  * \param log_user passed to log
  * \param out receives the mesh
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit) or
- *          SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit, a
+ *          warning of a strict import, no helper) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log,
                                    void *log_user, svo_import **out, svo_message *message);
+
+/** Finds the helper program that imports run by default: svocl-import, in libexec/svocl of the installation that the
+ *  library's file belongs to (the program's file, where the library is static), else where the library was built to be
+ *  installed. Without one, a program may import through itself: svo_import_child_main.
+ *
+ * \param path receives the program's path
+ * \param path_bytes its size
+ * \param message receives where it was looked for; NULL allowed
+ * \returns SVO_FILE_ERROR (there is no such program, or path is too small) or SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_import_helper(char *path, size_t path_bytes, svo_message *message);
+
+/** Counts of an import.
+ *
+ * \param import not NULL
+ * \param info filled in; its struct_size is set by the caller
+ * \returns SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_import_get_info(const svo_import *import, svo_import_info *info);
 
 /** The mesh of an import.
  *

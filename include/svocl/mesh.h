@@ -27,8 +27,8 @@ typedef enum svo_wrap {
 
 /** An RGBA8 image, sampled bilinearly in fixed point with the same result on every device. */
 typedef struct svo_texture {
-    const uint8_t
-        *rgba; /**< height rows of width texels of 4 bytes, top to bottom, no padding; v = 0 is the first row */
+    /** height rows of width texels of 4 bytes, top to bottom, without padding; v = 0 is the first row. */
+    const uint8_t *rgba;
     uint32_t width; /**< texels, 1 .. 16384 */
     uint32_t height; /**< texels, 1 .. 16384 */
     svo_wrap wrap_u; /**< along a row */
@@ -54,7 +54,7 @@ typedef struct svo_mesh {
     const float *normals; /**< vertex_count * 3, any length; zero or not finite: the triangle's own. NULL: none */
     const uint8_t *colors; /**< vertex_count * 4: RGBA8. NULL: none */
     const float *uvs; /**< vertex_count * 2, clamped to -32767 .. 32767; not finite: 0. NULL: none */
-    const uint16_t *triangle_materials; /**< triangle_count, below material_count; NULL: all 0 */
+    const uint16_t *triangle_materials; /**< triangle_count: into materials; out of range: 0. NULL: all 0 */
     const svo_material *materials; /**< material_count; NULL when that is 0 */
     size_t material_count; /**< at most 65535; 0: white without a texture */
     const svo_texture *textures; /**< texture_count; NULL when that is 0 */
@@ -95,12 +95,13 @@ typedef struct svo_mesh_copy svo_mesh_copy;
 /** Reads a mesh from OpenCL buffers and waits for it. The buffers are not needed afterwards.
  *
  * \param buffers where the arrays are
- * \param queue on the buffers' context, in-order or out-of-order
+ * \param queue not NULL, on the buffers' context, in-order or out-of-order
  * \param num_wait number of events in wait
  * \param wait events to wait for first; NULL when num_wait is 0
  * \param out receives the mesh
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_INVALID_ARGUMENT (no positions, a stride below an element, an array beyond the end of its buffer),
+ * \returns SVO_INVALID_ARGUMENT (no positions, a stride below an element, an array beyond the end of its buffer, a
+ *          buffer or an event of another context than the queue's),
  *          SVO_CL_ERROR (a failed event, for example) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
                                  const cl_event *wait, svo_mesh_copy **out, svo_message *message);

@@ -58,7 +58,7 @@ typedef enum svo_coverage {
 /** Name of a coverage.
  *
  * \param coverage any value
- * \returns "half-open", "closed", "thin"; static string. */
+ * \returns "half-open", "closed", "thin"; else "unknown coverage". Static string. */
 SVO_API const char *svo_coverage_name(svo_coverage coverage);
 
 /** The weight of a (voxel, triangle) pair in the means of its voxel and of all nodes above, and the point of the
@@ -76,7 +76,7 @@ typedef enum svo_weights {
 /** Name of a kind of weights.
  *
  * \param weights any value
- * \returns "area", "uniform", "center"; static string. */
+ * \returns "area", "uniform", "center"; else "unknown weights". Static string. */
 SVO_API const char *svo_weights_name(svo_weights weights);
 
 /** How nodes are made from the fragment list. The tree is the same, bit for bit. */
@@ -90,8 +90,40 @@ typedef enum svo_builder {
 /** Name of a builder.
  *
  * \param builder any value
- * \returns "cl", "sorted"; static string. */
+ * \returns "cl", "sorted"; else "unknown builder". Static string. */
 SVO_API const char *svo_builder_name(svo_builder builder);
+
+/** The stages of plans and builds. Later versions may append some. */
+typedef enum svo_stage {
+    SVO_STAGE_GRID = 0, /**< "grid": validate, snap, classify (svo_plan_create) */
+    SVO_STAGE_COMPILE, /**< "compile": kernels and shaders, as far as this build compiled any */
+    SVO_STAGE_VOXELIZE, /**< "voxelize": triangles -> fragment list */
+    SVO_STAGE_TRANSFER, /**< "transfer": list from OpenGL to OpenCL, host data to the device, counts back */
+    SVO_STAGE_SUBDIVIDE, /**< "subdivide": nodes of all levels */
+    SVO_STAGE_PACK, /**< "pack": sorted leaf lists */
+    SVO_STAGE_LINK, /**< "link": linked leaf lists for the filter */
+    SVO_STAGE_FILTER, /**< "filter": payload of the leaves, then of each level above */
+    SVO_STAGE_COUNT /**< number of stages that the headers know */
+} svo_stage;
+
+/** Name of a stage.
+ *
+ * \param stage any value
+ * \returns "grid", "compile", ...; else "unknown stage". Static string. */
+SVO_API const char *svo_stage_name(svo_stage stage);
+
+/** Receives the progress of a call that may take long, and may stop it.
+ *
+ * It is called on the thread that called the library, between pieces of work: at the beginning with 0, at the end of a
+ * call that succeeds with 1, and in between about as often as a launch or a part of a large one has ended. It must not
+ * use the device handle or anything made from it.
+ *
+ * \param user progress_user of the plan's options
+ * \param stage what was being done
+ * \param fraction 0 .. 1 of the whole call, by predicted times; never less than in the call before
+ * \returns 0 to go on. Else the call that reports ends with SVO_CANCELED as after any failure: it waits for the
+ *          commands that it has enqueued, which takes a fraction of a second, and releases everything. */
+typedef int (*svo_progress_callback)(void *user, svo_stage stage, double fraction);
 
 /** Options of a plan. */
 typedef struct svo_plan_options {
@@ -115,6 +147,11 @@ typedef struct svo_plan_options {
     uint32_t worst_case_nodes;
     /** Upper limit in bytes for a chunk of the list, at least 16384; 0: the limit of device and front end. */
     uint64_t chunk_bytes;
+    /** Called by svo_plan_create and, for this plan, by svo_plan_count, svo_build, svo_gl_build, svo_workspace_create
+     *  and svo_device_warm; NULL: nothing is called. Builds that report wait for their launches as they go, and divide
+     *  large ones. Enqueued builds wait for nothing and report nothing. */
+    svo_progress_callback progress;
+    void *progress_user; /**< passed to progress */
 } svo_plan_options;
 
 /** All defaults. */
@@ -132,7 +169,7 @@ typedef struct svo_plan_info {
     uint64_t refused_triangles; /**< index out of range, not finite, or 2^29 units and more from the grid */
     uint64_t outside_triangles; /**< accepted, but with bounds that miss the caller's grid */
     double origin[3]; /**< minimum corner of the grid, world */
-    double edge; /**< width of the grid, world */
+    double edge; /**< width of the caller's grid, or largest extent of the mesh, world; see nodes.h */
     double scale; /**< grid units per world unit */
     double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
     double expected_fragments; /**< the fragment estimate, without slack */
@@ -153,7 +190,7 @@ typedef enum svo_certainty {
 /** Name of a certainty.
  *
  * \param certainty any value
- * \returns "exact", "bound", "estimate"; static string. */
+ * \returns "exact", "bound", "estimate"; else "unknown certainty". Static string. */
 SVO_API const char *svo_certainty_name(svo_certainty certainty);
 
 /** A buffer that a build allocates. */
@@ -172,7 +209,7 @@ typedef struct svo_buffer_info {
 /** A program of kernels that a build compiles, unless the device handle has it already. */
 typedef struct svo_kernels_info {
     size_t struct_size; /**< sizeof(svo_kernels_info) */
-    const char *name; /**< "build", "voxelize", "sort"; static string */
+    const char *name; /**< "subdivide", "sort", "pack", "filter", "voxelize"; static string */
     const char *defines; /**< " -DSVO_COLOR -DSVO_WEIGHTS_AREA", ...; lives as long as the plan */
 } svo_kernels_info;
 
@@ -197,7 +234,7 @@ typedef struct svo_left_out {
  * \param options NULL means all defaults
  * \param out receives the plan
  * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled),
- *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more) or SVO_OUT_OF_HOST_MEMORY on failure. */
+ *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more), SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
 
@@ -205,6 +242,13 @@ SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, uns
  *
  * \param plan set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_plan_destroy(svo_plan **plan);
+
+/** Replaces the callback that was given in the plan's options.
+ *
+ * \param plan not NULL
+ * \param progress NULL: nothing is called
+ * \param user passed to progress */
+SVO_API void svo_plan_set_progress(svo_plan *plan, svo_progress_callback progress, void *user);
 
 /** Describes a plan.
  *

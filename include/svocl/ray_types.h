@@ -7,32 +7,10 @@
 #ifndef SVOCL_RAY_TYPES_H
 #define SVOCL_RAY_TYPES_H
 
-/** \cond the same types and structs in four languages */
-#if defined(__OPENCL_C_VERSION__)
-#define SVO_U32 uint
-#define SVO_I32 int
-#define SVO_F32 float
-#define SVO_RECORD(name)      \
-    typedef struct name name; \
-    struct name
-#elif defined(GL_core_profile)
-#define SVO_U32          uint
-#define SVO_I32          int
-#define SVO_F32          float
-#define SVO_RECORD(name) struct name
-#else
-#include <stdint.h>
-#define SVO_U32 uint32_t
-#define SVO_I32 int32_t
-#define SVO_F32 float
-#define SVO_RECORD(name)      \
-    typedef struct name name; \
-    struct name
-#endif
-/** \endcond */
+#include "svocl/record.h"
+#include "svocl/tree_types.h"
 
 #define SVO_NO_TRIANGLE 0xffffffffu /**< svo_hit.triangle, svo_nearest.triangle: none */
-#define SVO_NO_NODE     0xffffffffu /**< svo_voxel_hit.node: none */
 #define SVO_FACE_NONE   6u /**< svo_voxel_hit.face: the ray begins inside the node */
 
 /** A ray in world coordinates: origin + t * direction for t_min <= t <= t_max. 32 bytes. */
@@ -83,15 +61,8 @@ SVO_RECORD(svo_voxel_hit)
     SVO_U32 steps; /**< 28: cells visited */
 };
 
-/** \cond sizes are checked wherever the text is compiled, except in GLSL, which cannot */
+/** \cond */
 #if !defined(GL_core_profile)
-#if defined(__OPENCL_C_VERSION__)
-#define SVO_ASSERT_BYTES(name, bytes) typedef char name##_bytes[sizeof(name) == (bytes) ? 1 : -1]
-#elif defined(__cplusplus)
-#define SVO_ASSERT_BYTES(name, bytes) static_assert(sizeof(name) == (bytes), #name)
-#else
-#define SVO_ASSERT_BYTES(name, bytes) _Static_assert(sizeof(name) == (bytes), #name)
-#endif
 SVO_ASSERT_BYTES(svo_ray, 32);
 SVO_ASSERT_BYTES(svo_hit, 32);
 SVO_ASSERT_BYTES(svo_query_point, 16);

@@ -5,13 +5,14 @@
  * Every function that can fail returns an svo_status. Unless it is SVO_OK, outputs are left untouched (a build's report
  * excepted), and one line says what was wrong: function, argument, value and limit, as in "svo_plan_create: depth 17 is
  * not in 1 .. 16". The handle that was used keeps the line (svo_device_message); functions without a handle write it to
- * an svo_message. Any function may return SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY. The library never prints,
- * exits or aborts.
+ * an svo_message. Any function may return SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY, and one that can return
+ * SVO_CL_ERROR or SVO_GL_ERROR also SVO_OUT_OF_DEVICE_MEMORY. The library never prints, exits or aborts.
  *
  * Structs that may grow begin with "size_t struct_size", which the caller sets to sizeof. Each has a macro SVO_..._INIT
- * that does so and makes everything else zero, which is the default. Inputs may be smaller than today's struct, down to
- * the size of the first release; a larger one is refused with SVO_INVALID_ARGUMENT. Outputs are filled as far as the
- * caller's struct reaches; the rest of a larger one becomes zero.
+ * that does so and makes everything else zero, which is the default. Sizes below that of the first release are refused
+ * with SVO_INVALID_ARGUMENT. An input may be smaller than today's struct: the fields that it lacks are zero. A larger
+ * one is refused too. An output may be smaller or larger: it is filled as far as it reaches, and the rest of a larger
+ * one becomes zero.
  */
 #ifndef SVOCL_STATUS_H
 #define SVOCL_STATUS_H
@@ -24,12 +25,15 @@
 extern "C" {
 #endif
 
-/** Initializer of a struct with struct_size. */
-#if defined(__cplusplus) && __cplusplus < 202002L
-#define SVO_STRUCT_INIT(type) \
-    {                         \
-        sizeof(type)          \
-    }
+/** Initializer of a struct with struct_size. In C++ it is a call, since compilers warn about lists that leave members
+ *  out. */
+#if defined(__cplusplus)
+#define SVO_STRUCT_INIT(type)                       \
+    []() {                                          \
+        type svo_struct = type();                   \
+        svo_struct.struct_size = sizeof svo_struct; \
+        return svo_struct;                          \
+    }()
 #else
 #define SVO_STRUCT_INIT(type)       \
     {                               \
@@ -53,7 +57,8 @@ extern "C" {
     X(SVO_FILE_ERROR, 11, "a file cannot be opened, read or written")                   \
     X(SVO_FILE_DAMAGED, 12, "a file is truncated, damaged or of another format")        \
     X(SVO_IMPORT_FAILED, 13, "a mesh file cannot be read")                              \
-    X(SVO_INTERNAL, 14, "an invariant of the library does not hold")
+    X(SVO_INTERNAL, 14, "an invariant of the library does not hold")                    \
+    X(SVO_CANCELED, 15, "the progress callback stopped the call")
 
 /** \cond the enumerators are those of SVO_STATUS_LIST */
 typedef enum svo_status {
@@ -72,13 +77,12 @@ SVO_API const char *svo_status_name(svo_status status);
 /** Meaning of a status.
  *
  * \param status any value
- * \returns the text in SVO_STATUS_LIST. Static string. */
+ * \returns the text in SVO_STATUS_LIST; "unknown status" for other values. Static string. */
 SVO_API const char *svo_status_text(svo_status status);
 
 #define SVO_MESSAGE_BYTES 1024 /**< longest message, its terminator included */
 
-/** One line of text without a newline, always terminated. Longer messages are cut; build logs go to the log callback.
- *  */
+/** One line of text without a newline, always terminated. Longer lines are cut; build logs go to the log callback. */
 typedef struct svo_message {
     char text[SVO_MESSAGE_BYTES]; /**< the line */
 } svo_message;

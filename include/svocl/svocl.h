@@ -8,6 +8,7 @@
  *     svo_plan    what a build will do             plan.h
  *     svo_build   plan + front end + queue -> tree build.h
  *     svo_tree    the result: buffers, hash        tree.h
+ *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
  */
 #ifndef SVOCL_SVOCL_H
@@ -17,6 +18,7 @@
 #include "svocl/device.h"
 #include "svocl/export.h"
 #include "svocl/mesh.h"
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"

@@ -30,7 +30,7 @@ typedef struct svo_camera {
 
 /** Frames the occupied part of a tree from the front, a little from the right and from above.
  *
- * \param tree with host arrays; without them the whole grid is framed
+ * \param tree not NULL; without host arrays the whole grid is framed
  * \param aspect width / height, above 0; anything else counts as 1
  * \param camera receives the camera */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
@@ -42,7 +42,7 @@ typedef enum svo_render_view {
     SVO_VIEW_DEPTH = 2, /**< near is bright */
     SVO_VIEW_STEPS = 3, /**< cells that the ray visited, from blue to red at 64 */
     SVO_VIEW_LEVEL = 4, /**< a color for the level of the node that was hit */
-    SVO_VIEW_TRIANGLES = 5 /**< a color for each triangle; needs SVO_NEED_RAYS */
+    SVO_VIEW_TRIANGLES = 5 /**< a color for each triangle; needs SVO_NEED_RAYS, coverage half-open or closed */
 } svo_render_view;
 
 /** Options of a picture. */
@@ -62,16 +62,18 @@ typedef struct svo_render_options {
  *  light.
  *
  * \param device the tree's
- * \param tree on a device. SVO_VIEW_TRIANGLES makes its BVH, see the head of this file
+ * \param tree on a device, its colors and normals, if any, on all levels. All views but SVO_VIEW_SHADED make its BVH if
+ *        it has triangles to trace, see the head of this file
  * \param options size, camera and view
  * \param queue on the device's context; NULL: the device's own
  * \param rgba receives height rows of width * 4 bytes, top to bottom
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
+ *          SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
-/** Makes the tree's BVH; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves, together about 35
- *  bytes a triangle (measured: 34 to 53) and at most 208 bytes a triangle and 192.
+/** Makes the tree's BVH and waits for it; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves: 34 to
+ *  53 bytes per triangle in measurements, at most 208 bytes per triangle plus 192.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own
@@ -86,8 +88,8 @@ SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
 
 /** What a batch of rays asks for. */
 typedef enum svo_trace_flags {
-    SVO_TRACE_CLOSEST =
-        0, /**< the first triangle along each ray: least t as reported, then least position in the mesh */
+    /** The first triangle along each ray: least t as reported, then least position in the mesh. */
+    SVO_TRACE_CLOSEST = 0,
     SVO_TRACE_ANY = 1, /**< whether there is a hit; the record is that of some triangle */
     SVO_TRACE_COUNT = 2 /**< the number of triangles hit, each counted once; the record is that of the first */
 } svo_trace_flags;
@@ -105,13 +107,13 @@ typedef enum svo_trace_flags {
  * nothing on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
- * \param rays ray_count records of svo_ray
- * \param hits receives ray_count records of svo_hit, in the order of the rays
+ * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
+ * \param hits such a buffer, which receives ray_count records of svo_hit, in the order of the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param flags one of svo_trace_flags
- * \param queue on the context of the tree's device
+ * \param queue of the context and the device of the tree's handle
  * \param num_wait number of events in wait
- * \param wait events to wait for; NULL when num_wait is 0
+ * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
  *          SVO_CL_ERROR, or what svo_tree_prepare_rays returns, on failure. */
@@ -122,7 +124,7 @@ SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hi
 /** svo_tree_trace_enqueue for host arrays; waits for the result.
  *
  * \param tree see svo_tree_trace_enqueue
- * \param rays ray_count records
+ * \param rays ray_count records; NULL allowed when that is 0
  * \param hits receives ray_count records, in the order of the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param flags one of svo_trace_flags
@@ -137,12 +139,13 @@ SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *
  *  max_distance, has none.
  *
  * \param tree see svo_tree_trace_enqueue
- * \param points point_count records of svo_query_point
- * \param results receives point_count records of svo_nearest, in the order of the points
+ * \param points buffer of that device's context with point_count records of svo_query_point; NULL allowed when that
+ *        is 0
+ * \param results such a buffer, which receives point_count records of svo_nearest, in the order of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue on the context of the tree's device
+ * \param queue of the context and the device of the tree's handle
  * \param num_wait number of events in wait
- * \param wait events to wait for; NULL when num_wait is 0
+ * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
  * \returns what svo_tree_trace_enqueue returns. */
 SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
@@ -152,7 +155,7 @@ SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_me
 /** svo_tree_nearest_enqueue for host arrays; waits for the result.
  *
  * \param tree see svo_tree_trace_enqueue
- * \param points point_count records
+ * \param points point_count records; NULL allowed when that is 0
  * \param results receives point_count records, in the order of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
  * \param queue on the context of the tree's device; NULL: the device's own
@@ -173,11 +176,23 @@ SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *point
  *     SVO_TREE_PARAMETERS    among a kernel's parameters, SVO_TREE_ARGUMENTS of them
  *     SVO_TREE_MAKE(tree)    an svo_tree from these parameters
  *     svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
+ *     svo_node, svo_build_state    as in tree_types.h
  *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
  *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
  *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
  *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
  *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
+ *
+ * and, as nodes.h has them for the host, with coordinates in arrays of three and points as three floats
+ *
+ *     float svo_node_edge(const svo_tree *, uint level)
+ *     void svo_node_box(const svo_tree *, const svo_node *, float *low, float *high)
+ *     bool svo_cell_of_point(const svo_tree *, uint level, float x, float y, float z, uint *cell)
+ *     bool svo_find_cell(const svo_tree *, uint level, const uint *cell, svo_node *)    whether it is occupied
+ *     bool svo_find_point(const svo_tree *, float x, float y, float z, svo_node *)    whether there is a leaf
+ *     bool svo_find_node(const svo_tree *, uint index, svo_node *)    whether the tree has that node
+ *     ulong svo_cell_to_code(const uint *cell)
+ *     void svo_code_to_cell(ulong code, uint *cell)
  *
  * Its other names begin with svo_ or SVO_.
  *
@@ -193,7 +208,7 @@ SVO_API const char *svo_tree_kernel_options(void);
  *
  * \param tree on a device; must outlive the kernel's launches. Triangles need SVO_NEED_RAYS and coverage half-open or
  *        closed; this call then makes the BVH
- * \param kernel of the caller's
+ * \param kernel of the caller's, of the context of the tree's device
  * \param first_index of SVO_TREE_ARGUMENTS consecutive arguments
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on
  *          failure. */

@@ -9,6 +9,11 @@
  * nodes, leaves included. On the device, payload that is the same in every node is stored once
  * (svo_tree_info.constant).
  *
+ * A tree of a workspace (build.h) has no content before its first build, while a build is in flight, and after one that
+ * failed. Until svo_tree_finish has returned SVO_OK, every function that reads the tree or takes it for rays returns
+ * SVO_INVALID_ARGUMENT with the reason. Exceptions: svo_tree_get_buffer and svo_tree_get_build_state, whose buffers are
+ * for kernels that wait for the build's event, svo_tree_ray_bytes, svo_camera_frame, and svo_tree_destroy.
+ *
  * Thread-safety: several threads may call functions that take a const tree. All others need exclusive use of the tree
  * and of its device handle.
  */
@@ -19,6 +24,7 @@
 #include <stdint.h>
 
 #include "svocl/device.h"
+#include "svocl/tree_types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -40,7 +46,9 @@ typedef struct svo_tree_info {
     uint32_t weights; /**< svo_weights of the payload */
     uint32_t payload_level; /**< first level with payload; payload arrays begin with that level's first node */
     double origin[3]; /**< minimum corner of the grid, world coordinates */
-    double edge; /**< width of the grid, world units */
+    /** World units: the width of the caller's grid, or the largest extent of the mesh, which spans 2^snap_bits - 1 of a
+     *  fitted grid's units; nodes.h explains it. */
+    double edge;
     double scale; /**< grid units per world unit: q = rint((v - origin) * scale) */
     double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
     uint64_t triangles; /**< of the mesh */
@@ -97,7 +105,7 @@ typedef enum svo_tree_buffer {
 /** Name of an array.
  *
  * \param buffer any value
- * \returns "child_mask", ...; static string. */
+ * \returns "child_mask", ...; else "unknown buffer". Static string. */
 SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer);
 
 /** Destroys a tree. A build that is filling it is waited for.
@@ -113,7 +121,7 @@ SVO_API void svo_tree_destroy(svo_tree **tree);
 SVO_API svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
 
 /** A device buffer of the tree. Its elements are those of the host array of the same name, but payload that is constant
- *  has one element. Nothing writes to it any more.
+ *  has one element. Nothing but svo_build_enqueue writes to it.
  *
  * \param tree not NULL
  * \param buffer which one
@@ -121,25 +129,34 @@ SVO_API svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
  *          (clRetainMemObject) to keep it longer than the tree and the device handle. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
 
+/** The outcome of the tree's last enqueued build, for kernels that begin before the host knows it: whether the build
+ *  succeeded, and the counts of nodes and fragments. Kernels wait for the event of svo_build_enqueue; svo_tree_finish
+ *  may come later.
+ *
+ * \param tree of a workspace (svo_workspace_make_tree); NULL allowed
+ * \returns a buffer with one svo_build_state, undefined before the first build's event. It belongs to the tree. NULL
+ *          for other trees. */
+SVO_API cl_mem svo_tree_get_build_state(const svo_tree *tree);
+
 /** Copies the arrays to the host. The first call copies; later calls do nothing.
  *
- * \param tree not NULL
+ * \param tree not NULL, without a build in flight
  * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue);
 
-/** Copies the arrays of a tree from a file to a device. The first call copies; later calls do nothing.
+/** Copies the arrays of a tree from a file to a device and waits. The first call copies; later calls do nothing.
  *
- * \param tree with host arrays
+ * \param tree with host arrays, not on another device
  * \param device must outlive the tree
  * \param queue on the device's context; NULL: the device's own
- * \returns SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue);
 
 /** The host arrays.
  *
  * \param tree not NULL
- * \param arrays receives the pointers; all NULL before svo_tree_download
+ * \param arrays receives the pointers; all NULL before svo_tree_download, unless the tree is from a file
  * \returns SVO_INVALID_ARGUMENT when arrays is NULL or its struct_size is too small. */
 SVO_API svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays);
 
@@ -153,13 +170,33 @@ typedef enum svo_hash_scope {
 
 /** Hashes a tree with XXH3-128. The hash does not depend on device, front end or time.
  *
- * It covers depth, coverage, snap_bits, origin, edge, level_begin, child masks and first children; with SVO_HASH_ALL
- * also list_begin, list, colors, normals, materials and fills, as far as the tree holds them; all little-endian.
+ * It is that of these bytes, one after the other, with seed 0. Numbers are little-endian; names are those of
+ * svo_tree_info and svo_tree_arrays.
+ *
+ *     u32 depth, u32 coverage, u32 snap_bits
+ *     f64 origin[3], f64 edge
+ *     u32 level_begin[0] .. level_begin[depth + 1]
+ *     array child_mask: u8 each
+ *     array first_child: u32 each
+ *
+ * and with SVO_HASH_ALL also
+ *
+ *     array list_begin: u32 each
+ *     array list: u32 each
+ *     array colors: 4 u8 each
+ *     array normals: 3 i16 each
+ *     array materials: u16 each
+ *     array fills: u16 each
+ *
+ * where an array is its length in bytes as u64, then its elements. One that the tree does not hold has length 0.
+ * colors, normals, materials and fills have an element for every node from level_begin[payload_level] on, as on the
+ * host: one that is constant, and a single element in files and on the device, is repeated for all of them. vertices,
+ * indices and triangle_ids are not covered.
  *
  * \param tree with host arrays
  * \param scope what to cover
  * \param text receives 32 lowercase hexadecimal digits, the high half first
- * \returns SVO_INVALID_ARGUMENT before svo_tree_download. */
+ * \returns SVO_INVALID_ARGUMENT (no host arrays) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES]);
 
 #ifdef __cplusplus

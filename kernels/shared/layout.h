@@ -3,21 +3,22 @@
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
  * every field at a multiple of four bytes, without padding. Offsets are in bytes. The records that callers of the
- * library see are in svocl/ray_types.h.
+ * library see are in svocl/ray_types.h and svocl/tree_types.h.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
 
 #include "svocl/ray_types.h"
+#include "svocl/tree_types.h"
 
-/* A work-group of every kernel; kernels are compiled for exactly this size. */
+/* Work-items of a work-group; kernels are compiled for exactly this size. */
 #define SVO_GROUP_ITEMS 64
-/* Groups of a scan's reduce and add passes: one partial sum each, scanned by one group (SVO_GROUP_ITEMS * 4 sums).
-   Tests on an interpreter define fewer, for library and kernels alike; always a multiple of SVO_GROUP_ITEMS. */
-#ifndef SVO_SCAN_GROUPS
+/* The most groups of a scan's reduce and add passes. Each has one partial sum; one group scans them all, so this is a
+   multiple of SVO_GROUP_ITEMS. */
 #define SVO_SCAN_GROUPS 256
-#endif
-/* Grid depth from which a fragment's Morton code needs more than 30 bits. */
+/* Elements that a group scans at once: 16 per work-item. */
+#define SVO_SCAN_TILE (SVO_GROUP_ITEMS * 16)
+/* The largest grid depth at which a fragment's Morton code fits 30 bits. */
 #define SVO_CODE30_DEPTH_MAX 10
 /* Words of a fragment: code, triangle; or code low, code high, triangle. */
 #define SVO_FRAGMENT_WORDS_30 2
@@ -28,14 +29,14 @@
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
 
-/* Columns of voxels that one work-item of the OpenCL front end walks at most; larger triangles are cut into tiles of so
-   many columns, SVO_TILE_EDGE both ways. */
+/* The most columns of voxels that one work-item of the OpenCL front end visits. Larger triangles are cut into tiles of
+   SVO_TILE_EDGE x SVO_TILE_EDGE columns. */
 #define SVO_TILE_EDGE    8
 #define SVO_TILE_COLUMNS (SVO_TILE_EDGE * SVO_TILE_EDGE)
 
-/* What svo_draw_item.flags holds. */
-#define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis the triangle is projected along */
-#define SVO_DRAW_BOUNDS    4u /* draw what bounds the triangle: needles, degenerate triangles, parts outside the grid */
+/* svo_draw_item.flags. */
+#define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
+#define SVO_DRAW_BOUNDS    4u /* draw the triangle's bounds: needles, degenerate triangles, parts outside the grid */
 
 /* One triangle to draw; the front end reads an array of them. 8 bytes. */
 SVO_RECORD(svo_draw_item)
@@ -44,29 +45,12 @@ SVO_RECORD(svo_draw_item)
     SVO_U32 flags; /* 4: SVO_DRAW_* */
 };
 
-/* A part of a large triangle: columns of voxels from a corner on, SVO_TILE_EDGE both ways, as far as the triangle's
-   bounds and the draw go. 8 bytes. */
+/* A tile of a large triangle: SVO_TILE_EDGE x SVO_TILE_EDGE columns of voxels, clipped to the triangle's bounds and the
+   draw. 8 bytes. */
 SVO_RECORD(svo_tile_item)
 {
     SVO_U32 item; /* 0: into the items */
     SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
-};
-
-/* svo_build_state.overflow: a fragment is outside the grid or of no triangle; the list had too little room. */
-#define SVO_DAMAGED_LIST 0xffffffffu
-#define SVO_SHORT_LIST   0xfffffffeu
-
-/* Counts that stay on the device between the stages of one build. 96 bytes. */
-SVO_RECORD(svo_build_state)
-{
-    SVO_U32 level_begin[18]; /* 0: first node of each level; entries after the last finished level are not set */
-    SVO_U32 overflow; /* 72: not 0: the inner nodes of this level did not fit, and no later level was built; or
-                         SVO_DAMAGED_LIST or SVO_SHORT_LIST */
-    SVO_U32 triangle_count; /* 76: fragments are of triangles below it */
-    SVO_U32 list_total; /* 80: entries of all leaf lists */
-    SVO_U32 long_lists; /* 84: leaf lists longer than SVO_SHORT_LIST_MAX */
-    SVO_U32 fragment_limit; /* 88: no chunk has more fragments than this, whatever the host says */
-    SVO_U32 reserved; /* 92 */
 };
 
 /* What a triangle brings to the payload besides its vertices. 16 bytes. */
@@ -75,11 +59,11 @@ SVO_RECORD(svo_triangle_record)
     SVO_U32 material; /* 0: into the material records */
     SVO_U32 normal_xy; /* 4: the triangle's own unit normal, int16 x in the low half, y in the high half; 32767 = 1 */
     SVO_U32 normal_z_flags; /* 8: int16 z in the low half, SVO_TRIANGLE_* in the high half */
-    SVO_U32 stretch; /* 12: its area over that of its projection along its axis, 2^30 = 1; below 2^31 */
+    SVO_U32 stretch; /* 12: ratio of its area to that of its projection along its axis, 2^30 = 1; below 2^31 */
 };
-/* The attributes are the same all over the triangle. */
+/* The attributes are constant over the triangle. */
 #define SVO_TRIANGLE_FLAT 0x10000u
-/* Two bits from this one on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
+/* Two bits from this bit on: 0, 1, 2, the axis along which its projection is largest; ties go to the first. */
 #define SVO_TRIANGLE_AXIS_SHIFT 17
 #define SVO_TRIANGLE_AXIS_MASK  3u
 
@@ -88,7 +72,7 @@ SVO_RECORD(svo_voxelize_params)
 {
     SVO_U32 depth; /* 0 */
     SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
-    SVO_U32 open; /* 8: 1 where a voxel's far faces belong to its neighbors, 0 where coverage is closed */
+    SVO_U32 open; /* 8: 1: a voxel's far faces belong to its neighbors; 0: coverage is closed */
     SVO_U32 one_voxel; /* 12: not 0: every triangle lies inside one voxel */
     SVO_U32 first_item; /* 16 */
     SVO_U32 item_count; /* 20: one work-item each */
@@ -99,7 +83,7 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 bottom; /* 40: least v */
     SVO_U32 width; /* 44 */
     SVO_U32 height; /* 48 */
-    SVO_U32 capacity; /* 52: fragments the chunk holds */
+    SVO_U32 capacity; /* 52: fragments that the chunk can hold */
     SVO_U32 counter; /* 56: the chunk's counter, a pair of words */
     SVO_U32 reserved; /* 60 */
 };
@@ -109,13 +93,14 @@ SVO_RECORD(svo_subdivide_params)
 {
     SVO_U32 depth; /* 0 */
     SVO_U32 level; /* 4: the level whose nodes get their children */
-    SVO_U32 inner_capacity; /* 8: nodes child_mask and first_child have room for */
+    SVO_U32 inner_capacity; /* 8: nodes that child_mask and first_child have room for */
     SVO_U32 fragment_count; /* 12: in this chunk, or the room for them */
     SVO_U32 level_capacity; /* 16: inner nodes that the next level has room for */
-    SVO_U32 reserved[3]; /* 20 */
+    SVO_U32 scan_groups; /* 20: groups of the scan of this level */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
-/* The sorted builder's radix sort: bits of a digit, and groups, which own a block of the list each. */
+/* The radix sort of the builder "sorted": bits of a digit, and groups, each of which owns a block of the list. */
 #define SVO_SORT_BITS   6
 #define SVO_SORT_DIGITS (1 << SVO_SORT_BITS)
 #define SVO_SORT_BLOCKS 64
@@ -129,20 +114,20 @@ SVO_RECORD(svo_sort_params)
     SVO_U32 reserved; /* 12 */
 };
 
-/* Arguments of the kernels that make nodes of sorted codes. 32 bytes. */
+/* Arguments of the kernels that make nodes from sorted codes. 32 bytes. */
 SVO_RECORD(svo_bottom_up_params)
 {
     SVO_U32 depth; /* 0 */
-    SVO_U32 count; /* 4: codes to look at */
+    SVO_U32 count; /* 4: codes to read */
     SVO_U32 of_fragments; /* 8: not 0: they are fragments, else the codes of a level's nodes */
     SVO_U32 shift; /* 12: from those codes to the codes of the nodes to make: 0 for leaves, else 3 */
     SVO_U32 node_begin; /* 16: first node of the level to make */
     SVO_U32 child_begin; /* 20: first node of the level below it */
-    SVO_U32 triangle_count; /* 24: fragments are of triangles below it */
+    SVO_U32 triangle_count; /* 24: a fragment's triangle is below it */
     SVO_U32 reserved; /* 28 */
 };
 
-/* Arguments of the link, pack and filter kernels. 64 bytes. */
+/* Arguments of the link, pack and filter kernels. 80 bytes. */
 SVO_RECORD(svo_filter_params)
 {
     SVO_U32 depth; /* 0 */
@@ -157,10 +142,12 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 first_chunk; /* 36: not 0: sums are written, not added to */
     SVO_U32 digit_passes; /* 40: radix passes of four bits over a triangle index, an even number */
     SVO_U32 weight_log2; /* 44: a voxel's face weighs 2^weight_log2 */
-    SVO_U32 fill_shift; /* 48: weights of the next level's nodes to fill, in bits; 63 and more: nothing is left */
+    SVO_U32 fill_shift; /* 48: shift in bits from weights of the next level's nodes to fills; from 63 on fills are 0 */
     SVO_U32 payload_level; /* 52: the first level whose nodes have payload */
     SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
-    SVO_U32 reserved; /* 60 */
+    SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
+    SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
+    SVO_U32 reserved[3]; /* 68 */
 };
 
 /* One material. 32 bytes. */
@@ -190,7 +177,7 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 sun[3]; /* 64: unit, towards the light */
     SVO_U32 samples; /* 76: rays per pixel along each of its sides */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
-    SVO_F32 occlusion_range; /* 92: how far neighbors darken each other */
+    SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
 };
 
 /* What kernels/rays/view.cl shows: svo_render_view of trace.h. */
@@ -208,19 +195,19 @@ SVO_RECORD(svo_ray_params)
     SVO_F32 scale[3]; /* 36: grid units per world unit, in three parts */
     SVO_U32 depth; /* 48 */
     SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
-    SVO_U32 reserved; /* 56 */
+    SVO_U32 inner_count; /* 56: nodes above the leaves */
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
 };
 
-/* The BVH that rays walk through. */
-#define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the rest is where it begins, in 16 bytes */
+/* The BVH that rays traverse. */
+#define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the other bits are its offset, in units of 16 bytes */
 #define SVO_RAY_LEAF_TRIANGLES 8
-#define SVO_RAY_BOX_BITS       16 /* a box's bounds count in 2^-16 of the grid's width */
-#define SVO_BVH_DEPTH_MAX      40 /* nodes on the way to a leaf at most */
+#define SVO_RAY_BOX_BITS       16 /* a box's bounds are in units of 2^-16 of the grid's width */
+#define SVO_BVH_DEPTH_MAX      40 /* most nodes from the root to a leaf */
 
-/* A node: eight boxes, the axes one after the other, two bounds to a word, that of the even child in the low half. The
-   low bound is rounded down, and the high one is the last step that the box reaches into. Without a child: the low
-   bound above the high one, and the empty leaf, which is the first. 128 bytes. */
+/* A node: the boxes of eight children, axis by axis. A word holds two bounds, that of the even child in the low half.
+   The low bound is rounded down; the high bound is the last step that the box reaches into. A missing child has its low
+   bound above the high one, and refers to the empty leaf, which is the first. 128 bytes. */
 SVO_RECORD(svo_ray_node)
 {
     SVO_U32 low[12]; /* 0 */
@@ -228,23 +215,23 @@ SVO_RECORD(svo_ray_node)
     SVO_U32 child[8]; /* 96: a node, or SVO_RAY_LEAF and a leaf */
 };
 
-/* A leaf: a head, the corners, the triangles' input ids. The head is the least coordinates, which those of the corners
-   are relative to, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0. Corners are rows
-   with an entry per triangle, x of the first corner, x of the second, x of the third, y of the first and so on: 16 bits
-   each, or a word each in a wide leaf. The ids begin at the next whole word, and the next leaf at the next 16 bytes. */
+/* A leaf: a head, the corners, and the triangles' positions in the mesh. The head has the least coordinates, to which
+   those of the corners are relative, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0.
+   The corners are rows with an entry per triangle: x of the first corner, x of the second, x of the third, y of the
+   first and so on, 16 bits each, or a word each in a wide leaf. The positions begin at the next whole word, the next
+   leaf at the next multiple of 16 bytes. */
 #define SVO_RAY_LEAF_HEAD_WORDS 8
 #define SVO_RAY_LEAF_WIDE       0x80000000u
 
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
-SVO_ASSERT_BYTES(svo_build_state, 96);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
-SVO_ASSERT_BYTES(svo_filter_params, 64);
+SVO_ASSERT_BYTES(svo_filter_params, 80);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);

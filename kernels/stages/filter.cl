@@ -20,6 +20,13 @@
 #include "shared/state.clh"
 #include "stages/attribute.clh"
 
+/* Vectors wider than the registers of a device: the functions are inlined, so how else they would be passed is of no
+   interest. PoCL prints the number of such warnings. */
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
 /* The sums of a node. */
@@ -201,7 +208,7 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              svo_filter_params params)
 {
     svo_make_current(&params, state);
-    const uint leaf = (uint)get_global_id(0);
+    const uint leaf = params.first_index + (uint)get_global_id(0);
     if (leaf >= params.leaf_count) {
         return;
     }
@@ -225,7 +232,7 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
                    __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
 {
     svo_make_current(&params, state);
-    const uint index = (uint)get_global_id(0);
+    const uint index = params.first_index + (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;
     }
@@ -247,7 +254,7 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
     }
 }
 
-/* Sums are indexed from the first node of their level; payload by the whole tree. */
+/* Sums are indexed from the first node of their level, payload from the first node that has payload. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_filter(__global const uchar *masks, __global const uint *first_child, __global const ulong *child_weights,
              __global const ulong *child_color_sums, __global const long *child_normal_sums, __global ulong *weights,
@@ -255,7 +262,7 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
              __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
 {
     svo_make_current(&params, state);
-    const uint index = (uint)get_global_id(0);
+    const uint index = params.first_index + (uint)get_global_id(0);
     if (index >= params.level_count) {
         return;
     }
@@ -276,4 +283,8 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     }
 }
 
+#endif
+
+#ifdef __clang__
+#pragma clang diagnostic pop
 #endif

@@ -26,7 +26,7 @@
 #ifdef SVO_MATERIAL
 
 #define SVO_ENTRY_SHIFT 48
-/* Sorts behind all materials, which are below 65535. */
+/* Sorts after all materials, which are below 65535. */
 #define SVO_NO_ENTRY (~0UL)
 
 static uint svo_entry_material(ulong entry)

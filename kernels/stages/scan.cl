@@ -3,27 +3,36 @@
  * Exclusive prefix sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their
  * Applications", 1990). There is no look-back and no spinning, since work-groups may run one after the other.
  *
- *   reduce    SVO_SCAN_GROUPS groups; each sums a contiguous range of whole tiles into its partial
+ *   reduce    params.scan_groups groups; each sums a contiguous range of whole tiles into its partial
  *   partials  one group: exclusive sum of the partials, and what follows from the total
  *   add       the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
- * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. There are two kinds of elements: the bit counts
- * of a level's child masks (subdivision), and the lengths of leaf lists (packing, sorting).
+ * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. The host launches as many groups as there may be
+ * tiles, SVO_SCAN_GROUPS at most; the sums are the same for any number of groups. There are two kinds of elements: the
+ * bit counts of a level's child masks (subdivision), and the lengths of leaf lists (packing, sorting).
  * Launch: as above, in groups of SVO_GROUP_ITEMS. No atomics. Local memory, SVO_GROUP_ITEMS words, is an argument, see
  * group.clh.
  */
 #include "shared/group.clh"
 #include "shared/state.clh"
 
+/* Vectors wider than the registers of a device: the functions are inlined, so how else they would be passed is of no
+   interest. PoCL prints the number of such warnings. */
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 #define SVO_ITEM_ELEMENTS 16u
-#define SVO_TILE_ELEMENTS (SVO_GROUP_ITEMS * SVO_ITEM_ELEMENTS)
+#define SVO_TILE_ELEMENTS ((uint)SVO_SCAN_TILE)
 #define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
 
 /* The tiles of this group: first and one past last element, of count elements in all. */
 static uint2 svo_group_range(uint count)
 {
     const uint tiles = count / SVO_TILE_ELEMENTS + (count % SVO_TILE_ELEMENTS != 0u ? 1u : 0u);
-    const uint tiles_per_group = (tiles + SVO_SCAN_GROUPS - 1u) / SVO_SCAN_GROUPS;
+    const uint groups = (uint)get_num_groups(0);
+    const uint tiles_per_group = (tiles + groups - 1u) / groups;
     const uint group = (uint)get_group_id(0);
     /* The host keeps counts some tiles below 2^32 (SVO_I_FRAGMENTS_MAX), so nothing here wraps. */
     const uint first = min(group * tiles_per_group, tiles);
@@ -83,20 +92,20 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
     }
 }
 
-/* Exclusive sums of the groups' partials on top of base, in place; returns the sum of all. One group. */
-static uint svo_scan_partials(__global uint *partials, uint base, __local uint *scratch)
+/* Exclusive sums of that many groups' partials on top of base, in place; returns the sum of all. One group. */
+static uint svo_scan_partials(__global uint *partials, uint groups, uint base, __local uint *scratch)
 {
-    const uint item = (uint)get_local_id(0);
+    const uint first = (uint)get_local_id(0) * SVO_ITEM_PARTIALS;
     uint sums[SVO_ITEM_PARTIALS];
     uint sum = 0;
     for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
         sums[k] = sum;
-        sum += partials[item * SVO_ITEM_PARTIALS + k];
+        sum += first + k < groups ? partials[first + k] : 0u;
     }
     uint total;
     const uint before = svo_group_exclusive(sum, scratch, &total);
     for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        partials[item * SVO_ITEM_PARTIALS + k] = base + before + sums[k];
+        partials[first + k] = base + before + sums[k];
     }
     /* Not needed for correctness: without it the compiler of rusticl 25.0 crashes on the store of the total that
        follows. */
@@ -129,7 +138,7 @@ svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *sta
                           __local uint *scratch)
 {
     const uint child_begin = state->level_begin[params.level + 1u];
-    const uint total = svo_scan_partials(partials, child_begin, scratch);
+    const uint total = svo_scan_partials(partials, params.scan_groups, child_begin, scratch);
     if (get_local_id(0) == 0u && state->overflow == 0u) {
         const uint child_end = child_begin + total;
         state->level_begin[params.level + 2u] = child_end;
@@ -195,7 +204,7 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, __global const svo_build_state *state,
                           svo_filter_params params, __local uint *scratch)
 {
-    const uint total = svo_scan_partials(partials, 0u, scratch);
+    const uint total = svo_scan_partials(partials, params.scan_groups, 0u, scratch);
     if (get_local_id(0) == 0u) {
         list_begin[svo_count_numbers(params, state)] = total;
     }
@@ -217,4 +226,8 @@ svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials,
     }
 }
 
+#endif
+
+#ifdef __clang__
+#pragma clang diagnostic pop
 #endif

@@ -26,8 +26,6 @@
 #include "shared/fragment.clh"
 #include "shared/state.clh"
 
-#ifdef SVO_LEVELS
-
 /* A word in which other work-items may be setting bits. OpenCL C 1.2 has no atomic load, but a device with atomics on
    aligned words reads them whole. SVO_ATOMIC_READS, ten times as expensive, is for race detectors. */
 static uint svo_read_masks(volatile __global uint *word)
@@ -55,6 +53,8 @@ svo_k_take_count(__global const uint *counter, __global svo_build_state *state, 
 {
     if (get_global_id(0) == 0) {
         const bool fits = counter[1] == 0u && counter[0] <= params.fragment_count;
+        state->fragments_low = counter[0];
+        state->fragments_high = counter[1];
         state->fragment_limit = fits ? counter[0] : 0u;
         if (!fits) {
             state->overflow = SVO_SHORT_LIST;
@@ -96,5 +96,3 @@ svo_k_descend(__global const uint *fragments, __global uint *cursors, volatile _
         svo_mark(masks, child, svo_octant(code, params.depth, params.level + 1u));
     }
 }
-
-#endif

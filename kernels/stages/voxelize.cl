@@ -4,7 +4,7 @@
  * component. For each column of voxels in the projection the plane bounds the candidates, and the exact test of
  * overlap.clh decides. Does in one pass of OpenCL what the raster front end does with a rasterizer (glinterop/raster).
  *
- *   svo_k_voxelize  one draw of the layout: each work-item finds its fragments and notes them by columns in local
+ *   svo_k_voxelize  one draw of a chunk: each work-item finds its fragments and notes them by columns in local
  *                   memory, the group reserves space for all of them at once, and each work-item writes its own
  *
  * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than

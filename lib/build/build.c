@@ -6,7 +6,17 @@
 #include "build/order.h"
 #include "build/report.h"
 #include "plan/buffers.h"
+#include "plan/progress.h"
 #include "stages/constants.h"
+
+/* Refuses a scene that, by the fragment estimate, exceeds the caller's budget. Nothing is compiled yet. A front end
+   that makes the tree has all but the tree in memory of its own. */
+static svo_status check_budget(const svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    return svo_i_plan_check_budget(
+        plan, SVO_I_BUILD, build->frontend->make_tree != NULL ? plan->predicted_tree_bytes : plan->predicted_bytes);
+}
 
 /* Refuses a scene that, by the fragment estimate, does not fit the device. Nothing is allocated yet. */
 static svo_status check_size(svo_i_build *build)
@@ -40,14 +50,12 @@ static svo_status run_stages(svo_i_build *build)
 }
 
 /* Why an argument is wrong, or NULL. */
-static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, cl_command_queue queue,
-                                  svo_tree *const *out)
+static const char *wrong_argument(const svo_plan *plan, const svo_frontend *frontend, svo_tree *const *out)
 {
     if (frontend->device != plan->device) {
         return "frontend is of another device than plan";
     }
-    const char *wrong = svo_i_wrong_queue(plan->device, queue);
-    return wrong == NULL && out == NULL ? "out is NULL" : wrong;
+    return out == NULL ? "out is NULL" : NULL;
 }
 
 static void begin_report(svo_build_report *report, const svo_plan *plan, const svo_frontend *frontend)
@@ -73,8 +81,11 @@ static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_q
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for the tree");
     }
     build.tree->device = plan->device;
+    SVO_I_TRY_CLEANUP(svo_i_progress_begin(plan, SVO_I_BUILD, SVO_I_STAGES_OF_BUILDS));
+    SVO_I_TRY_CLEANUP(check_budget(&build));
     SVO_I_TRY_CLEANUP(svo_i_compile(&build));
     SVO_I_TRY_CLEANUP(run_stages(&build));
+    SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, build.commands.stage));
     *out = build.tree;
     build.tree = NULL;
 cleanup:
@@ -95,7 +106,7 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     SVO_I_TRY(svo_i_report_check(plan->device, SVO_I_BUILD, report));
     SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
     SVO_I_TRY(svo_i_device_queue(plan->device, SVO_I_BUILD, queue, &queue));
-    const char *wrong = wrong_argument(plan, frontend, queue, out);
+    const char *wrong = wrong_argument(plan, frontend, out);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
     }

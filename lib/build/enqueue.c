@@ -23,7 +23,7 @@ static void lend_buffers(svo_workspace *workspace, svo_tree *tree)
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            move_buffer(&tree->buffers[svo_i_tree_buffer_named(entry->name)], &entry->memory);
+            move_buffer(svo_i_tree_slot(tree, entry->name), &entry->memory);
         }
     }
 }
@@ -34,7 +34,7 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            move_buffer(&entry->memory, &tree->buffers[svo_i_tree_buffer_named(entry->name)]);
+            move_buffer(&entry->memory, svo_i_tree_slot(tree, entry->name));
         }
     }
 }
@@ -74,8 +74,8 @@ static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
     pending->releases_list = true;
     SVO_I_TRY(frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list));
     const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
-    pending->counter[0] = (cl_uint)needed;
-    pending->counter[1] = (cl_uint)(needed >> 32);
+    pending->state.fragments_low = (cl_uint)needed;
+    pending->state.fragments_high = (cl_uint)(needed >> 32);
     pending->state.overflow = needed > workspace->info.fragment_capacity ? SVO_SHORT_LIST : 0;
     return SVO_OK;
 }
@@ -94,7 +94,15 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
                : draw_now(workspace, pending);
 }
 
-/* Enqueues all stages and the read of the counts. */
+/* Enqueues the copies of the counts to the tree, for kernels, and to the host. */
+static svo_status publish_counts(svo_i_pending *pending)
+{
+    svo_i_build *build = &pending->build;
+    SVO_I_TRY(svo_i_commands_copy(&build->commands, build->state, build->tree->build_state, 0, sizeof pending->state));
+    return svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state);
+}
+
+/* Enqueues all stages and what tells their outcome. */
 static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
@@ -102,15 +110,13 @@ static svo_status enqueue_stages(svo_workspace *workspace, svo_i_pending *pendin
     build->fragment_count = workspace->info.fragment_capacity;
     svo_i_build_fill_info(build);
     svo_i_build_assume_counts(build);
+    SVO_I_TRY(svo_i_build_alloc_published(build));
     SVO_I_TRY(make_list(workspace, pending));
     if (pending->state.overflow != 0) { /* draw_now has counted the fragments */
-        return SVO_OK;
+        return svo_i_commands_write(commands, build->tree->build_state, &pending->state, sizeof pending->state);
     }
     SVO_I_TRY(svo_i_order_run(build));
-    if (build->list.counters != NULL) {
-        SVO_I_TRY(svo_i_commands_read(commands, build->list.counters, pending->counter, sizeof pending->counter));
-    }
-    return svo_i_commands_read(commands, build->state, &pending->state, sizeof pending->state);
+    return publish_counts(pending);
 }
 
 /* Returns the tree's buffers and keeps the last command, after success and failure. */
@@ -126,10 +132,14 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
         if (workspace->last != NULL) {
             clReleaseEvent(workspace->last);
         }
-        workspace->last = build->commands.last;
-        clRetainEvent(build->commands.last);
         pending->done = build->commands.last;
         build->commands.last = NULL;
+        workspace->last = NULL;
+        if (clRetainEvent(pending->done) == CL_SUCCESS) {
+            workspace->last = pending->done;
+        } else {
+            (void)svo_i_event_settle(pending->done); /* so that the next build need not wait for this one */
+        }
     }
 }
 
@@ -146,8 +156,7 @@ static void begin_build(svo_workspace *workspace, svo_i_pending *pending, svo_tr
 }
 
 /* Why an argument is wrong, or NULL. */
-static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree *tree, cl_command_queue queue,
-                                 cl_uint num_wait, const cl_event *wait)
+static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree *tree)
 {
     if (tree == NULL) {
         return "tree is NULL";
@@ -158,10 +167,25 @@ static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree 
     if (tree->pending != NULL) {
         return "tree has a build in flight; call svo_tree_finish first";
     }
-    if ((num_wait > 0) != (wait != NULL)) {
-        return "num_wait and wait disagree";
+    return NULL;
+}
+
+/* Sends the commands to the device and gives the caller the event. */
+static svo_status hand_over(svo_workspace *workspace, const svo_i_pending *pending, cl_command_queue queue,
+                            cl_event *event)
+{
+    cl_int error = clFlush(queue);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clFlush", error);
     }
-    return svo_i_wrong_queue(workspace->device, queue);
+    if (event != NULL) {
+        error = clRetainEvent(pending->done);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clRetainEvent", error);
+        }
+        *event = pending->done;
+    }
+    return SVO_OK;
 }
 
 svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
@@ -170,10 +194,12 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (workspace == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = wrong_enqueue(workspace, tree, queue, num_wait, wait);
+    const char *wrong = wrong_enqueue(workspace, tree);
     if (wrong != NULL) {
         return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
     }
+    SVO_I_TRY(svo_i_device_check_queue(workspace->device, "svo_build_enqueue", queue));
+    SVO_I_TRY(svo_i_device_check_wait(workspace->device, "svo_build_enqueue", num_wait, wait));
     svo_i_pending_release_given_up(workspace, false);
     svo_i_pending *pending = calloc(1, sizeof *pending);
     if (pending == NULL) {
@@ -182,21 +208,23 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     svo_status status = SVO_OK;
     begin_build(workspace, pending, tree, queue);
     svo_i_tree_forget(tree);
+    tree->content = SVO_I_TREE_FAILED; /* until all commands are enqueued */
     lend_buffers(workspace, tree);
     SVO_I_TRY_CLEANUP(wait_first(workspace, &pending->build, num_wait, wait));
     SVO_I_TRY_CLEANUP(enqueue_stages(workspace, pending));
 cleanup:
     close_build(workspace, pending);
-    clFlush(queue);
+    if (status == SVO_OK) {
+        status = hand_over(workspace, pending, queue, event);
+    } else {
+        (void)clFlush(queue);
+    }
     if (status != SVO_OK) {
         svo_i_pending_give_up(workspace, pending);
         return status;
     }
     tree->pending = pending;
-    if (event != NULL) {
-        clRetainEvent(pending->done);
-        *event = pending->done;
-    }
+    tree->content = SVO_I_TREE_IN_FLIGHT;
     return SVO_OK;
 }
 
@@ -206,7 +234,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
     svo_i_build *build = &pending->build;
     const svo_build_state *state = &pending->state;
     const svo_workspace_info *room = &tree->workspace->info;
-    const uint64_t needed = (uint64_t)pending->counter[1] << 32 | pending->counter[0];
+    const uint64_t needed = (uint64_t)state->fragments_high << 32 | state->fragments_low;
     pending->report.fragments = needed;
     build->fragment_count = needed;
     if (state->overflow == SVO_DAMAGED_LIST) {
@@ -299,23 +327,27 @@ svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const char *wrong = tree->pending == NULL ? "tree has no build in flight" : svo_i_wrong_queue(tree->device, queue);
-    if (wrong != NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", wrong);
+    if (tree->pending == NULL) {
+        const char *why = tree->content == SVO_I_TREE_ABANDONED ? svo_i_tree_undefined(tree) : "no build is in flight";
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", why);
     }
+    SVO_I_TRY(svo_i_device_check_queue(tree->device, "svo_tree_finish", queue));
     SVO_I_TRY(svo_i_report_check(tree->device, "svo_tree_finish", report));
     svo_status status = SVO_OK;
     svo_i_pending *pending = tree->pending;
     tree->pending = NULL;
+    tree->content = SVO_I_TREE_FAILED; /* until its counts are known */
     const cl_int error = clWaitForEvents(1, &pending->done);
     svo_i_stage_collect(&pending->build.commands);
     svo_i_report_add(&pending->report, SVO_STAGE_GRID, tree->workspace->plan->info.grid_ms, "wall");
     if (error != CL_SUCCESS) {
-        status = svo_i_device_fail_cl(tree->device, "svo_tree_finish", "the build", error);
+        (void)svo_i_event_settle(pending->done); /* its last command writes to pending */
+        status = svo_i_device_fail_cl(tree->device, "svo_tree_finish", "clWaitForEvents for the build", error);
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(take_counts(tree, pending));
     SVO_I_TRY_CLEANUP(clear_constants(tree, queue));
+    tree->content = SVO_I_TREE_COMPLETE;
 cleanup:
     if (report != NULL) {
         fill_report(tree, pending, report);

@@ -13,18 +13,10 @@
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
+#include "plan/progress.h"
 
 /* A bound on halving chunks, far above what a list can need. */
 #define RERUNS_MAX 32u
-
-/* Largest chunk: the least of the front end's, the device's and the request's limits. */
-static uint64_t chunk_bytes(const svo_plan *plan, const svo_frontend *frontend)
-{
-    uint64_t bytes = frontend->chunk_bytes_max;
-    bytes = plan->device->max_allocation_bytes < bytes ? plan->device->max_allocation_bytes : bytes;
-    const uint64_t asked = plan->options.chunk_bytes;
-    return asked != 0 && asked < bytes ? asked : bytes;
-}
 
 /* Counts the list's fragments. Returns whether all of them fitted their chunks. */
 static bool count_list(svo_i_build *build, uint64_t *needed)
@@ -39,16 +31,21 @@ static bool count_list(svo_i_build *build, uint64_t *needed)
     return whole;
 }
 
-/* Adds the chunks' buffers to the plan's list, or removes them. */
-static void list_chunks(svo_i_build *build, const svo_i_chunking *chunking, bool add)
+/* Adds the chunks' buffers to the plan's list. */
+static svo_status list_chunks(svo_plan *plan, const svo_i_chunking *chunking)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
-        const uint64_t bytes = chunking->chunks[i].capacity * svo_i_plan_fragment_bytes(build->commands.plan);
-        if (add) {
-            svo_i_plan_buffer_add(build->commands.plan, "fragments", bytes);
-        } else {
-            svo_i_plan_buffer_remove(build->commands.plan, bytes);
-        }
+        const uint64_t bytes = chunking->chunks[i].capacity * svo_i_plan_fragment_bytes(plan);
+        SVO_I_TRY(svo_i_plan_buffer_add(plan, "fragments", bytes));
+    }
+    return SVO_OK;
+}
+
+/* Removes them. */
+static void unlist_chunks(svo_plan *plan, const svo_i_chunking *chunking)
+{
+    for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        svo_i_plan_buffer_remove(plan, chunking->chunks[i].capacity * svo_i_plan_fragment_bytes(plan));
     }
 }
 
@@ -75,7 +72,7 @@ static svo_status draw_list(svo_i_build *build, svo_i_chunking *chunking, uint64
     bool listed = false;
     SVO_I_TRY_CLEANUP(alloc_list(build, chunking->chunk_count, &needed));
     if (has_buffers) {
-        list_chunks(build, chunking, true);
+        SVO_I_TRY_CLEANUP(list_chunks(build->commands.plan, chunking));
         listed = true;
     }
     SVO_I_TRY_CLEANUP(frontend->voxelize(frontend->self, &build->commands, chunking, &build->list));
@@ -84,7 +81,7 @@ cleanup:
     if (status != SVO_OK || !*whole) {
         frontend->release(frontend->self, &build->list);
         if (listed) {
-            list_chunks(build, chunking, false);
+            unlist_chunks(build->commands.plan, chunking);
         }
         svo_i_commands_free(&build->commands, &build->list.counters);
         free(build->list.chunks);
@@ -101,7 +98,7 @@ cleanup:
 svo_status svo_i_list_make(svo_i_build *build)
 {
     svo_status status = SVO_OK;
-    const uint64_t limit = chunk_bytes(build->commands.plan, build->frontend);
+    const uint64_t limit = svo_i_chunk_bytes_max(build->commands.plan, build->frontend->chunk_bytes_max);
     svo_i_chunking chunking = {0};
     bool whole = false;
     SVO_I_TRY(svo_i_chunking_create(build->commands.plan, limit, &chunking));
@@ -154,18 +151,19 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     }
     SVO_I_TRY(svo_i_default_frontend(plan->device, frontend, &frontend));
     SVO_I_TRY(svo_i_device_queue(plan->device, "svo_plan_count", queue, &queue));
-    const char *wrong = frontend->device != plan->device ? "frontend is of another device than plan"
-                                                         : svo_i_wrong_queue(plan->device, queue);
-    if (wrong != NULL) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_plan_count: %s", wrong);
+    if (frontend->device != plan->device) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_count: frontend is of another device than plan");
     }
     svo_status status = SVO_OK;
     svo_build_report discarded = {0};
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &discarded), .frontend = frontend};
     svo_i_chunking chunking = {0};
     uint64_t total = 0;
+    SVO_I_TRY_CLEANUP(svo_i_progress_begin(plan, "svo_plan_count",
+                                           SVO_I_STAGE_BIT(SVO_STAGE_COMPILE) | SVO_I_STAGE_BIT(SVO_STAGE_VOXELIZE)));
     SVO_I_TRY_CLEANUP(svo_i_compile_frontend(&build));
-    SVO_I_TRY_CLEANUP(svo_i_chunking_create(plan, chunk_bytes(plan, frontend), &chunking));
+    SVO_I_TRY_CLEANUP(svo_i_chunking_create(plan, svo_i_chunk_bytes_max(plan, frontend->chunk_bytes_max), &chunking));
     const bool one_chunk = chunking.chunk_count <= 1;
     SVO_I_TRY_CLEANUP(count_fragments(&build.commands, frontend, &chunking, &total));
     if (total > SVO_I_FRAGMENTS_MAX) {
@@ -174,6 +172,7 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
                                    (unsigned long long)total, SVO_I_FRAGMENTS_MAX);
         goto cleanup;
     }
+    SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, SVO_STAGE_VOXELIZE));
     plan->counted = one_chunk; /* the capacities of several chunks add up to more than the count */
     plan->info.fragments = total;
     plan->options.fragment_capacity = total > 0 ? total : 1;

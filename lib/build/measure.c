@@ -14,6 +14,9 @@
 /* Lists of more chunks are measured with this many. */
 #define CHUNKS_MAX 32
 
+/* Rough time to make a fragment, for the progress. */
+#define FRAGMENT_NS 60.0
+
 /* How much of a build is measured. */
 typedef enum build_extent { LIST_ALONE, ALL_STAGES } build_extent;
 
@@ -27,6 +30,9 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunk
                                  chunking->chunk_count);
     }
     build->owns_list = true;
+    if (build->in_place) {
+        SVO_I_TRY(svo_i_build_alloc_published(build));
+    }
     if (build->frontend == NULL || build->frontend->on_device) { /* other front ends allocate their lists themselves */
         SVO_I_TRY(svo_i_voxelize(NULL, commands, chunking, &build->list));
     }
@@ -42,15 +48,21 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunk
     return extent == ALL_STAGES ? svo_i_order_run(build) : SVO_OK;
 }
 
-/* Marks the allocations of the tree. The handles in a measured tree are no buffers, but indices of allocations. */
-static void mark_persistent(svo_i_build *build)
+/* Marks an allocation of the tree. The handles in a measured tree are no buffers, but indices of allocations. */
+static void mark_persistent(const svo_i_allocations *allocations, cl_mem *handle)
+{
+    if (*handle != NULL) {
+        allocations->entries[(size_t)(uintptr_t)*handle - 1].persistent = true;
+        *handle = NULL;
+    }
+}
+
+static void mark_tree(svo_i_build *build)
 {
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        if (build->tree->buffers[i] != NULL) {
-            build->commands.allocations->entries[(size_t)(uintptr_t)build->tree->buffers[i] - 1].persistent = true;
-            build->tree->buffers[i] = NULL;
-        }
+        mark_persistent(build->commands.allocations, &build->tree->buffers[i]);
     }
+    mark_persistent(build->commands.allocations, &build->tree->build_state);
 }
 
 /* Runs a measuring build. build: its frontend, in_place, and the allocations and warm_up of its commands are set. */
@@ -73,7 +85,7 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
     svo_i_plan_buffers_reset(plan);
     const svo_status status = measure_stages(build, chunking, extent);
     svo_i_order_release_scratch(build);
-    mark_persistent(build);
+    mark_tree(build);
     svo_i_allocations_free(&discarded);
     svo_tree_destroy(&build->tree);
     commands->report = NULL;
@@ -84,9 +96,15 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
 svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chunking *chunking,
                          svo_i_allocations *allocations)
 {
-    svo_i_build build = {
-        .commands = {.allocations = allocations}, .frontend = frontend, .in_place = allocations != NULL};
-    return run(&build, plan, chunking, ALL_STAGES);
+    double expected_ns[SVO_STAGE_COUNT] = {0};
+    svo_i_build build = {.commands = {.allocations = allocations, .expected_ns = expected_ns},
+                         .frontend = frontend,
+                         .in_place = allocations != NULL};
+    SVO_I_TRY(run(&build, plan, chunking, ALL_STAGES));
+    expected_ns[SVO_STAGE_VOXELIZE] = FRAGMENT_NS * plan->info.expected_fragments;
+    expected_ns[SVO_STAGE_GRID] = plan->progress.expected_ns[SVO_STAGE_GRID];
+    memcpy(plan->progress.expected_ns, expected_ns, sizeof expected_ns);
+    return SVO_OK;
 }
 
 /* Makes CHUNKS_MAX equal chunks for a list of more. An exact cut would take a plan too much time and memory. */
@@ -104,9 +122,7 @@ static svo_status cut_roughly(const svo_plan *plan, svo_i_chunking *chunking)
 
 static svo_status cut(const svo_plan *plan, svo_i_chunking *chunking)
 {
-    const uint64_t asked = plan->options.chunk_bytes;
-    const uint64_t most = plan->device->max_allocation_bytes;
-    const uint64_t chunk_bytes = asked != 0 && asked < most ? asked : most;
+    const uint64_t chunk_bytes = svo_i_chunk_bytes_max(plan, UINT64_MAX);
     const double chunks =
         svo_i_plan_expected(plan, plan->info.depth) * svo_i_plan_fragment_bytes(plan) / (double)chunk_bytes;
     return chunks < CHUNKS_MAX ? svo_i_chunking_create(plan, chunk_bytes, chunking) : cut_roughly(plan, chunking);
@@ -119,6 +135,7 @@ svo_status svo_i_predict(svo_plan *plan)
     const svo_status status = svo_i_measure(plan, NULL, &chunking, NULL);
     svo_i_chunking_destroy(&chunking);
     plan->predicted_bytes = plan->peak_bytes;
+    plan->predicted_tree_bytes = svo_plan_tree_bytes(plan);
     return status;
 }
 
@@ -133,7 +150,9 @@ static svo_status warm_up_stages(const svo_i_build *build, svo_i_warm_up *warm_u
     SVO_I_TRY(cut(plan, &chunking));
     const svo_status status = run(&measuring, plan, &chunking, extent);
     svo_i_chunking_destroy(&chunking);
+    const svo_i_progress progress = plan->progress;
     *plan = before; /* restores its list of buffers */
+    plan->progress = progress;
     return status;
 }
 
@@ -143,7 +162,8 @@ static svo_status compile(svo_i_build *build, build_extent extent)
     svo_i_commands *commands = &build->commands;
     svo_frontend *frontend = build->frontend;
     const double start_ms = svo_i_now_ms();
-    svo_i_warm_up warm_up = svo_i_warm_up_begin(commands->device, commands->queue);
+    commands->plan->progress.expected_ns[SVO_STAGE_COMPILE] = 0.0;
+    svo_i_warm_up warm_up = svo_i_warm_up_begin(commands->plan, commands->queue);
     if (extent == ALL_STAGES && frontend->make_tree == NULL) {
         SVO_I_TRY_CLEANUP(svo_i_order_get_programs(build, &warm_up));
     }

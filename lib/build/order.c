@@ -9,18 +9,16 @@
 
 svo_status svo_i_order_get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
 {
-    static const svo_i_program_kind kinds[] = {SVO_I_PROGRAM_BUILD, SVO_I_PROGRAM_SORT};
     const svo_plan *plan = build->commands.plan;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+    for (svo_i_program_kind kind = 0; kind < SVO_I_PROGRAM_STAGE_KINDS; ++kind) {
         char defines[SVO_I_DEFINES_BYTES];
         bool fresh = false;
-        if (svo_i_plan_needs_program(plan, kinds[i])) {
-            svo_i_plan_defines(plan, kinds[i], defines, sizeof defines);
-            SVO_I_TRY(
-                svo_i_program_get(plan->device, SVO_I_BUILD, kinds[i], defines, &build->programs[kinds[i]], &fresh));
+        if (svo_i_plan_needs_program(plan, kind)) {
+            svo_i_plan_defines(plan, kind, defines, sizeof defines);
+            SVO_I_TRY(svo_i_program_get(plan->device, SVO_I_BUILD, kind, defines, &build->programs[kind], &fresh));
         }
         if (fresh) {
-            svo_i_warm_up_add_program(warm_up, build->programs[kinds[i]]);
+            SVO_I_TRY(svo_i_warm_up_add_program(warm_up, build->programs[kind]));
         }
     }
     return SVO_OK;
@@ -30,8 +28,10 @@ svo_status svo_i_order_run(svo_i_build *build)
 {
     const svo_plan *plan = build->commands.plan;
     for (size_t i = 0; i < plan->stage_count; ++i) {
-        if (plan->stages[i].run != NULL && plan->stages[i].runs(plan)) {
-            SVO_I_TRY(plan->stages[i].run(build));
+        const svo_i_stage *stage = &plan->stages[i];
+        if (stage->run != NULL && stage->runs(plan)) {
+            svo_i_commands_stage(&build->commands, stage->stage, stage->item_ns);
+            SVO_I_TRY(stage->run(build));
         }
     }
     return SVO_OK;

@@ -64,10 +64,22 @@ static void leave_workspace(svo_tree *tree)
     tree->next = NULL;
 }
 
+void svo_i_pending_end_workspace(svo_workspace *workspace)
+{
+    for (svo_tree *tree = workspace->trees; tree != NULL; tree = tree->next) {
+        tree->workspace = NULL;
+        if (tree->pending != NULL) {
+            svo_i_pending_release(tree->pending);
+            tree->pending = NULL;
+            tree->content = SVO_I_TREE_ABANDONED;
+        }
+    }
+}
+
 void svo_i_pending_leave_workspace(svo_tree *tree)
 {
     if (tree->pending != NULL) {
-        clWaitForEvents(1, &tree->pending->done);
+        (void)svo_i_event_settle(tree->pending->done);
         svo_i_pending_release(tree->pending);
         tree->pending = NULL;
     }

@@ -14,7 +14,6 @@ struct svo_i_pending {
     svo_build_report report;
     cl_event done;
     svo_build_state state; /* read back by the last command */
-    cl_uint counter[2]; /* number of fragments: low and high word */
     svo_i_pending *next; /* in workspace->given_up */
 };
 
@@ -27,7 +26,7 @@ struct svo_workspace {
     svo_i_allocations allocations;
     svo_workspace_info info;
     cl_mem scratch; /* owned, or the caller's retained */
-    cl_program programs[SVO_I_PROGRAM_KINDS]; /* owned by the device */
+    cl_program programs[SVO_I_PROGRAM_STAGE_KINDS]; /* owned by the device */
     cl_event last; /* the newest build's last command; NULL at first */
     svo_i_pending *given_up; /* builds that failed after some of their commands were enqueued */
     svo_tree *trees; /* trees of the workspace that were neither trimmed nor destroyed */
@@ -41,5 +40,8 @@ void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending);
 void svo_i_pending_release_given_up(svo_workspace *workspace, bool all);
 /* Waits for the tree's pending build, if there is one, and removes the tree from its workspace. */
 void svo_i_pending_leave_workspace(svo_tree *tree);
+/* Takes the workspace away from its trees. Those with a pending build, which the caller has waited for, are
+   abandoned. */
+void svo_i_pending_end_workspace(svo_workspace *workspace);
 
 #endif

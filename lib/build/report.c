@@ -4,6 +4,8 @@
 
 #include "core/struct_size.h"
 
+_Static_assert(SVO_STAGE_COUNT <= SVO_STAGE_CAPACITY, "a report has room for every stage");
+
 const char *svo_stage_name(svo_stage stage)
 {
     static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",

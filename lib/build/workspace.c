@@ -9,8 +9,10 @@
 #include "build/measure.h"
 #include "build/pending.h"
 #include "core/struct_size.h"
+#include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
+#include "plan/progress.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"
 
@@ -35,11 +37,8 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
 static svo_status cut_list(svo_workspace *workspace)
 {
     const svo_plan *plan = workspace->plan;
-    const uint64_t allocation = workspace->device->max_allocation_bytes;
-    const uint64_t chunk = workspace->frontend->chunk_bytes_max;
-    const uint64_t most = chunk < allocation ? chunk : allocation;
-    const uint64_t asked = plan->options.chunk_bytes;
-    SVO_I_TRY(svo_i_chunking_create(plan, asked != 0 && asked < most ? asked : most, &workspace->chunking));
+    const uint64_t chunk_bytes = svo_i_chunk_bytes_max(plan, workspace->frontend->chunk_bytes_max);
+    SVO_I_TRY(svo_i_chunking_create(plan, chunk_bytes, &workspace->chunking));
     workspace->chunking.tile_cache = &workspace->tile_cache;
     if (workspace->chunking.chunk_count > 1) {
         return svo_i_device_fail(workspace->device, SVO_UNSUPPORTED,
@@ -50,11 +49,17 @@ static svo_status cut_list(svo_workspace *workspace)
     return SVO_OK;
 }
 
-static uint64_t alignment_of(const svo_device *device)
+/* The alignment that sub-buffers need; in bits the device's property. */
+static svo_status find_alignment(svo_workspace *workspace)
 {
     cl_uint bits = 0;
-    clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
-    return bits >= 1024 ? bits / 8 : 128;
+    const cl_int error =
+        clGetDeviceInfo(workspace->device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, SVO_I_WORKSPACE, "clGetDeviceInfo", error);
+    }
+    workspace->info.scratch_alignment = bits >= 1024 ? bits / 8 : 128;
+    return SVO_OK;
 }
 
 /* Records the allocations of a build and places its scratch. The plan's list of buffers becomes that of the build. */
@@ -65,7 +70,7 @@ static svo_status measure(svo_workspace *workspace)
     SVO_I_TRY(cut_list(workspace));
     workspace->plan->built = true; /* sizes are exact: capacities are what is allocated */
     SVO_I_TRY(svo_i_measure(workspace->plan, workspace->frontend, &workspace->chunking, list));
-    workspace->info.scratch_alignment = alignment_of(workspace->device);
+    SVO_I_TRY(find_alignment(workspace));
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {
@@ -118,12 +123,10 @@ static svo_status get_scratch(svo_workspace *workspace, const svo_workspace_opti
                                    (size_t)info->scratch_bytes, &workspace->scratch);
     }
     size_t bytes = 0;
-    cl_context context = NULL;
-    clGetMemObjectInfo(options->scratch, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    clGetMemObjectInfo(options->scratch, CL_MEM_CONTEXT, sizeof context, &context, NULL);
-    if (context != workspace->device->context) {
-        return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT,
-                                 SVO_I_WORKSPACE ": options.scratch is of another context than the device");
+    SVO_I_TRY(svo_i_device_check_memory(workspace->device, SVO_I_WORKSPACE, "options.scratch", options->scratch, 0));
+    cl_int error = clGetMemObjectInfo(options->scratch, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, SVO_I_WORKSPACE, "clGetMemObjectInfo", error);
     }
     if (options->offset_bytes % info->scratch_alignment != 0 || options->offset_bytes > bytes ||
         bytes - options->offset_bytes < info->scratch_bytes) {
@@ -134,7 +137,10 @@ static svo_status get_scratch(svo_workspace *workspace, const svo_workspace_opti
             bytes, (unsigned long long)info->scratch_bytes, (unsigned long long)options->offset_bytes,
             (unsigned long long)info->scratch_alignment);
     }
-    clRetainMemObject(options->scratch);
+    error = clRetainMemObject(options->scratch);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(workspace->device, SVO_I_WORKSPACE, "clRetainMemObject", error);
+    }
     workspace->scratch = options->scratch;
     return SVO_OK;
 }
@@ -163,19 +169,14 @@ static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
     svo_build_report discarded = {0};
     svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &discarded),
                          .frontend = workspace->frontend};
-    const svo_status status = svo_i_compile(&build);
-    svo_i_commands_end(&build.commands);
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_progress_begin(workspace->plan, SVO_I_WORKSPACE, SVO_I_STAGE_BIT(SVO_STAGE_COMPILE)));
+    SVO_I_TRY_CLEANUP(svo_i_compile(&build));
+    SVO_I_TRY_CLEANUP(svo_i_progress_end(workspace->plan, SVO_STAGE_COMPILE));
     memcpy(workspace->programs, build.programs, sizeof workspace->programs);
+cleanup:
+    svo_i_commands_end(&build.commands);
     return status;
-}
-
-/* Why an argument is wrong, or NULL. */
-static const char *wrong_argument(const svo_plan *plan, cl_command_queue queue, svo_workspace *const *out)
-{
-    if (out == NULL) {
-        return "out is NULL";
-    }
-    return svo_i_wrong_queue(plan->device, queue);
 }
 
 svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue,
@@ -187,9 +188,9 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     }
     SVO_I_TRY(svo_i_struct_read(&plan->device->message, SVO_I_WORKSPACE, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_workspace_options, scratch)));
-    const char *wrong = wrong_argument(plan, queue, out);
-    if (wrong != NULL) {
-        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
+    SVO_I_TRY(svo_i_device_check_queue(plan->device, SVO_I_WORKSPACE, queue));
+    if (out == NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": out is NULL");
     }
     svo_workspace *workspace = calloc(1, sizeof *workspace);
     if (workspace == NULL) {
@@ -199,6 +200,9 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     const svo_plan before = *plan;
     *workspace = (svo_workspace){.device = plan->device, .plan = plan, .frontend = frontend};
     SVO_I_TRY_CLEANUP(measure(workspace));
+    SVO_I_TRY_CLEANUP(svo_i_plan_check_budget(plan, SVO_I_WORKSPACE,
+                                              workspace->info.tree_bytes +
+                                                  (asked.scratch == NULL ? workspace->info.scratch_bytes : 0)));
     SVO_I_TRY_CLEANUP(get_scratch(workspace, &asked));
     SVO_I_TRY_CLEANUP(cut_scratch(workspace, asked.scratch != NULL ? asked.offset_bytes : 0));
     SVO_I_TRY_CLEANUP(compile(workspace, queue));
@@ -216,13 +220,11 @@ void svo_workspace_destroy(svo_workspace **workspace)
         return;
     }
     if ((*workspace)->last != NULL) {
-        clWaitForEvents(1, &(*workspace)->last);
+        (void)svo_i_event_settle((*workspace)->last);
         clReleaseEvent((*workspace)->last);
     }
     svo_i_pending_release_given_up(*workspace, true);
-    for (svo_tree *tree = (*workspace)->trees; tree != NULL; tree = tree->next) {
-        tree->workspace = NULL;
-    }
+    svo_i_pending_end_workspace(*workspace);
     release(*workspace);
     free(*workspace);
     *workspace = NULL;
@@ -259,6 +261,7 @@ static svo_tree *new_member(svo_workspace *workspace)
     *member = (membership){.attachment.destroy = end_membership, .tree = tree};
     svo_i_attachment_add(&tree->attachments, &member->attachment);
     tree->device = workspace->device;
+    tree->content = SVO_I_TREE_EMPTY;
     tree->workspace = workspace;
     tree->next = workspace->trees;
     workspace->trees = tree;
@@ -277,12 +280,13 @@ svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **out)
     if (tree == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", function);
     }
+    const svo_i_build described = {.commands.plan = workspace->plan, .tree = tree};
+    svo_i_build_fill_info(&described);
     for (size_t i = 0; i < workspace->allocations.count; ++i) {
         const svo_i_allocation *entry = &workspace->allocations.entries[i];
         if (entry->persistent) {
-            cl_mem *buffer = &tree->buffers[svo_i_tree_buffer_named(entry->name)];
             SVO_I_TRY_CLEANUP(svo_i_device_buffer(workspace->device, function, entry->name, CL_MEM_READ_WRITE,
-                                                  (size_t)entry->bytes, buffer));
+                                                  (size_t)entry->bytes, svo_i_tree_slot(tree, entry->name)));
         }
     }
     *out = tree;

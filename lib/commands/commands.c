@@ -3,16 +3,7 @@
 #include "commands/commands.h"
 
 #include "plan/buffers.h"
-
-const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue)
-{
-    if (queue == NULL) {
-        return "queue is NULL";
-    }
-    cl_context context = NULL;
-    clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
-    return context != device->context ? "queue is of another context than the device" : NULL;
-}
+#include "plan/progress.h"
 
 svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report)
 {
@@ -28,7 +19,7 @@ svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_
 void svo_i_commands_end(svo_i_commands *commands)
 {
     if (commands->last != NULL) {
-        clWaitForEvents(1, &commands->last);
+        (void)svo_i_event_settle(commands->last);
         clReleaseEvent(commands->last);
         commands->last = NULL;
     }
@@ -79,8 +70,7 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
     } else {
         SVO_I_TRY(svo_i_device_buffer(commands->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out));
     }
-    svo_i_plan_buffer_add(commands->plan, name, bytes > 0 ? bytes : 1);
-    return SVO_OK;
+    return svo_i_plan_buffer_add(commands->plan, name, bytes > 0 ? bytes : 1);
 }
 
 /* Makes event the newest command, or converts the error of its call into a status. */
@@ -89,15 +79,15 @@ static svo_status follow(svo_i_commands *commands, const char *call, cl_int erro
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(commands->device, SVO_I_BUILD, call, error);
     }
-    if (commands->stage_first == NULL) {
-        clRetainEvent(event);
-        commands->stage_first = event;
-    }
     if (commands->last != NULL) {
         clReleaseEvent(commands->last);
     }
     commands->last = event;
-    return SVO_OK;
+    if (commands->stage_first == NULL) {
+        error = clRetainEvent(event);
+        commands->stage_first = error == CL_SUCCESS ? event : NULL;
+    }
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(commands->device, SVO_I_BUILD, "clRetainEvent", error);
 }
 
 static cl_uint wait_count(const svo_i_commands *commands)
@@ -203,6 +193,42 @@ svo_status svo_i_commands_read(svo_i_commands *commands, cl_mem buffer, void *to
     return follow(commands, "clEnqueueReadBuffer", error, event);
 }
 
+void svo_i_commands_stage(svo_i_commands *commands, svo_stage stage, double item_ns)
+{
+    commands->stage = stage;
+    commands->item_ns = item_ns;
+}
+
+svo_status svo_i_commands_tell(svo_i_commands *commands)
+{
+    return commands->mode == SVO_I_MODE_RUN ? svo_i_progress_tell(commands->plan, commands->stage) : SVO_OK;
+}
+
+uint64_t svo_i_commands_parts(const svo_i_commands *commands, uint64_t items)
+{
+    const bool reports = commands->mode == SVO_I_MODE_RUN && commands->plan->progress.callback != NULL;
+    return reports && items >= 2 * (uint64_t)SVO_I_PART_ITEMS ? items / SVO_I_PART_ITEMS : 1;
+}
+
+/* Adds a launch to the predicted time of the stage. */
+static void predict(svo_i_commands *commands, uint64_t items)
+{
+    if (commands->expected_ns != NULL) {
+        commands->expected_ns[commands->stage] += (double)items * commands->item_ns;
+    }
+}
+
+/* Adds a launch to what the build has done. Waits for it when the callback is to be told. */
+static svo_status advance(svo_i_commands *commands, uint64_t items)
+{
+    if (commands->mode != SVO_I_MODE_RUN ||
+        !svo_i_progress_add(commands->plan, commands->stage, (double)items * commands->item_ns)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_commands_wait(commands));
+    return svo_i_commands_tell(commands);
+}
+
 bool svo_i_commands_launch_kernels(const svo_i_commands *commands)
 {
     return commands->mode != SVO_I_MODE_MEASURE || commands->warm_up != NULL;
@@ -220,6 +246,7 @@ svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, cons
 {
     cl_kernel kernel = NULL;
     if (items == 0 || !svo_i_commands_launch_kernels(commands)) {
+        predict(commands, items);
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_commands_kernel(commands, program, name, &kernel));
@@ -232,6 +259,7 @@ svo_status svo_i_commands_launch(svo_i_commands *commands, cl_kernel kernel, con
                                  cl_uint argument_count, uint64_t items)
 {
     if (items == 0 || !svo_i_commands_launch_kernels(commands)) {
+        predict(commands, items);
         return SVO_OK;
     }
     if (commands->mode == SVO_I_MODE_MEASURE) {
@@ -243,5 +271,6 @@ svo_status svo_i_commands_launch(svo_i_commands *commands, cl_kernel kernel, con
     cl_event event = NULL;
     const cl_int error = clEnqueueNDRangeKernel(commands->queue, kernel, 1, NULL, &global, &local, wait_count(commands),
                                                 wait_list(commands), &event);
-    return follow(commands, "clEnqueueNDRangeKernel", error, event);
+    SVO_I_TRY(follow(commands, "clEnqueueNDRangeKernel", error, event));
+    return advance(commands, items);
 }

@@ -32,6 +32,8 @@ typedef struct svo_i_commands {
     cl_command_queue queue;
     bool profiling; /* the queue has CL_QUEUE_PROFILING_ENABLE */
     svo_build_report *report;
+    svo_stage stage; /* that the progress reports */
+    double item_ns; /* rough time of a work-item of the next launches, for the progress; stages may set it */
 
     cl_event last; /* the newest command; NULL at first */
     cl_event stage_first; /* the first command of the current stage */
@@ -42,13 +44,8 @@ typedef struct svo_i_commands {
     svo_i_allocations *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it */
     size_t next_allocation; /* SVO_I_MODE_ENQUEUE: the next entry to take */
     svo_i_warm_up *warm_up; /* SVO_I_MODE_MEASURE: performs warm-up launches; NULL: no launches */
+    double *expected_ns; /* SVO_I_MODE_MEASURE: receives the predicted time of each stage; NULL: not wanted */
 } svo_i_commands;
-
-/* The name of svo_build, for messages. */
-#define SVO_I_BUILD "svo_build"
-
-/* Why the queue cannot be used with the device; NULL if it can. */
-const char *svo_i_wrong_queue(const svo_device *device, cl_command_queue queue);
 
 /* Commands in SVO_I_MODE_RUN. */
 svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report);
@@ -80,6 +77,18 @@ svo_status svo_i_commands_copy(svo_i_commands *commands, cl_mem from, cl_mem to,
 svo_status svo_i_commands_read(svo_i_commands *commands, cl_mem buffer, void *to, size_t bytes);
 /* Waits for the newest command in SVO_I_MODE_RUN; returns at once in other modes. */
 svo_status svo_i_commands_wait(svo_i_commands *commands);
+
+/* The launches that follow are a stage's: their progress is reported as that stage's. */
+void svo_i_commands_stage(svo_i_commands *commands, svo_stage stage, double item_ns);
+/* In SVO_I_MODE_RUN, tells the plan's callback what has been done; the caller has waited. */
+svo_status svo_i_commands_tell(svo_i_commands *commands);
+
+/* Work-items of a part of a large launch. A multiple of the group, and large enough for drivers that compile small
+   launches separately. */
+#define SVO_I_PART_ITEMS (1u << 18)
+/* In how many parts to launch work-items: 1, or more in a blocking build with a callback. All but the last have
+   SVO_I_PART_ITEMS. */
+uint64_t svo_i_commands_parts(const svo_i_commands *commands, uint64_t items);
 
 /* Whether launches reach the device, be it for warm-up only. */
 bool svo_i_commands_launch_kernels(const svo_i_commands *commands);

@@ -29,11 +29,10 @@ static double event_span_ms(cl_event first, cl_event last)
     return (double)(end - start) * 1e-6;
 }
 
-/* Keeps the current stage's events for svo_i_stage_collect. Without profiling or room its time is not reported. */
+/* Keeps the current stage's events for svo_i_stage_collect. Where that cannot be, its time is not reported. */
 static void keep_span(svo_i_commands *commands, svo_stage stage)
 {
-    if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling) {
-        clRetainEvent(commands->last);
+    if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling && clRetainEvent(commands->last) == CL_SUCCESS) {
         commands->spans[commands->span_count++] = (svo_i_span){stage, commands->stage_first, commands->last};
     } else {
         clReleaseEvent(commands->stage_first);
@@ -66,7 +65,7 @@ svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
     }
     const cl_int error = clWaitForEvents(1, &commands->last);
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(commands->device, SVO_I_BUILD, svo_stage_name(stage), error);
+        return svo_i_device_fail_cl(commands->device, SVO_I_BUILD, "clWaitForEvents", error);
     }
     const double span = commands->profiling ? event_span_ms(commands->stage_first, commands->last) : -1.0;
     if (span >= 0.0) {
@@ -76,5 +75,5 @@ svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
     }
     clReleaseEvent(commands->stage_first);
     commands->stage_first = NULL;
-    return SVO_OK;
+    return svo_i_commands_tell(commands);
 }

@@ -7,10 +7,15 @@
 #define SVO_LIB_COMMANDS_WARM_UP_H
 
 #include "core/program.h"
+#include "plan/plan_data.h"
 
-#define SVO_I_WARM_UP_BUFFERS  20
+/* The name of svo_build, for messages. */
+#define SVO_I_BUILD "svo_build"
+
+/* Limits of a warm-up. A build that exceeds one fails with SVO_INTERNAL. */
+#define SVO_I_WARM_UP_BUFFERS  20 /* buffer arguments of a kernel */
 #define SVO_I_WARM_UP_LAUNCHES 64
-#define SVO_I_WARM_UP_PROGRAMS 8
+#define SVO_I_WARM_UP_PROGRAMS 16
 
 /* A warm-up launch. Drivers may compile a kernel once for small and once for large launches. */
 typedef struct svo_i_warm_launch {
@@ -21,6 +26,7 @@ typedef struct svo_i_warm_launch {
 
 typedef struct svo_i_warm_up {
     svo_device *device;
+    svo_plan *plan; /* whose callback is told */
     cl_command_queue queue;
     cl_program programs[SVO_I_WARM_UP_PROGRAMS]; /* newly compiled; only their kernels are launched */
     size_t program_count;
@@ -30,8 +36,8 @@ typedef struct svo_i_warm_up {
     cl_event last;
 } svo_i_warm_up;
 
-svo_i_warm_up svo_i_warm_up_begin(svo_device *device, cl_command_queue queue);
-void svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program);
+svo_i_warm_up svo_i_warm_up_begin(svo_plan *plan, cl_command_queue queue);
+svo_status svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program);
 /* Launches the kernel on zeros, with arguments of the same kinds and sizes. Kernels that were warmed up at this launch
    size, and kernels of programs that are not new, are skipped. */
 svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_i_argument *arguments,

@@ -1,76 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle: how an OpenCL device is chosen, its limits, messages, buffers and own queue. */
+/* The device handle: what it asks of an OpenCL device, its limits, messages, buffers and own queue. */
 #define _POSIX_C_SOURCE 200809L
 #include "core/device.h"
 
-#include <CL/cl_gl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
+#include "core/device_info.h"
+#include "core/foreign.h"
 #include "core/struct_size.h"
 #include "shared/layout.h"
 
-/* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
-#define CL_ERROR_LIST(X)                            \
-    X(CL_DEVICE_NOT_FOUND)                          \
-    X(CL_DEVICE_NOT_AVAILABLE)                      \
-    X(CL_COMPILER_NOT_AVAILABLE)                    \
-    X(CL_MEM_OBJECT_ALLOCATION_FAILURE)             \
-    X(CL_OUT_OF_RESOURCES)                          \
-    X(CL_OUT_OF_HOST_MEMORY)                        \
-    X(CL_PROFILING_INFO_NOT_AVAILABLE)              \
-    X(CL_MEM_COPY_OVERLAP)                          \
-    X(CL_BUILD_PROGRAM_FAILURE)                     \
-    X(CL_MAP_FAILURE)                               \
-    X(CL_MISALIGNED_SUB_BUFFER_OFFSET)              \
-    X(CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) \
-    X(CL_INVALID_VALUE)                             \
-    X(CL_INVALID_DEVICE_TYPE)                       \
-    X(CL_INVALID_PLATFORM)                          \
-    X(CL_INVALID_DEVICE)                            \
-    X(CL_INVALID_CONTEXT)                           \
-    X(CL_INVALID_QUEUE_PROPERTIES)                  \
-    X(CL_INVALID_COMMAND_QUEUE)                     \
-    X(CL_INVALID_HOST_PTR)                          \
-    X(CL_INVALID_MEM_OBJECT)                        \
-    X(CL_INVALID_BINARY)                            \
-    X(CL_INVALID_BUILD_OPTIONS)                     \
-    X(CL_INVALID_PROGRAM)                           \
-    X(CL_INVALID_PROGRAM_EXECUTABLE)                \
-    X(CL_INVALID_KERNEL_NAME)                       \
-    X(CL_INVALID_KERNEL_DEFINITION)                 \
-    X(CL_INVALID_KERNEL)                            \
-    X(CL_INVALID_ARG_INDEX)                         \
-    X(CL_INVALID_ARG_VALUE)                         \
-    X(CL_INVALID_ARG_SIZE)                          \
-    X(CL_INVALID_KERNEL_ARGS)                       \
-    X(CL_INVALID_WORK_DIMENSION)                    \
-    X(CL_INVALID_WORK_GROUP_SIZE)                   \
-    X(CL_INVALID_WORK_ITEM_SIZE)                    \
-    X(CL_INVALID_GLOBAL_OFFSET)                     \
-    X(CL_INVALID_EVENT_WAIT_LIST)                   \
-    X(CL_INVALID_EVENT)                             \
-    X(CL_INVALID_OPERATION)                         \
-    X(CL_INVALID_GL_OBJECT)                         \
-    X(CL_INVALID_BUFFER_SIZE)                       \
-    X(CL_INVALID_GLOBAL_WORK_SIZE)                  \
-    X(CL_INVALID_PROPERTY)                          \
-    X(CL_INVALID_GL_SHAREGROUP_REFERENCE_KHR)
-
-const char *svo_i_cl_error_name(cl_int error)
-{
-    switch (error) {
-#define CL_ERROR_CASE(name) \
-    case name:              \
-        return #name;
-        CL_ERROR_LIST(CL_ERROR_CASE)
-#undef CL_ERROR_CASE
-    default:
-        return "error";
-    }
-}
+#define SETTLE_ATTEMPTS 3
 
 svo_message *svo_i_device_message(svo_device *device)
 {
@@ -88,14 +30,7 @@ svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *
 
 svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const char *call, cl_int error)
 {
-    svo_status status = SVO_CL_ERROR;
-    if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_OUT_OF_RESOURCES) {
-        status = SVO_OUT_OF_DEVICE_MEMORY;
-    } else if (error == CL_OUT_OF_HOST_MEMORY) {
-        status = SVO_OUT_OF_HOST_MEMORY;
-    }
-    return svo_i_device_fail(device, status, "%s: %s failed with %s (%d)", function, call, svo_i_cl_error_name(error),
-                             error);
+    return svo_i_fail_cl(svo_i_device_message(device), function, call, error);
 }
 
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
@@ -106,14 +41,56 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                  "%s: buffer %s needs %zu bytes, above the device's limit of %llu", function, name,
                                  bytes, (unsigned long long)device->max_allocation_bytes);
     }
+    const size_t made_bytes = bytes > 0 ? bytes : 1;
+    if (!svo_i_budget_fits(device->budget, made_bytes)) {
+        return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
+                                 "%s: buffer %s needs %zu bytes beside the %llu in use, above max_device_bytes %llu",
+                                 function, name, bytes, (unsigned long long)svo_i_budget_held(device->budget),
+                                 (unsigned long long)svo_i_budget_max(device->budget));
+    }
     cl_int error = CL_SUCCESS;
-    cl_mem buffer = clCreateBuffer(device->context, flags, bytes > 0 ? bytes : 1, NULL, &error);
+    cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, NULL, &error);
+    if (error == CL_SUCCESS) {
+        error = svo_i_budget_count(device->budget, buffer, made_bytes);
+        if (error != CL_SUCCESS) {
+            clReleaseMemObject(buffer);
+        }
+    }
     if (error != CL_SUCCESS) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY, "%s: buffer %s of %zu bytes: %s (%d)", function,
                                  name, bytes, svo_i_cl_error_name(error), error);
     }
     *out = buffer;
     return SVO_OK;
+}
+
+svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
+{
+    const char *wrong = svo_i_wrong_queue(device->context, device->device, queue);
+    return wrong == NULL ? SVO_OK : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
+}
+
+svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait)
+{
+    const char *wrong = svo_i_wrong_wait(device->context, num_wait, wait);
+    return wrong == NULL ? SVO_OK : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
+}
+
+svo_status svo_i_device_check_memory(svo_device *device, const char *function, const char *name, cl_mem memory,
+                                     size_t bytes)
+{
+    const char *wrong = svo_i_wrong_memory(device->context, memory);
+    size_t held = 0;
+    if (wrong != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s %s", function, name, wrong);
+    }
+    const cl_int error = clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof held, &held, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, function, "clGetMemObjectInfo", error);
+    }
+    return held >= bytes ? SVO_OK
+                         : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s holds %zu bytes, below %zu",
+                                             function, name, held, bytes);
 }
 
 /* The device's own queue, attached to it. */
@@ -131,8 +108,13 @@ static void release_queue(svo_i_attachment *attachment)
 svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out)
 {
     const svo_i_attachment *known = svo_i_attachment_find(device->attachments, release_queue);
-    if (given != NULL || known != NULL) {
-        *out = given != NULL ? given : ((const own_queue *)known)->queue;
+    if (given != NULL) {
+        SVO_I_TRY(svo_i_device_check_queue(device, function, given));
+        *out = given;
+        return SVO_OK;
+    }
+    if (known != NULL) {
+        *out = ((const own_queue *)known)->queue;
         return SVO_OK;
     }
     own_queue *own = calloc(1, sizeof *own);
@@ -151,6 +133,21 @@ svo_status svo_i_device_queue(svo_device *device, const char *function, cl_comma
     return SVO_OK;
 }
 
+bool svo_i_event_settle(cl_event event)
+{
+    cl_int status = CL_QUEUED;
+    for (unsigned i = 0; i < SETTLE_ATTEMPTS && status > CL_COMPLETE; ++i) {
+        if (clWaitForEvents(1, &event) == CL_SUCCESS) {
+            return true;
+        }
+        /* A command that failed has ended too: its status is negative. */
+        if (clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL) != CL_SUCCESS) {
+            status = CL_QUEUED;
+        }
+    }
+    return status <= CL_COMPLETE;
+}
+
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text)
 {
     if (device->log != NULL) {
@@ -158,52 +155,8 @@ void svo_i_device_log(const svo_device *device, svo_log_level level, const char 
     }
 }
 
-/* A string property of a device, by malloc; NULL on failure. */
-static char *device_text(cl_device_id device, cl_device_info property)
-{
-    size_t bytes = 0;
-    if (clGetDeviceInfo(device, property, 0, NULL, &bytes) != CL_SUCCESS) {
-        return NULL;
-    }
-    char *text = calloc(bytes + 1, 1);
-    if (text != NULL && bytes > 0) {
-        clGetDeviceInfo(device, property, bytes, text, NULL);
-    }
-    return text;
-}
-
-static char *platform_text(cl_platform_id platform)
-{
-    size_t bytes = 0;
-    if (clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, NULL, &bytes) != CL_SUCCESS) {
-        return NULL;
-    }
-    char *text = calloc(bytes + 1, 1);
-    if (text != NULL && bytes > 0) {
-        clGetPlatformInfo(platform, CL_PLATFORM_NAME, bytes, text, NULL);
-    }
-    return text;
-}
-
-/* "platform: device", by malloc; NULL on failure. */
-static char *full_name(cl_device_id device)
-{
-    cl_platform_id platform = NULL;
-    clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, &platform, NULL);
-    char *platform_name = platform_text(platform);
-    char *device_name = device_text(device, CL_DEVICE_NAME);
-    char *name = NULL;
-    if (platform_name != NULL && device_name != NULL) {
-        const size_t bytes = strlen(platform_name) + strlen(device_name) + 3;
-        name = malloc(bytes);
-        if (name != NULL) {
-            (void)snprintf(name, bytes, "%s: %s", platform_name, device_name);
-        }
-    }
-    free(platform_name);
-    free(device_name);
-    return name;
-}
+/* The public function, for its messages. */
+#define CREATE "svo_device_create"
 
 /* Whether the device can run the kernels: OpenCL 1.2, little-endian, work-groups of SVO_GROUP_ITEMS. */
 static svo_status check_device(cl_device_id device, const char *name, svo_message *message)
@@ -212,52 +165,83 @@ static svo_status check_device(cl_device_id device, const char *name, svo_messag
     size_t group_items = 0;
     unsigned major = 0;
     unsigned minor = 0;
-    char *version = device_text(device, CL_DEVICE_VERSION);
-    const bool known = version != NULL && sscanf(version, "OpenCL %u.%u", &major, &minor) == 2;
+    char *version = NULL;
+    SVO_I_TRY(svo_i_device_text(device, CL_DEVICE_VERSION, CREATE, &version, message));
+    const bool known = sscanf(version, "OpenCL %u.%u", &major, &minor) == 2;
     free(version);
     if (!known || major * 10 + minor < 12) {
-        return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s has OpenCL %u.%u, below 1.2", name, major,
-                          minor);
+        return svo_i_fail(message, SVO_UNSUPPORTED, CREATE ": %s has OpenCL %u.%u, below 1.2", name, major, minor);
     }
-    clGetDeviceInfo(device, CL_DEVICE_ENDIAN_LITTLE, sizeof little, &little, NULL);
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_ENDIAN_LITTLE, sizeof little, &little, CREATE, message));
     if (!little) {
-        return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s is big-endian", name);
+        return svo_i_fail(message, SVO_UNSUPPORTED, CREATE ": %s is big-endian", name);
     }
-    clGetDeviceInfo(device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof group_items, &group_items, NULL);
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof group_items, &group_items, CREATE,
+                                    message));
     if (group_items < SVO_GROUP_ITEMS) {
-        return svo_i_fail(message, SVO_UNSUPPORTED, "svo_device_create: %s has work-groups of %zu items, below %d",
-                          name, group_items, SVO_GROUP_ITEMS);
+        return svo_i_fail(message, SVO_UNSUPPORTED, CREATE ": %s has work-groups of %zu items, below %d", name,
+                          group_items, SVO_GROUP_ITEMS);
     }
     return SVO_OK;
 }
 
-/* Whether the context has the device; and the limits that the builder depends on. */
-static svo_status query_limits(svo_device *handle, cl_context context, cl_device_id device, svo_message *message)
+/* Whether the device is the other one, or a part of it. */
+static bool is_part_of(cl_device_id device, cl_device_id other)
 {
-    cl_device_id devices[64];
+    while (device != NULL && device != other) {
+        cl_device_id parent = NULL;
+        clGetDeviceInfo(device, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
+        device = parent;
+    }
+    return device == other;
+}
+
+/* Whether the context has the device. PoCL lists the whole device for a context that was made for a part of it. */
+static svo_status check_context(cl_context context, cl_device_id device, svo_message *message)
+{
     size_t bytes = 0;
-    cl_int error = clGetContextInfo(context, CL_CONTEXT_DEVICES, sizeof devices, devices, &bytes);
+    cl_int error = clGetContextInfo(context, CL_CONTEXT_DEVICES, 0, NULL, &bytes);
+    cl_device_id *devices = error == CL_SUCCESS ? calloc(1, bytes + 1) : NULL;
+    if (error == CL_SUCCESS && devices == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the context's devices");
+    }
+    error = error == CL_SUCCESS ? clGetContextInfo(context, CL_CONTEXT_DEVICES, bytes, devices, NULL) : error;
     bool found = false;
-    for (size_t i = 0; error == CL_SUCCESS && i < bytes / sizeof devices[0]; ++i) {
-        found = found || devices[i] == device;
+    for (size_t i = 0; error == CL_SUCCESS && i < bytes / sizeof *devices; ++i) {
+        found = found || is_part_of(device, devices[i]);
     }
-    if (!found) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_device_create: device does not belong to context");
-    }
-    cl_device_type type = 0;
-    error = clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
-    if (error == CL_SUCCESS) {
-        error = clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong), &handle->max_allocation_bytes,
-                                NULL);
-    }
-    if (error == CL_SUCCESS) {
-        error = clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, NULL);
-    }
+    free(devices);
     if (error != CL_SUCCESS) {
-        return svo_i_fail(message, SVO_CL_ERROR, "svo_device_create: clGetDeviceInfo failed with %s (%d)",
-                          svo_i_cl_error_name(error), error);
+        return svo_i_fail_cl(message, CREATE, "clGetContextInfo", error);
     }
+    return found ? SVO_OK : svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": device does not belong to context");
+}
+
+/* The limits that builds depend on. */
+static svo_status query_limits(svo_device *handle, cl_device_id device, svo_message *message)
+{
+    cl_device_type type = 0;
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
+                                    &handle->max_allocation_bytes, CREATE, message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, CREATE,
+                                    message));
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    return SVO_OK;
+}
+
+/* Takes both references of a handle, or none. */
+static svo_status retain(cl_context context, cl_device_id device, svo_message *message)
+{
+    cl_int error = clRetainContext(context);
+    if (error != CL_SUCCESS) {
+        return svo_i_fail_cl(message, CREATE, "clRetainContext", error);
+    }
+    error = clRetainDevice(device);
+    if (error != CL_SUCCESS) {
+        clReleaseContext(context);
+        return svo_i_fail_cl(message, CREATE, "clRetainDevice", error);
+    }
     return SVO_OK;
 }
 
@@ -265,134 +249,44 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
                              svo_device **out, svo_message *message)
 {
     if (context == NULL || device == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_device_create: context, device or out is NULL");
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": context, device or out is NULL");
     }
     svo_device_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, "svo_device_create", "options", options, &asked,
+    SVO_I_TRY(svo_i_struct_read(message, CREATE, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
-    svo_device *handle = calloc(1, sizeof *handle);
-    char *name = full_name(device);
-    if (handle == NULL || name == NULL) {
-        free(handle);
-        free(name);
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_device_create: no memory for the handle");
+    if (asked.max_threads != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          CREATE ": options.max_threads %u is for svo_device_create_default; pass a part of the device "
+                                 "instead",
+                          asked.max_threads);
     }
     svo_status status = SVO_OK;
+    char *name = NULL;
+    svo_device *handle = calloc(1, sizeof *handle);
+    svo_i_budget *budget = asked.max_device_bytes != 0 ? svo_i_budget_create(asked.max_device_bytes) : NULL;
+    if (handle == NULL || (asked.max_device_bytes != 0 && budget == NULL)) {
+        status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the handle");
+        goto cleanup;
+    }
+    SVO_I_TRY_CLEANUP(svo_i_device_full_name(device, CREATE, &name, message));
     SVO_I_TRY_CLEANUP(check_device(device, name, message));
-    SVO_I_TRY_CLEANUP(query_limits(handle, context, device, message));
+    SVO_I_TRY_CLEANUP(check_context(context, device, message));
+    SVO_I_TRY_CLEANUP(query_limits(handle, device, message));
+    SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
+    handle->budget = budget;
     handle->log = asked.log;
     handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
-    clRetainContext(context);
-    clRetainDevice(device);
     *out = handle;
     return SVO_OK;
 
 cleanup:
+    svo_i_budget_release(budget);
     free(handle);
     free(name);
     return status;
-}
-
-/* Whether part occurs in text, ignoring the case of letters. */
-static bool contains(const char *text, const char *part)
-{
-    const size_t length = strlen(part);
-    for (; *text != '\0'; ++text) {
-        if (strncasecmp(text, part, length) == 0) {
-            return true;
-        }
-    }
-    return length == 0;
-}
-
-/* What svo_device_create_default searches for, and the best device so far. */
-typedef struct device_search {
-    const char *wanted; /* NULL: anything */
-    bool by_index;
-    unsigned platform_index, device_index;
-    cl_device_id found;
-    bool found_gpu;
-} device_search;
-
-static void search_platform(device_search *search, cl_platform_id platform, unsigned platform_index)
-{
-    cl_uint count = 0;
-    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count) != CL_SUCCESS || count == 0) {
-        return;
-    }
-    cl_device_id *devices = calloc(count, sizeof(cl_device_id));
-    if (devices == NULL || clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices, NULL) != CL_SUCCESS) {
-        free(devices);
-        return;
-    }
-    for (unsigned i = 0; i < count; ++i) {
-        if (search->by_index) {
-            if (platform_index == search->platform_index && i == search->device_index) {
-                search->found = devices[i];
-            }
-            continue;
-        }
-        char *name = full_name(devices[i]);
-        const bool matches = name != NULL && (search->wanted == NULL || contains(name, search->wanted));
-        free(name);
-        cl_device_type type = 0;
-        clGetDeviceInfo(devices[i], CL_DEVICE_TYPE, sizeof type, &type, NULL);
-        const bool gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
-        if (matches && (search->found == NULL || (gpu && !search->found_gpu))) {
-            search->found = devices[i];
-            search->found_gpu = gpu;
-        }
-    }
-    free(devices);
-}
-
-static svo_status find_device(const char *wanted, cl_device_id *out, svo_message *message)
-{
-    cl_uint count = 0;
-    if (clGetPlatformIDs(0, NULL, &count) != CL_SUCCESS || count == 0) {
-        return svo_i_fail(message, SVO_NO_DEVICE, "svo_device_create_default: no OpenCL platform is installed");
-    }
-    cl_platform_id *platforms = calloc(count, sizeof(cl_platform_id));
-    if (platforms == NULL || clGetPlatformIDs(count, platforms, NULL) != CL_SUCCESS) {
-        free(platforms);
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_device_create_default: cannot list %u platforms",
-                          count);
-    }
-    device_search search = {.wanted = wanted};
-    char rest = '\0';
-    search.by_index =
-        wanted != NULL && sscanf(wanted, "%u.%u%c", &search.platform_index, &search.device_index, &rest) == 2;
-    for (unsigned i = 0; i < count; ++i) {
-        search_platform(&search, platforms[i], i);
-    }
-    free(platforms);
-    if (search.found == NULL) {
-        return svo_i_fail(message, SVO_NO_DEVICE, "svo_device_create_default: no OpenCL device matches \"%s\"",
-                          wanted != NULL ? wanted : "");
-    }
-    *out = search.found;
-    return SVO_OK;
-}
-
-svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message)
-{
-    cl_device_id device = NULL;
-    svo_device_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, "svo_device_create_default", "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
-    SVO_I_TRY(find_device(asked.device_name, &device, message));
-    cl_int error = CL_SUCCESS;
-    cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, &error);
-    if (error != CL_SUCCESS) {
-        return svo_i_fail(message, SVO_CL_ERROR, "svo_device_create_default: clCreateContext failed with %s (%d)",
-                          svo_i_cl_error_name(error), error);
-    }
-    const svo_status created = svo_device_create(context, device, &asked, out, message);
-    clReleaseContext(context);
-    return created;
 }
 
 void svo_device_destroy(svo_device **device)
@@ -403,6 +297,7 @@ void svo_device_destroy(svo_device **device)
     svo_i_attachments_clear(&(*device)->attachments);
     clReleaseContext((*device)->context);
     clReleaseDevice((*device)->device);
+    svo_i_budget_release((*device)->budget);
     free((*device)->name);
     free(*device);
     *device = NULL;

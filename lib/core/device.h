@@ -6,6 +6,8 @@
 #include <stdbool.h>
 
 #include "core/attachment.h"
+#include "core/budget.h"
+#include "core/cl_error.h"
 #include "core/message.h"
 #include "svocl/device.h"
 
@@ -18,6 +20,7 @@ struct svo_device {
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
     bool is_cpu;
+    svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
     svo_message message;
@@ -28,22 +31,33 @@ SVO_I_SHARED_BEGIN
 /* Sets the device's message and returns status. device: NULL allowed. */
 svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* "function: clCall failed with CL_NAME (-n)"; out-of-memory errors become SVO_OUT_OF_DEVICE_MEMORY. */
+/* svo_i_fail_cl into the device's message. device: NULL allowed. */
 svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const char *call, cl_int error);
-const char *svo_i_cl_error_name(cl_int error);
 
 /* Makes a buffer of at least one byte. SVO_OUT_OF_DEVICE_MEMORY names buffer, bytes and limit. */
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
 
-/* The message to write for a device; NULL without one (a tree from a file has none). */
+/* The device's message; NULL without a device (a tree from a file has none). */
 svo_message *svo_i_device_message(svo_device *device);
 
-/* The queue that is given, or for NULL the device's own in-order queue, made on first use and owned by the device. */
+/* The queue that is given, after svo_i_device_check_queue, or for NULL the device's own in-order queue, made on first
+   use and owned by the device. */
 svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out);
+
+/* Waits for an event whose command uses memory that is about to be released, also where clWaitForEvents fails without
+   having waited. Returns false where the command may still run. */
+bool svo_i_event_settle(cl_event event);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
 SVO_I_SHARED_END
+
+/* Refuse a caller's objects that are of another context, or NULL; name: of the argument, for the message. A queue must
+   also be of this device, and memory a buffer of at least so many bytes. */
+svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue);
+svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
+svo_status svo_i_device_check_memory(svo_device *device, const char *function, const char *name, cl_mem memory,
+                                     size_t bytes);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes whose arrays lie in buffers of a device: read back to the host, where the pipeline's first stage (grid.c)
- * snaps them. Interleaved arrays are packed on the way.
+ * Meshes whose arrays lie in buffers of a device. They are read back to the host, where the pipeline's first step
+ * (plan/grid.c) snaps them. Interleaved arrays are packed.
  */
 #include "core/mesh.h"
 
@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/device.h"
+#include "core/foreign.h"
 #include "core/struct_size.h"
 
 struct svo_mesh_copy {
@@ -40,7 +41,7 @@ const svo_mesh *svo_mesh_copy_get(const svo_mesh_copy *copy)
     return &copy->mesh;
 }
 
-/* The bytes from the array's first to behind its last element; they must lie in the buffer. */
+/* *span_bytes: from the start of the first to the end of the last element. Fails if the span leaves the buffer. */
 static svo_status span_of(const svo_i_mesh_reader *reader, const array *from, size_t stride_bytes, size_t *span_bytes,
                           svo_message *message)
 {
@@ -55,15 +56,15 @@ static svo_status span_of(const svo_i_mesh_reader *reader, const array *from, si
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s does not fit the address space", reader->function,
                           from->name);
     }
-    const svo_status status = reader->size(reader->self, from->view, &held_bytes, message);
-    if (status == SVO_OK && end_bytes > held_bytes) {
+    SVO_I_TRY(reader->size(reader->self, from->name, from->view, &held_bytes, message));
+    if (end_bytes > held_bytes) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s ends at byte %zu of a buffer of %zu bytes",
                           reader->function, from->name, end_bytes, held_bytes);
     }
-    return status;
+    return SVO_OK;
 }
 
-/* Moves elements that lie stride_bytes apart together, in place. */
+/* Removes the gaps between elements that lie stride_bytes apart, in place. */
 static void pack(unsigned char *bytes, const array *from, size_t stride_bytes)
 {
     for (size_t i = 1; i < from->count && stride_bytes > from->element_bytes; ++i) {
@@ -71,7 +72,7 @@ static void pack(unsigned char *bytes, const array *from, size_t stride_bytes)
     }
 }
 
-/* *out stays NULL for an array that is empty or absent. */
+/* Reads and packs an array. *out stays NULL for one that is empty or absent. */
 static svo_status read_array(const svo_i_mesh_reader *reader, const array *from, void **out, svo_message *message)
 {
     if (from->count == 0 || !reader->has(from->view)) {
@@ -79,16 +80,17 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
     }
     const size_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
     size_t span_bytes = 0;
-    svo_status status = span_of(reader, from, stride_bytes, &span_bytes, message);
-    if (status != SVO_OK || span_bytes == 0) {
-        return status;
+    SVO_I_TRY(span_of(reader, from, stride_bytes, &span_bytes, message));
+    if (span_bytes == 0) {
+        return SVO_OK;
     }
     unsigned char *bytes = malloc(span_bytes);
     if (bytes == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no %zu bytes for %s", reader->function, span_bytes,
                           from->name);
     }
-    status = reader->read(reader->self, from->view, from->view->offset_bytes, span_bytes, bytes, message);
+    const svo_status status =
+        reader->read(reader->self, from->view, from->view->offset_bytes, span_bytes, bytes, message);
     if (status != SVO_OK) {
         free(bytes);
         return status;
@@ -98,7 +100,7 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
     return SVO_OK;
 }
 
-/* Indices of 16 bits become indices of 32. */
+/* Replaces indices of 16 bits by indices of 32 bits. */
 static svo_status widen_indices(const svo_i_mesh_reader *reader, size_t count, void **indices, svo_message *message)
 {
     const uint16_t *narrow = *indices;
@@ -143,10 +145,7 @@ static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_
                              {"uvs", &buffers->uvs, vertices, 8},
                              {"triangle_materials", &buffers->triangle_materials, triangles, 2}};
     for (size_t i = 0; i < 6; ++i) {
-        const svo_status status = read_array(reader, &arrays[i], &copy->arrays[i], message);
-        if (status != SVO_OK) {
-            return status;
-        }
+        SVO_I_TRY(read_array(reader, &arrays[i], &copy->arrays[i], message));
     }
     return copy->arrays[1] != NULL && index_bytes == 2 ? widen_indices(reader, triangles * 3, &copy->arrays[1], message)
                                                        : SVO_OK;
@@ -185,6 +184,7 @@ svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reade
 /* Reading through a queue. */
 typedef struct queue_reader {
     cl_command_queue queue;
+    cl_context context; /* the queue's */
     cl_uint wait_count;
     const cl_event *wait;
 } queue_reader;
@@ -200,9 +200,14 @@ static svo_status fail_cl(svo_message *message, const char *call, cl_int error)
                       error);
 }
 
-static svo_status memory_size(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message)
+static svo_status memory_size(void *self, const char *name, const svo_mesh_view *view, size_t *bytes,
+                              svo_message *message)
 {
-    (void)self;
+    const queue_reader *reader = self;
+    const char *wrong = svo_i_wrong_memory(reader->context, view->memory);
+    if (wrong != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_mesh_read: %s %s", name, wrong);
+    }
     const cl_int error = clGetMemObjectInfo(view->memory, CL_MEM_SIZE, sizeof *bytes, bytes, NULL);
     return error == CL_SUCCESS ? SVO_OK : fail_cl(message, "clGetMemObjectInfo", error);
 }
@@ -226,6 +231,14 @@ svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue
                                           : "out");
     }
     queue_reader self = {.queue = queue, .wait_count = num_wait, .wait = wait};
+    const cl_int error = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(cl_context), &self.context, NULL);
+    if (error != CL_SUCCESS) {
+        return fail_cl(message, "clGetCommandQueueInfo", error);
+    }
+    const char *wrong = svo_i_wrong_wait(self.context, num_wait, wait);
+    if (wrong != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_mesh_read: %s", wrong);
+    }
     const svo_i_mesh_reader reader = {
         .function = "svo_mesh_read", .self = &self, .has = has_memory, .size = memory_size, .read = read_memory};
     return svo_i_mesh_read(buffers, &reader, out, message);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a mesh from buffers: what OpenCL (mesh.c) and OpenGL (glinterop/share/mesh_read.c) have in common. */
+/* Reading a mesh from buffers: shared by OpenCL (mesh.c) and OpenGL (glinterop/share/mesh_read.c). */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 
@@ -12,8 +12,8 @@ typedef struct svo_i_mesh_reader {
     const char *function; /* for messages */
     void *self;
     bool (*has)(const svo_mesh_view *view); /* whether the view names a buffer */
-    /* How many bytes the buffer holds. */
-    svo_status (*size)(void *self, const svo_mesh_view *view, size_t *bytes, svo_message *message);
+    /* How many bytes the buffer holds. name: of the view, for messages. */
+    svo_status (*size)(void *self, const char *name, const svo_mesh_view *view, size_t *bytes, svo_message *message);
     svo_status (*read)(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
                        svo_message *message);
 } svo_i_mesh_reader;

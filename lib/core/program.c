@@ -6,21 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEFINES_BYTES 512
-
 /* A program that was compiled, attached to its device. */
 typedef struct compiled_program {
     svo_i_attachment attachment;
     svo_i_program_kind kind;
-    char defines[DEFINES_BYTES];
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program;
+    bool is_fresh; /* loaded, and not used yet */
 } compiled_program;
 
 /* Made by cmake/embed.cmake. */
-extern const char svo_i_source_build[];
-extern const char svo_i_source_cast[];
-extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_subdivide[];
 extern const char svo_i_source_sort[];
+extern const char svo_i_source_pack[];
+extern const char svo_i_source_filter[];
+extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 
@@ -31,11 +32,35 @@ static void release_program(svo_i_attachment *attachment)
     free(entry);
 }
 
-static const compiled_program *find_program(const svo_device *device, svo_i_program_kind kind, const char *defines)
+const char *svo_i_program_kind_name(svo_i_program_kind kind)
+{
+    static const char *const names[SVO_I_PROGRAM_KINDS] = {
+        [SVO_I_PROGRAM_SUBDIVIDE] = "subdivide", [SVO_I_PROGRAM_SORT] = "sort",         [SVO_I_PROGRAM_PACK] = "pack",
+        [SVO_I_PROGRAM_FILTER] = "filter",       [SVO_I_PROGRAM_VOXELIZE] = "voxelize", [SVO_I_PROGRAM_CAST] = "cast",
+        [SVO_I_PROGRAM_TRACE] = "trace",         [SVO_I_PROGRAM_VIEW] = "view"};
+    return names[kind];
+}
+
+const char *svo_i_program_source(svo_i_program_kind kind)
+{
+    const char *const sources[SVO_I_PROGRAM_KINDS] = {
+        [SVO_I_PROGRAM_SUBDIVIDE] = svo_i_source_subdivide, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
+        [SVO_I_PROGRAM_PACK] = svo_i_source_pack,           [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
+        [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,   [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
+        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,         [SVO_I_PROGRAM_VIEW] = svo_i_source_view};
+    return sources[kind];
+}
+
+void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
+{
+    (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s", defines);
+}
+
+static compiled_program *find_program(const svo_device *device, svo_i_program_kind kind, const char *defines)
 {
     svo_i_attachment *at = svo_i_attachment_find(device->attachments, release_program);
     while (at != NULL) {
-        const compiled_program *entry = (const compiled_program *)at;
+        compiled_program *entry = (compiled_program *)at;
         if (entry->kind == kind && strcmp(entry->defines, defines) == 0) {
             return entry;
         }
@@ -65,13 +90,9 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
 static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                           cl_program *out)
 {
-    const char *const sources[SVO_I_PROGRAM_KINDS] = {
-        [SVO_I_PROGRAM_BUILD] = svo_i_source_build,       [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-        [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
-        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,       [SVO_I_PROGRAM_VIEW] = svo_i_source_view};
-    const char *source = sources[kind];
-    char options[DEFINES_BYTES + 32];
-    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s", defines);
+    const char *source = svo_i_program_source(kind);
+    char options[SVO_I_PROGRAM_OPTIONS_BYTES];
+    svo_i_program_options(defines, options);
     cl_int error = CL_SUCCESS;
     cl_program program = clCreateProgramWithSource(device->context, 1, &source, NULL, &error);
     if (error != CL_SUCCESS) {
@@ -89,42 +110,90 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
     return SVO_OK;
 }
 
-svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                             cl_program *out, bool *fresh)
+/* Attaches a program to its device, which owns it from then on; after a failure the caller still does. */
+static svo_status attach(svo_device *device, const char *function, const svo_i_program_entry *made, bool is_fresh)
 {
-    if (fresh != NULL) {
-        *fresh = false;
-    }
-    const compiled_program *known = find_program(device, kind, defines);
-    if (known != NULL) {
-        *out = known->program;
-        return SVO_OK;
-    }
     compiled_program *entry = calloc(1, sizeof *entry);
     if (entry == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
     }
-    if (strlen(defines) >= sizeof entry->defines) {
-        free(entry);
-        return svo_i_device_fail(device, SVO_INTERNAL, "%s: defines take %zu bytes, above %d", function,
-                                 strlen(defines), DEFINES_BYTES - 1);
-    }
-    const double start_ms = svo_i_now_ms();
-    const svo_status status = compile(device, function, kind, defines, &entry->program);
-    device->compile_ms += svo_i_now_ms() - start_ms;
-    if (status != SVO_OK) {
-        free(entry);
-        return status;
-    }
-    memcpy(entry->defines, defines, strlen(defines) + 1);
-    entry->kind = kind;
+    memcpy(entry->defines, made->defines, strlen(made->defines) + 1);
+    entry->kind = made->kind;
+    entry->program = made->program;
+    entry->is_fresh = is_fresh;
     entry->attachment.destroy = release_program;
     svo_i_attachment_add(&device->attachments, &entry->attachment);
-    *out = entry->program;
+    return SVO_OK;
+}
+
+static svo_status check_defines(svo_device *device, const char *function, const char *defines)
+{
+    return strlen(defines) < SVO_I_PROGRAM_DEFINES_BYTES
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INTERNAL, "%s: defines take %zu bytes, above %d", function,
+                                   strlen(defines), SVO_I_PROGRAM_DEFINES_BYTES - 1);
+}
+
+/* Compiles a program and attaches it. */
+static svo_status make_program(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
+                               cl_program *out)
+{
+    svo_i_program_entry made = {.kind = kind, .defines = defines};
+    SVO_I_TRY(check_defines(device, function, defines));
+    const double start_ms = svo_i_now_ms();
+    svo_status status = compile(device, function, kind, defines, &made.program);
+    device->compile_ms += svo_i_now_ms() - start_ms;
+    SVO_I_TRY(status);
+    status = attach(device, function, &made, false);
+    if (status != SVO_OK) {
+        clReleaseProgram(made.program);
+        return status;
+    }
+    *out = made.program;
+    return SVO_OK;
+}
+
+svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
+                             cl_program *out, bool *fresh)
+{
+    compiled_program *known = find_program(device, kind, defines);
+    if (known == NULL) {
+        SVO_I_TRY(make_program(device, function, kind, defines, out));
+        if (fresh != NULL) {
+            *fresh = true;
+        }
+        return SVO_OK;
+    }
+    *out = known->program;
     if (fresh != NULL) {
-        *fresh = true;
+        *fresh = known->is_fresh;
+        known->is_fresh = false;
     }
     return SVO_OK;
+}
+
+bool svo_i_program_at(const svo_device *device, size_t index, svo_i_program_entry *entry)
+{
+    svo_i_attachment *at = svo_i_attachment_find(device->attachments, release_program);
+    for (; at != NULL && index > 0; --index) {
+        at = svo_i_attachment_find(at->next, release_program);
+    }
+    const compiled_program *found = (const compiled_program *)at;
+    if (found != NULL) {
+        *entry = (svo_i_program_entry){found->kind, found->defines, found->program};
+    }
+    return found != NULL;
+}
+
+bool svo_i_program_known(const svo_device *device, svo_i_program_kind kind, const char *defines)
+{
+    return find_program(device, kind, defines) != NULL;
+}
+
+svo_status svo_i_program_add(svo_device *device, const char *function, const svo_i_program_entry *loaded)
+{
+    SVO_I_TRY(check_defines(device, function, loaded->defines));
+    return attach(device, function, loaded, true);
 }
 
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,

@@ -9,12 +9,18 @@
 #include "core/device.h"
 
 typedef enum svo_i_program_kind {
-    SVO_I_PROGRAM_BUILD, /* fragment, subdivide, scan, link, pack, attribute, filter */
-    SVO_I_PROGRAM_CAST, /* cast */
-    SVO_I_PROGRAM_VOXELIZE, /* fragment, group, overlap, voxelize */
-    SVO_I_PROGRAM_SORT, /* fragment, group, scan, sort, bottom_up */
-    SVO_I_PROGRAM_TRACE, /* rays, trace, nearest */
-    SVO_I_PROGRAM_VIEW, /* rays, view */
+    /* Those of the builder's stages. A program holds what depends on the same defines, so that a plan with other needs
+       compiles little anew. */
+    SVO_I_PROGRAM_SUBDIVIDE, /* scan, subdivide */
+    SVO_I_PROGRAM_SORT, /* scan, sort, bottom_up */
+    SVO_I_PROGRAM_PACK, /* scan, pack */
+    SVO_I_PROGRAM_FILTER, /* link, material, filter */
+    SVO_I_PROGRAM_STAGE_KINDS,
+
+    SVO_I_PROGRAM_VOXELIZE = SVO_I_PROGRAM_STAGE_KINDS, /* voxelize */
+    SVO_I_PROGRAM_CAST, /* render */
+    SVO_I_PROGRAM_TRACE, /* trace, nearest */
+    SVO_I_PROGRAM_VIEW, /* view */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 
@@ -28,6 +34,32 @@ typedef enum svo_i_program_kind {
  */
 svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
                              cl_program *out, bool *fresh);
+
+/* Names a kind: "subdivide", "filter", ...; static string. */
+const char *svo_i_program_kind_name(svo_i_program_kind kind);
+
+/* What a program is compiled from. */
+const char *svo_i_program_source(svo_i_program_kind kind);
+
+/* The options that a program is compiled with. */
+#define SVO_I_PROGRAM_DEFINES_BYTES 512
+#define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 32)
+void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
+
+/* A program that a device has. */
+typedef struct svo_i_program_entry {
+    svo_i_program_kind kind;
+    const char *defines;
+    cl_program program; /* owned by the device */
+} svo_i_program_entry;
+
+/* The device's programs by their index; false beyond the last. */
+bool svo_i_program_at(const svo_device *device, size_t index, svo_i_program_entry *entry);
+/* Whether the device has the program. */
+bool svo_i_program_known(const svo_device *device, svo_i_program_kind kind, const char *defines);
+/* Gives a device a program that was loaded, which it owns from then on. svo_i_program_get says once that it is fresh,
+   since its kernels were not launched yet. */
+svo_status svo_i_program_add(svo_device *device, const char *function, const svo_i_program_entry *loaded);
 
 /* A new kernel, which the caller releases. */
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,

@@ -35,6 +35,9 @@ void svo_tree_destroy(svo_tree **tree)
             clReleaseMemObject((*tree)->buffers[i]);
         }
     }
+    if ((*tree)->build_state != NULL) {
+        clReleaseMemObject((*tree)->build_state);
+    }
     free(*tree);
     *tree = NULL;
 }
@@ -49,8 +52,35 @@ void svo_i_tree_forget(svo_tree *tree)
     svo_i_attachments_clear(&tree->derived);
 }
 
+const char *svo_i_tree_undefined(const svo_tree *tree)
+{
+    switch (tree->content) {
+    case SVO_I_TREE_EMPTY:
+        return "nothing was built into the tree; call svo_build_enqueue and svo_tree_finish first";
+    case SVO_I_TREE_IN_FLIGHT:
+        return "the tree's build is in flight; call svo_tree_finish first";
+    case SVO_I_TREE_FAILED:
+        return "the tree's last build failed, which leaves it undefined";
+    case SVO_I_TREE_ABANDONED:
+        return "the tree's workspace was destroyed before its build was finished";
+    default:
+        return NULL;
+    }
+}
+
+svo_status svo_i_tree_check(const svo_tree *tree, const char *function)
+{
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *undefined = svo_i_tree_undefined(tree);
+    return undefined == NULL ? SVO_OK
+                             : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
+}
+
 svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
 {
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_get_info"));
     return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_info", "info", &tree->info, info,
                               SVO_I_STRUCT_SIZES(svo_tree_info, level_begin));
 }
@@ -63,13 +93,14 @@ const char *svo_tree_buffer_name(svo_tree_buffer buffer)
     return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
-svo_tree_buffer svo_i_tree_buffer_named(const char *name)
+cl_mem *svo_i_tree_slot(svo_tree *tree, const char *name)
 {
-    svo_tree_buffer buffer = SVO_TREE_CHILD_MASK;
-    while (buffer < SVO_TREE_BUFFER_COUNT && strcmp(svo_tree_buffer_name(buffer), name) != 0) {
-        ++buffer;
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        if (strcmp(svo_tree_buffer_name(i), name) == 0) {
+            return &tree->buffers[i];
+        }
     }
-    return buffer;
+    return &tree->build_state;
 }
 
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
@@ -155,8 +186,14 @@ cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer)
     return buffer < SVO_TREE_BUFFER_COUNT ? tree->buffers[buffer] : NULL;
 }
 
+cl_mem svo_tree_get_build_state(const svo_tree *tree)
+{
+    return tree != NULL ? tree->build_state : NULL;
+}
+
 svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
 {
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_get_arrays"));
     const svo_tree_arrays held = {.child_mask = tree->host[SVO_TREE_CHILD_MASK],
                                   .first_child = tree->host[SVO_TREE_FIRST_CHILD],
                                   .colors = tree->host[SVO_TREE_COLORS],
@@ -212,7 +249,7 @@ bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **arra
     return true;
 }
 
-/* Reads one array into memory of its own; *out stays NULL for an array that the tree does not hold. */
+/* Reads an array into new memory. *out stays NULL for an array that the tree does not hold. */
 static svo_status download_array(const svo_tree *tree, cl_command_queue queue, svo_tree_buffer buffer, void **out)
 {
     static const char function[] = "svo_tree_download";
@@ -239,13 +276,7 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 {
     void *host[SVO_TREE_BUFFER_COUNT] = {NULL};
     svo_status status = SVO_OK;
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    if (tree->pending != NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "svo_tree_download: the tree's build is in flight; call svo_tree_finish first");
-    }
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_download"));
     if (tree->downloaded) {
         return SVO_OK;
     }
@@ -267,7 +298,7 @@ cleanup:
     return status;
 }
 
-/* Makes a buffer of one array; *out stays NULL for an array that the tree does not hold. */
+/* Makes a buffer for an array. *out stays NULL for an array that the tree does not hold. */
 static svo_status upload_array(const svo_tree *tree, svo_device *device, cl_command_queue queue, svo_tree_buffer buffer,
                                cl_mem *out)
 {
@@ -291,6 +322,7 @@ svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue 
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: %s is NULL",
                                  tree == NULL ? "tree" : "device");
     }
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_upload"));
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_upload: the tree is on %s already",
                                  tree->device->name);
@@ -315,7 +347,7 @@ cleanup:
     return status;
 }
 
-/* One array after its length, so that different trees never feed the hash the same bytes. */
+/* Hashes the array's length and then its bytes, so that different trees never hash the same sequence of bytes. */
 static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffer buffer)
 {
     const uint64_t bytes = host_bytes(tree, buffer);
@@ -327,17 +359,17 @@ static void hash_array(XXH3_state_t *state, const svo_tree *tree, svo_tree_buffe
 
 svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[SVO_HASH_TEXT_BYTES])
 {
-    if (tree == NULL || text == NULL) {
-        return SVO_INVALID_ARGUMENT;
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_hash"));
+    if (text == NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_hash: text is NULL");
     }
     if (!tree->downloaded) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_hash: the tree has no host arrays; call svo_tree_download first");
     }
-    XXH3_state_t *state = XXH3_createState();
-    if (state == NULL) {
-        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "svo_tree_hash: no memory for the hash state");
-    }
+    XXH3_state_t stack; /* a tree from a file has no message that a lack of memory could be told in */
+    XXH3_state_t *state = &stack;
+    XXH3_INITSTATE(state);
     XXH3_128bits_reset(state);
     const svo_tree_info *info = &tree->info;
     const uint32_t words[3] = {info->depth, info->coverage, info->snap_bits};
@@ -356,7 +388,6 @@ svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[S
         hash_array(state, tree, SVO_TREE_FILLS);
     }
     const XXH128_hash_t hash = XXH3_128bits_digest(state);
-    XXH3_freeState(state);
     (void)snprintf(text, SVO_HASH_TEXT_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
                    (unsigned long long)hash.low64);
     return SVO_OK;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The tree's fields and what is known of its arrays, for the builder, the files and the rays. */
+/* The tree's fields and the properties of its arrays, for builds, files and rays. */
 #ifndef SVO_LIB_CORE_TREE_H
 #define SVO_LIB_CORE_TREE_H
 
@@ -12,17 +12,31 @@
 struct svo_workspace;
 struct svo_i_pending;
 
+/* What a tree's arrays hold. Only those of a complete tree are defined. */
+typedef enum svo_i_tree_content {
+    SVO_I_TREE_COMPLETE = 0, /* built, or from a file */
+    SVO_I_TREE_EMPTY, /* of a workspace; nothing was built yet */
+    SVO_I_TREE_IN_FLIGHT, /* a build is pending */
+    SVO_I_TREE_FAILED, /* the last build failed */
+    SVO_I_TREE_ABANDONED /* the workspace was destroyed before the pending build was finished */
+} svo_i_tree_content;
+
+/* The name of svo_tree.build_state among the buffers of a plan. */
+#define SVO_I_TREE_BUILD_STATE "build_state"
+
 struct svo_tree {
     svo_tree_info info;
     svo_device *device; /* NULL: never on a device */
+    svo_i_tree_content content;
     cl_mem buffers[SVO_TREE_BUFFER_COUNT]; /* device copies, owned; NULL where absent */
+    cl_mem build_state; /* svo_build_state of the last enqueued build, owned; NULL for other trees */
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
     svo_i_attachment *attachments; /* kept until the tree is destroyed */
-    svo_i_attachment *derived; /* made of the buffers, and released when they change */
-    struct svo_workspace *workspace; /* whose builds go into it; NULL: none, or no more */
+    svo_i_attachment *derived; /* computed from the buffers, and released when they change */
+    struct svo_workspace *workspace; /* whose builds fill it; NULL: none, or no longer */
     svo_tree *next; /* of the workspace's trees */
     struct svo_i_pending *pending; /* the build that is filling it; NULL: none */
-    bool downloaded; /* host[] is what the tree holds (an array of no element stays NULL) */
+    bool downloaded; /* host[] has all arrays of the tree (an empty array stays NULL) */
 };
 
 SVO_I_SHARED_BEGIN
@@ -30,24 +44,31 @@ SVO_I_SHARED_BEGIN
 /* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
 svo_tree *svo_i_tree_new(void);
 
-/* The array of that name; SVO_TREE_BUFFER_COUNT: none. */
-svo_tree_buffer svo_i_tree_buffer_named(const char *name);
+/* Why the tree's content is undefined, for a message; NULL for a complete tree. */
+const char *svo_i_tree_undefined(const svo_tree *tree);
 
 /* Releases the host arrays and all that is derived from the buffers, which are about to change. */
 void svo_i_tree_forget(svo_tree *tree);
 
-/* What info says of an array: whether the tree holds it, whether as one element for all nodes, and its element count
-   and bytes. They apply to the device and to files; on the host there is an element for every node. */
+/* The properties of an array that follow from info: whether the tree holds it, whether one element stands for all
+   nodes, its element count, and the bytes of an element. They apply to the device and to files; host arrays have an
+   element for every node. */
 bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_payload_count(const svo_tree_info *info); /* nodes that have payload */
 bool svo_i_tree_is_constant(const svo_tree_info *info, svo_tree_buffer buffer);
 uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buffer);
 size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
 
-/* Repeats the element of a constant array, by malloc, for every node. False when out of memory; the array stays as it
-   was. */
+/* Grows a constant array, by realloc, to an element for every node. Returns false, with the array unchanged, when out
+   of memory. */
 bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array);
 
 SVO_I_SHARED_END
+
+/* Refuses a tree that is NULL or not complete. function: for the message. */
+svo_status svo_i_tree_check(const svo_tree *tree, const char *function);
+
+/* The buffer of that name, which the tree of a workspace has: an array or its build state. */
+cl_mem *svo_i_tree_slot(svo_tree *tree, const char *name);
 
 #endif

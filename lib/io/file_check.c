@@ -94,7 +94,7 @@ static svo_status check_lists(const check *job)
     return SVO_OK;
 }
 
-/* Only vertices that a triangle uses must be in range; others may belong to refused triangles. */
+/* Only vertices that a triangle uses must be in range; no hit depends on the others. */
 static svo_status check_corner(const check *job, uint64_t corner)
 {
     const uint32_t vertex = job->arrays.indices[corner];

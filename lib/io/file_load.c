@@ -27,6 +27,10 @@
 #define ZSTD_BLOCK_STORED_BYTES_MIN 4
 #define ZSTD_BLOCK_PLAIN_BYTES_MAX  ((uint64_t)128 * 1024)
 
+/* Grids of builds are 2^20 to 2^24 units wide (lib/plan/plan.c). Rays depend on at least 2^16. */
+#define SNAP_BITS_MIN 20
+#define SNAP_BITS_MAX 24
+
 typedef struct load_state {
     const char *name;
     svo_message *message;
@@ -129,9 +133,9 @@ static svo_status check_values(const load_state *state)
         return damaged(state, "header: depth %" PRIu32 " is outside %d .. %d", header->depth, SVO_DEPTH_MIN,
                        SVO_DEPTH_MAX);
     }
-    if (header->snap_bits < header->depth || header->snap_bits > 24) {
-        return damaged(state, "header: snap_bits %" PRIu32 " is outside %" PRIu32 " .. 24", header->snap_bits,
-                       header->depth);
+    if (header->snap_bits < SNAP_BITS_MIN || header->snap_bits > SNAP_BITS_MAX) {
+        return damaged(state, "header: snap_bits %" PRIu32 " is outside %d .. %d", header->snap_bits, SNAP_BITS_MIN,
+                       SNAP_BITS_MAX);
     }
     if (header->coverage > SVO_COVERAGE_THIN) {
         return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);

@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Trees to .svo files. Chunks are written to a temporary file beside the target; the header follows when their lengths
- * and checksums are known. A complete and flushed file is then renamed to the target.
+ * Trees to .svo files. The header has the chunks' lengths and checksums, and a pipe cannot go back to it. So the chunks
+ * are measured, and compressed into memory if asked for, before anything is written. output/output.c makes the file.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <errno.h>
-#include <fcntl.h>
-#include <stdio.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -20,67 +16,51 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_format.h"
+#include "output/output.h"
 
 #define COMPRESSION_LEVEL 3
-#define NAME_ATTEMPTS     1000
 
 typedef struct save_state {
     const svo_tree *tree;
-    const char *path;
+    const char *name; /* begins messages: the path or the function */
     svo_message *message;
-    int file;
+    svo_write_callback write;
+    void *user;
     bool compress;
     file_head head;
+    void *packed[SVO_TREE_BUFFER_COUNT]; /* compressed chunks, in the order of head.chunks; NULL: written as they are */
 } save_state;
 
-static svo_status fail_errno(const save_state *state, const char *what)
+/* Compresses an array if that makes it smaller; *packed stays NULL if not. The caller frees it. */
+static svo_status pack(const save_state *state, const void *plain, size_t plain_bytes, void **packed,
+                       uint64_t *packed_bytes)
 {
-    return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: %s: %s", state->path, what, strerror(errno));
-}
-
-static svo_status write_at(const save_state *state, uint64_t offset, const void *bytes, size_t byte_count)
-{
-    const char *from = bytes;
-    while (byte_count > 0) {
-        const ssize_t written = pwrite(state->file, from, byte_count, (off_t)offset);
-        if (written < 0 && errno == EINTR) {
-            continue;
-        }
-        if (written <= 0) {
-            return fail_errno(state, "cannot be written");
-        }
-        from += written;
-        offset += (uint64_t)written;
-        byte_count -= (size_t)written;
+    const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
+    void *bytes = malloc(bound_bytes);
+    if (bytes == NULL) {
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes", state->name,
+                          bound_bytes);
     }
+    const size_t byte_count = ZSTD_compress(bytes, bound_bytes, plain, plain_bytes, COMPRESSION_LEVEL);
+    if (ZSTD_isError(byte_count)) {
+        free(bytes);
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->name,
+                          ZSTD_getErrorName(byte_count));
+    }
+    if (byte_count >= plain_bytes) {
+        free(bytes);
+        return SVO_OK;
+    }
+    void *shrunk = realloc(bytes, byte_count);
+    if (shrunk != NULL) {
+        bytes = shrunk;
+    }
+    *packed = bytes;
+    *packed_bytes = byte_count;
     return SVO_OK;
 }
 
-/* Writes an array compressed if that is smaller. *stored_bytes: its length in the file; 0: nothing was written. */
-static svo_status write_compressed(const save_state *state, uint64_t offset, const void *plain, size_t plain_bytes,
-                                   uint64_t *stored_bytes)
-{
-    *stored_bytes = 0;
-    const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
-    void *packed = malloc(bound_bytes);
-    if (packed == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes", state->path,
-                          bound_bytes);
-    }
-    svo_status status = SVO_OK;
-    const size_t packed_bytes = ZSTD_compress(packed, bound_bytes, plain, plain_bytes, COMPRESSION_LEVEL);
-    if (ZSTD_isError(packed_bytes)) {
-        status = svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->path,
-                            ZSTD_getErrorName(packed_bytes));
-    } else if (packed_bytes < plain_bytes) {
-        status = write_at(state, offset, packed, packed_bytes);
-        *stored_bytes = packed_bytes;
-    }
-    free(packed);
-    return status;
-}
-
-static svo_status write_chunk(const save_state *state, uint64_t offset, file_chunk *chunk)
+static svo_status measure_chunk(const save_state *state, file_chunk *chunk, void **packed)
 {
     const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
     const void *plain = state->tree->host[kind];
@@ -88,22 +68,18 @@ static svo_status write_chunk(const save_state *state, uint64_t offset, file_chu
     if (!svo_i_mul_size((size_t)svo_i_tree_element_count(&state->tree->info, kind), svo_i_tree_element_bytes(kind),
                         &plain_bytes) ||
         (plain_bytes > 0 && plain == NULL)) {
-        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT, "svo_tree_save: the tree's array %s is missing",
+        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT, "%s: the tree's array %s is missing", state->name,
                           svo_tree_buffer_name(kind));
     }
-    chunk->offset = offset;
     chunk->plain_bytes = plain_bytes;
     chunk->hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
-    if (state->compress && plain_bytes > 0) {
-        SVO_I_TRY(write_compressed(state, offset, plain, plain_bytes, &chunk->stored_bytes));
-        if (chunk->stored_bytes > 0) {
-            chunk->codec = FILE_CODEC_ZSTD;
-            return SVO_OK;
-        }
-    }
     chunk->codec = FILE_CODEC_STORED;
     chunk->stored_bytes = plain_bytes;
-    return write_at(state, offset, plain, plain_bytes);
+    if (state->compress && plain_bytes > 0) {
+        SVO_I_TRY(pack(state, plain, plain_bytes, packed, &chunk->stored_bytes));
+        chunk->codec = *packed != NULL ? FILE_CODEC_ZSTD : FILE_CODEC_STORED;
+    }
+    return SVO_OK;
 }
 
 static void fill_header(file_header *header, const svo_tree_info *info)
@@ -131,7 +107,8 @@ static void fill_header(file_header *header, const svo_tree_info *info)
     header->header_bytes = (uint32_t)(sizeof *header + header->chunk_count * sizeof(file_chunk));
 }
 
-static svo_status write_tree(save_state *state)
+/* Fills the header and the chunk table, and compresses the chunks. */
+static svo_status measure(save_state *state)
 {
     file_header *header = &state->head.header;
     fill_header(header, &state->tree->info);
@@ -141,92 +118,99 @@ static svo_status write_tree(save_state *state)
         if (!svo_i_tree_holds(&state->tree->info, (svo_tree_buffer)i)) {
             continue;
         }
-        file_chunk *chunk = &state->head.chunks[chunk_index++];
-        chunk->kind = i;
-        SVO_I_TRY(write_chunk(state, offset, chunk));
+        file_chunk *chunk = &state->head.chunks[chunk_index];
+        *chunk = (file_chunk){.kind = i, .offset = offset};
+        SVO_I_TRY(measure_chunk(state, chunk, &state->packed[chunk_index]));
         offset += chunk->stored_bytes;
+        ++chunk_index;
     }
     header->file_bytes = offset;
     header->header_hash =
         XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, header->header_bytes - FILE_HASH_BEGIN);
-    return write_at(state, 0, &state->head, header->header_bytes);
-}
-
-/* Opens PATH.N.tmp for the first free N; the caller frees *temporary. */
-static svo_status open_temporary(save_state *state, char **temporary)
-{
-    const size_t name_bytes = strlen(state->path) + 64;
-    char *name = malloc(name_bytes);
-    if (name == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a file name", state->path);
-    }
-    errno = EEXIST;
-    for (int i = 0; i < NAME_ATTEMPTS && state->file < 0 && errno == EEXIST; ++i) {
-        (void)snprintf(name, name_bytes, "%s.%ld.%d.tmp", state->path, (long)getpid(), i);
-        state->file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    }
-    if (state->file < 0) {
-        free(name);
-        return fail_errno(state, "cannot be written");
-    }
-    *temporary = name;
     return SVO_OK;
 }
 
-/* Makes the rename durable. Failure is ignored: the file is complete and has its name, and some file systems cannot
-   synchronize directories. */
-static void sync_directory(const char *path)
+static svo_status put(const save_state *state, uint64_t offset, const void *bytes, size_t byte_count)
 {
-    char *directory = strdup(path);
-    if (directory == NULL) {
-        return;
+    if (byte_count > 0 && state->write(state->user, bytes, byte_count) != 0) {
+        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: %zu bytes at %" PRIu64 " could not be written",
+                          state->name, byte_count, offset);
     }
-    char *slash = strrchr(directory, '/');
-    if (slash != NULL) {
-        slash[slash == directory ? 1 : 0] = '\0';
-    }
-    const int descriptor = open(slash != NULL ? directory : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor >= 0) {
-        (void)fsync(descriptor);
-        close(descriptor);
-    }
-    free(directory);
+    return SVO_OK;
 }
 
-static svo_status flush_and_close(save_state *state)
+static svo_status write_all(const save_state *state)
 {
-    svo_status status = SVO_OK;
-    if (fsync(state->file) != 0) {
-        status = fail_errno(state, "cannot be written");
+    const file_header *header = &state->head.header;
+    SVO_I_TRY(put(state, 0, &state->head, header->header_bytes));
+    for (uint32_t i = 0; i < header->chunk_count; ++i) {
+        const file_chunk *chunk = &state->head.chunks[i];
+        const void *bytes = state->packed[i] != NULL ? state->packed[i] : state->tree->host[chunk->kind];
+        SVO_I_TRY(put(state, chunk->offset, bytes, (size_t)chunk->stored_bytes));
     }
-    if (close(state->file) != 0 && status == SVO_OK) {
-        status = fail_errno(state, "cannot be written");
-    }
-    state->file = -1;
-    return status;
+    return SVO_OK;
 }
 
-static svo_status save_by_rename(save_state *state)
+static svo_status write_tree(save_state *state)
 {
     svo_status status = SVO_OK;
-    char *temporary = NULL;
-    SVO_I_TRY(open_temporary(state, &temporary));
-    SVO_I_TRY_CLEANUP(write_tree(state));
-    SVO_I_TRY_CLEANUP(flush_and_close(state));
-    if (rename(temporary, state->path) != 0) {
-        status = fail_errno(state, "cannot be written");
-        goto cleanup;
-    }
-    sync_directory(state->path);
+    SVO_I_TRY_CLEANUP(measure(state));
+    SVO_I_TRY_CLEANUP(write_all(state));
 cleanup:
-    if (state->file >= 0) {
-        close(state->file);
+    for (size_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        free(state->packed[i]);
     }
-    if (status != SVO_OK) {
-        (void)unlink(temporary);
-    }
-    free(temporary);
     return status;
+}
+
+/* Checks what svo_tree_save and svo_tree_write have in common. */
+static svo_status start(const char *function, const svo_tree *tree, const svo_save_options *options,
+                        svo_message *message, save_state *state)
+{
+    svo_save_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    const char *undefined = svo_i_tree_undefined(tree);
+    if (undefined != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
+    }
+    if (!tree->downloaded) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: the tree has no host arrays; call svo_tree_download first", function);
+    }
+    *state = (save_state){.tree = tree, .name = function, .message = message, .compress = asked.compress != 0};
+    return SVO_OK;
+}
+
+svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user, const svo_save_options *options,
+                          svo_message *message)
+{
+    if (tree == NULL || write == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_write: %s is NULL", tree == NULL ? "tree" : "write");
+    }
+    save_state state = {.tree = tree};
+    SVO_I_TRY(start("svo_tree_write", tree, options, message, &state));
+    state.write = write;
+    state.user = user;
+    return write_tree(&state);
+}
+
+/* An output and the first error of writing to it. */
+typedef struct sink {
+    svo_i_output output;
+    int error;
+} sink;
+
+static int write_to_sink(void *user, const void *bytes, size_t byte_count)
+{
+    sink *to = user;
+    to->error = svo_i_output_write(&to->output, bytes, byte_count);
+    return to->error;
+}
+
+static svo_status fail_errno(svo_message *message, const char *path, int error)
+{
+    return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
 }
 
 svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options, svo_message *message)
@@ -234,18 +218,20 @@ svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_
     if (tree == NULL || path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: %s is NULL", tree == NULL ? "tree" : "path");
     }
-    svo_save_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, "svo_tree_save", "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
-    if (!tree->downloaded) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                          "svo_tree_save: the tree has no host arrays; call svo_tree_download first");
+    sink to = {.output = {.descriptor = -1}};
+    save_state state = {.tree = tree};
+    SVO_I_TRY(start("svo_tree_save", tree, options, message, &state));
+    state.name = path;
+    state.write = write_to_sink;
+    state.user = &to;
+    to.error = svo_i_output_open(path, NULL, &to.output);
+    if (to.error != 0) {
+        return fail_errno(message, path, to.error);
     }
-    struct stat entry;
-    if (stat(path, &entry) == 0 && !S_ISREG(entry.st_mode)) {
-        /* The rename would replace a device or a pipe. */
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: not a regular file", path);
+    svo_status status = write_tree(&state);
+    if (status == SVO_OK) {
+        to.error = svo_i_output_commit(&to.output);
     }
-    save_state state = {.tree = tree, .path = path, .message = message, .file = -1, .compress = asked.compress != 0};
-    return save_by_rename(&state);
+    svo_i_output_abandon(&to.output);
+    return to.error != 0 ? fail_errno(message, path, to.error) : status;
 }

@@ -16,12 +16,13 @@
 #include "io/import_process.h"
 #include "io/import_stream.h"
 
-#define DEFAULT_MEMORY_BYTES  ((uint64_t)8 << 30)
-#define DEFAULT_TIME_SECONDS  120
-#define DEFAULT_CHILD_PROGRAM "/proc/self/exe"
+#define HELPER_PATH_BYTES    4096
+#define DEFAULT_MEMORY_BYTES ((uint64_t)8 << 30)
+#define DEFAULT_TIME_SECONDS 5
+#define BYTES_PER_SECOND     1000000 /* more time for each */
 
 /* Errors for which the system has a better message than a reader: missing, a directory, no permission. */
-static svo_status check_file(const char *path, svo_message *message)
+static svo_status check_file(const char *path, uint64_t *byte_count, svo_message *message)
 {
     const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) {
@@ -34,9 +35,32 @@ static svo_status check_file(const char *path, svo_message *message)
     } else if (!S_ISREG(entry.st_mode)) {
         status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
                             S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
+    } else {
+        *byte_count = (uint64_t)entry.st_size;
     }
     close(file);
     return status;
+}
+
+/* Options without zeros. helper: room for the path of the helper program. */
+static svo_status fill_options(svo_import_options *options, uint64_t byte_count, char *helper, size_t helper_bytes,
+                               svo_message *message)
+{
+    if (options->memory_limit_bytes == 0) {
+        options->memory_limit_bytes = DEFAULT_MEMORY_BYTES;
+    }
+    if (options->time_limit_seconds == 0) {
+        const uint64_t seconds = DEFAULT_TIME_SECONDS + byte_count / BYTES_PER_SECOND;
+        options->time_limit_seconds = seconds < UINT32_MAX ? (uint32_t)seconds : UINT32_MAX;
+    }
+    if (options->child_program == NULL) {
+        const svo_status status = svo_import_helper(helper, helper_bytes, message);
+        if (status != SVO_OK) {
+            return status == SVO_FILE_ERROR ? SVO_IMPORT_FAILED : status;
+        }
+        options->child_program = helper;
+    }
+    return SVO_OK;
 }
 
 static svo_status check_arguments(const char *path, svo_import *const *out, svo_message *message)
@@ -57,24 +81,30 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
 {
     svo_status status = SVO_OK;
     svo_import_options filled;
+    char helper[HELPER_PATH_BYTES];
+    uint64_t byte_count = 0;
     SVO_I_TRY(check_arguments(path, out, message));
     SVO_I_TRY(svo_i_struct_read(message, "svo_import_file", "options", options, &filled,
                                 SVO_I_STRUCT_SIZES(svo_import_options, time_limit_seconds)));
-    SVO_I_TRY(check_file(path, message));
-    filled.memory_limit_bytes = filled.memory_limit_bytes != 0 ? filled.memory_limit_bytes : DEFAULT_MEMORY_BYTES;
-    filled.time_limit_seconds = filled.time_limit_seconds != 0 ? filled.time_limit_seconds : DEFAULT_TIME_SECONDS;
-    filled.child_program = filled.child_program != NULL ? filled.child_program : DEFAULT_CHILD_PROGRAM;
+    SVO_I_TRY(check_file(path, &byte_count, message));
+    SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
     svo_import *import = calloc(1, sizeof *import);
     if (import == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
     }
     SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, import, message));
-    SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, log, log_user, message));
+    SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
     *out = import;
     import = NULL;
 cleanup:
     svo_import_destroy(&import);
     return status;
+}
+
+svo_status svo_import_get_info(const svo_import *import, svo_import_info *info)
+{
+    return svo_i_struct_write(NULL, "svo_import_get_info", "info", &import->info, info,
+                              SVO_I_STRUCT_SIZES(svo_import_info, warnings));
 }
 
 const svo_mesh *svo_import_mesh(const svo_import *import)

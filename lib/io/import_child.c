@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child: sets its own resource limits, reads the file with assimp and writes the mesh to its parent. On some
- * broken files assimp 5.2.5 crashes, hangs or allocates without end; here that ends this process alone.
+ * The import child: sets its own resource limits, reads the file and writes the mesh to its parent. OBJ, PLY, STL and
+ * OFF have readers of their own (import_formats.h), assimp reads the formats with scenes. On some broken files assimp
+ * 5.2.5 crashes, hangs or allocates without end; here that ends this process alone.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <assimp/cimport.h>
@@ -14,6 +15,8 @@
 #include <unistd.h>
 
 #include "core/message.h"
+#include "io/import_file.h"
+#include "io/import_formats.h"
 #include "io/import_gather.h"
 #include "io/import_process.h"
 #include "io/import_scene.h"
@@ -71,24 +74,58 @@ static int report_failure(const char *words, uint64_t memory_bytes)
     return 1;
 }
 
-static int read_and_send(const char *path, uint64_t memory_bytes)
+/* Reads with assimp. Returns 0, or the exit code after reporting a failure. */
+static int read_with_assimp(const char *path, uint64_t memory_bytes, gather *mesh)
 {
-    if (svo_i_stream_write(IMPORT_CHILD_STREAM, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
-        return 1;
-    }
     const struct aiScene *scene = read_scene(path);
     if (scene == NULL) {
         const char *words = aiGetErrorString();
         return report_failure(words != NULL && words[0] != '\0' ? words : "not understood", memory_bytes);
     }
-    gather mesh = {0};
-    const char *failure = svo_i_import_gather_scene(scene, path, IMPORT_CHILD_STREAM, &mesh);
+    const char *failure = svo_i_import_gather_scene(scene, path, IMPORT_CHILD_STREAM, mesh);
     aiReleaseImport(scene);
-    int result = 0;
-    if (failure != NULL) {
-        result = report_failure(failure, memory_bytes);
-    } else if (svo_i_gather_send(&mesh, IMPORT_CHILD_STREAM) != 0 ||
-               svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_END, NULL, 0) != 0) {
+    return failure != NULL ? report_failure(failure, memory_bytes) : 0;
+}
+
+/* Reads with one of the library's readers, or with assimp. Returns 0, or the exit code after reporting a failure. */
+static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stream_counts *counts)
+{
+    file_bytes file;
+    svo_message message = {""};
+    const char *trouble = svo_i_file_open(path, &file);
+    if (trouble != NULL) {
+        return report_failure(trouble, memory_bytes);
+    }
+    const mesh_format format = svo_i_mesh_format(path, file.bytes, file.byte_count);
+    svo_status status = SVO_OK;
+    if (format != MESH_FORMAT_OTHER) {
+        mesh_reader reader = {.path = path,
+                              .bytes = file.bytes,
+                              .byte_count = file.byte_count,
+                              .stream = IMPORT_CHILD_STREAM,
+                              .mesh = mesh,
+                              .counts = counts,
+                              .message = &message};
+        status = svo_i_read_mesh(&reader, format);
+    }
+    svo_i_file_close(&file);
+    if (format == MESH_FORMAT_OTHER) {
+        return read_with_assimp(path, memory_bytes, mesh);
+    }
+    return status != SVO_OK ? report_failure(message.text, memory_bytes) : 0;
+}
+
+static int read_and_send(const char *path, uint64_t memory_bytes)
+{
+    gather mesh = {0};
+    stream_counts counts = {.reader = STREAM_READER_ASSIMP};
+    if (svo_i_stream_write(IMPORT_CHILD_STREAM, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
+        return 1;
+    }
+    int result = read_file(path, memory_bytes, &mesh, &counts);
+    if (result == 0 && (svo_i_gather_send(&mesh, IMPORT_CHILD_STREAM) != 0 ||
+                        svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_COUNTS, &counts, sizeof counts) != 0 ||
+                        svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_END, NULL, 0) != 0)) {
         result = 1;
     }
     svo_i_gather_free(&mesh);

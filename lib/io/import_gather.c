@@ -12,9 +12,9 @@
 #include "core/message.h"
 #include "io/import_stream.h"
 
-#define EMPTY            UINT32_MAX
-#define FIRST_CAPACITY   ((size_t)1024)
-#define SEND_BLOCK_COUNT 4096 /* vertices per block that is written */
+#define FIRST_CAPACITY    ((size_t)1024)
+#define MATCH_BLOCK_COUNT 32 /* vertices that are looked up together */
+#define SEND_BLOCK_COUNT  4096 /* vertices per block that is written */
 
 static_assert(sizeof(gather_vertex) == 36, "a vertex is compared as bytes and must have no padding");
 
@@ -44,50 +44,149 @@ static bool is_same(const gather_vertex *a, const gather_vertex *b)
     return memcmp((const uint8_t *)a, (const uint8_t *)b, sizeof *a) == 0;
 }
 
-/* The vertex's slot, or the free one where it belongs: linear probing. */
-static size_t find_slot(const gather *mesh, const gather_vertex *vertex)
+static uint32_t hash_of(const gather_vertex *vertex)
 {
-    size_t slot = (size_t)XXH3_64bits(vertex, sizeof *vertex) & (mesh->slot_count - 1);
-    while (mesh->slots[slot] != EMPTY && !is_same(&mesh->vertices[mesh->slots[slot]], vertex)) {
+    return (uint32_t)XXH3_64bits(vertex, sizeof *vertex);
+}
+
+/* The vertex's slot, or the free one where it belongs: linear probing. */
+static size_t find_slot(const gather *mesh, const gather_vertex *vertex, uint32_t hash)
+{
+    size_t slot = hash & (mesh->slot_count - 1);
+    while (mesh->slots[slot].index != GATHER_NO_VERTEX &&
+           (mesh->slots[slot].hash != hash || !is_same(&mesh->vertices[mesh->slots[slot].index], vertex))) {
         slot = (slot + 1) & (mesh->slot_count - 1);
     }
     return slot;
 }
 
-static bool grow_slots(gather *mesh)
+/* A larger table, which takes over the slots in use by their hashes. */
+static bool grow_slots(gather *mesh, size_t slot_count)
 {
-    const size_t slot_count = mesh->slot_count == 0 ? 2 * FIRST_CAPACITY : 2 * mesh->slot_count;
-    uint32_t *slots = malloc(slot_count * sizeof *slots);
+    gather_slot *slots = malloc(slot_count * sizeof *slots);
     if (slots == NULL) {
         return false;
     }
     memset(slots, 0xff, slot_count * sizeof *slots);
+    for (size_t i = 0; i < mesh->slot_count; ++i) {
+        if (mesh->slots[i].index != GATHER_NO_VERTEX) {
+            size_t slot = mesh->slots[i].hash & (slot_count - 1);
+            while (slots[slot].index != GATHER_NO_VERTEX) {
+                slot = (slot + 1) & (slot_count - 1);
+            }
+            slots[slot] = mesh->slots[i];
+        }
+    }
     free(mesh->slots);
     mesh->slots = slots;
     mesh->slot_count = slot_count;
-    for (size_t i = 0; i < mesh->vertex_count; ++i) {
-        mesh->slots[find_slot(mesh, &mesh->vertices[i])] = (uint32_t)i;
+    return true;
+}
+
+static bool resize(void **array, size_t capacity, size_t element_bytes)
+{
+    size_t bytes = 0;
+    void *grown = svo_i_mul_size(capacity, element_bytes, &bytes) ? realloc(*array, bytes) : NULL;
+    if (grown != NULL) {
+        *array = grown;
     }
+    return grown != NULL;
+}
+
+/* Looks the vertices of a block up, all of whose slots are on their way from memory. */
+static void match_block(const gather_vertex *vertices, size_t begin, size_t end, const uint32_t *hashes,
+                        gather_slot *slots, size_t mask, uint32_t *first)
+{
+    for (size_t i = begin; i < end; ++i) {
+        const uint32_t hash = hashes[i - begin];
+        size_t slot = hash & mask;
+        while (slots[slot].index != GATHER_NO_VERTEX &&
+               (slots[slot].hash != hash || !is_same(&vertices[slots[slot].index], &vertices[i]))) {
+            slot = (slot + 1) & mask;
+        }
+        if (slots[slot].index == GATHER_NO_VERTEX) {
+            slots[slot] = (gather_slot){.hash = hash, .index = (uint32_t)i};
+        }
+        first[i] = slots[slot].index;
+    }
+}
+
+bool svo_i_gather_match(const gather_vertex *vertices, size_t count, uint32_t *first)
+{
+    uint32_t hashes[MATCH_BLOCK_COUNT];
+    size_t slot_count = 2 * FIRST_CAPACITY;
+    while (slot_count / 2 < count) {
+        slot_count *= 2;
+    }
+    gather_slot *slots = malloc(slot_count * sizeof *slots);
+    if (slots == NULL) {
+        return false;
+    }
+    memset(slots, 0xff, slot_count * sizeof *slots);
+    for (size_t begin = 0; begin < count; begin += MATCH_BLOCK_COUNT) {
+        const size_t end = count - begin < MATCH_BLOCK_COUNT ? count : begin + MATCH_BLOCK_COUNT;
+        for (size_t i = begin; i < end; ++i) {
+            hashes[i - begin] = hash_of(&vertices[i]);
+            __builtin_prefetch(&slots[hashes[i - begin] & (slot_count - 1)], 1);
+        }
+        match_block(vertices, begin, end, hashes, slots, slot_count - 1, first);
+    }
+    free(slots);
+    return true;
+}
+
+bool svo_i_gather_reserve(gather *mesh, size_t vertex_count, size_t triangle_count, bool hashed)
+{
+    size_t slot_count = 2 * FIRST_CAPACITY;
+    while (slot_count / 2 <= vertex_count && slot_count <= SIZE_MAX / 4) {
+        slot_count *= 2;
+    }
+    void *vertices = mesh->vertices, *indices = mesh->indices, *materials = mesh->triangle_materials;
+    bool done = !hashed || slot_count <= mesh->slot_count || grow_slots(mesh, slot_count);
+    if (done && vertex_count > mesh->vertex_capacity) {
+        done = resize(&vertices, vertex_count, sizeof *mesh->vertices);
+        mesh->vertices = vertices;
+        mesh->vertex_capacity = done ? vertex_count : mesh->vertex_capacity;
+    }
+    if (done && triangle_count > mesh->triangle_capacity) {
+        done = resize(&indices, triangle_count, 3 * sizeof *mesh->indices);
+        mesh->indices = indices;
+        done = done && resize(&materials, triangle_count, sizeof *mesh->triangle_materials);
+        mesh->triangle_materials = materials;
+        mesh->triangle_capacity = done ? triangle_count : mesh->triangle_capacity;
+    }
+    return done;
+}
+
+bool svo_i_gather_append(gather *mesh, const gather_vertex *vertex, uint32_t *index)
+{
+    void *vertices = mesh->vertices;
+    if (mesh->vertex_count >= GATHER_NO_VERTEX ||
+        !reserve(&vertices, mesh->vertex_count, &mesh->vertex_capacity, sizeof *vertex)) {
+        return false;
+    }
+    mesh->vertices = vertices;
+    mesh->vertices[mesh->vertex_count] = *vertex;
+    *index = (uint32_t)mesh->vertex_count++;
     return true;
 }
 
 bool svo_i_gather_vertex(gather *mesh, const gather_vertex *vertex, uint32_t *index)
 {
-    if (2 * (mesh->vertex_count + 1) > mesh->slot_count && !grow_slots(mesh)) {
+    if (2 * (mesh->vertex_count + 1) > mesh->slot_count &&
+        !grow_slots(mesh, mesh->slot_count == 0 ? 2 * FIRST_CAPACITY : 2 * mesh->slot_count)) {
         return false;
     }
-    const size_t slot = find_slot(mesh, vertex);
-    if (mesh->slots[slot] == EMPTY) {
-        void *vertices = mesh->vertices;
-        if (mesh->vertex_count >= GATHER_NO_VERTEX ||
-            !reserve(&vertices, mesh->vertex_count, &mesh->vertex_capacity, sizeof *vertex)) {
+    const uint32_t hash = hash_of(vertex);
+    gather_slot *slot = &mesh->slots[find_slot(mesh, vertex, hash)];
+    if (slot->index == GATHER_NO_VERTEX) {
+        uint32_t added = 0;
+        if (!svo_i_gather_append(mesh, vertex, &added)) {
             return false;
         }
-        mesh->vertices = vertices;
-        mesh->vertices[mesh->vertex_count] = *vertex;
-        mesh->slots[slot] = (uint32_t)mesh->vertex_count++;
+        *slot = (gather_slot){.hash = hash, .index = added};
     }
-    *index = mesh->slots[slot];
+    *index = slot->index;
     return true;
 }
 
@@ -125,6 +224,17 @@ bool svo_i_gather_material(gather *mesh, const svo_material *material)
     }
     mesh->materials[mesh->material_count++] = *material;
     return true;
+}
+
+void svo_i_gather_drop_plain_materials(gather *mesh)
+{
+    static const svo_material plain = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        if (memcmp(&mesh->materials[i], &plain, sizeof plain) != 0) {
+            return;
+        }
+    }
+    mesh->material_count = 0;
 }
 
 void svo_i_gather_free(gather *mesh)

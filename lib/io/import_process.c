@@ -24,6 +24,7 @@
 #include "io/import_stream.h"
 
 #define FIRST_READ_BYTES ((size_t)1 << 20)
+#define PIPE_BYTES       (1 << 20) /* of the answer on its way: the default is 64 KiB */
 #define NOT_STARTED_CODE 127 /* posix_spawn's exit code where exec fails in the child */
 
 typedef struct import_child {
@@ -120,6 +121,7 @@ static svo_status start(import_child *child)
                             strerror(errno));
     } else {
         char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, NULL};
+        (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* refused: more turns of both processes */
         const int error = spawn(child, arguments, environment, ends[1]);
         close(ends[1]);
         if (error == 0) {

@@ -40,6 +40,7 @@ typedef struct scene_reader {
     mesh_plan *plans;
     const char *failure;
     size_t polygon_count; /* left over by assimp's triangulation */
+    size_t small_count; /* points and lines */
 } scene_reader;
 
 /* Transforms */
@@ -159,7 +160,7 @@ static bool gather_face(scene_reader *reader, const transform *t, unsigned mesh_
 {
     const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
     if (face->mNumIndices != 3) {
-        reader->polygon_count += face->mNumIndices > 3 ? 1 : 0; /* fewer: a point or a line, not a triangle */
+        *(face->mNumIndices > 3 ? &reader->polygon_count : &reader->small_count) += 1;
         return true;
     }
     uint32_t corners[3] = {GATHER_NO_VERTEX, GATHER_NO_VERTEX, GATHER_NO_VERTEX};
@@ -302,18 +303,6 @@ static bool plan_meshes(scene_reader *reader, texture_list *textures)
     return done;
 }
 
-/* If all materials are plain white, the mesh is stored without any. */
-static void drop_plain_materials(gather *mesh)
-{
-    static const svo_material plain = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        if (memcmp(&mesh->materials[i], &plain, sizeof plain) != 0) {
-            return;
-        }
-    }
-    mesh->material_count = 0;
-}
-
 const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *path, int stream, gather *mesh)
 {
     if (scene->mRootNode == NULL) {
@@ -330,7 +319,10 @@ const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *p
             (void)svo_i_stream_text(stream, STREAM_WARNING, "%zu polygons could not be triangulated and are left out",
                                     reader.polygon_count);
         }
-        drop_plain_materials(mesh);
+        if (reader.small_count > 0) {
+            (void)svo_i_stream_text(stream, STREAM_WARNING, "%zu points and lines are left out", reader.small_count);
+        }
+        svo_i_gather_drop_plain_materials(mesh);
     } else if (reader.failure == NULL) {
         reader.failure = out_of_memory;
     }

@@ -73,6 +73,7 @@ int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...)
 typedef struct parse_state {
     svo_import *import;
     const char *path;
+    bool strict;
     svo_log_callback log;
     void *log_user;
     svo_message *message;
@@ -100,9 +101,10 @@ static svo_status take_text(const parse_state *state, stream_kind kind, const ui
 {
     svo_message text;
     copy_text(&text, payload, payload_bytes);
-    if (kind == STREAM_FAILURE) {
+    if (kind == STREAM_FAILURE || state->strict) {
         return svo_i_fail(state->message, SVO_IMPORT_FAILED, "%s: %s", state->path, text.text);
     }
+    ++state->import->info.warnings;
     if (state->log != NULL) {
         svo_message line;
         (void)svo_i_fail(&line, SVO_OK, "%s: %s", state->path, text.text);
@@ -224,6 +226,28 @@ static svo_status check_lengths(parse_state *state)
     return SVO_OK;
 }
 
+static svo_status take_counts(const parse_state *state)
+{
+    static const char *const readers[STREAM_READER_COUNT] = {"assimp", "obj", "ply", "stl", "off"};
+    stream_counts counts;
+    if (state->payload[STREAM_COUNTS] == NULL || state->payload_bytes[STREAM_COUNTS] != sizeof counts) {
+        return malformed(state, "no counts");
+    }
+    memcpy(&counts, state->payload[STREAM_COUNTS], sizeof counts);
+    if (counts.reader >= STREAM_READER_COUNT) {
+        return malformed(state, "an unknown reader");
+    }
+    svo_import_info *info = &state->import->info;
+    info->struct_size = sizeof *info;
+    info->reader = readers[counts.reader];
+    info->declared_vertices = counts.declared_vertices;
+    info->used_vertices = counts.used_vertices;
+    info->declared_faces = counts.declared_faces;
+    info->read_faces = counts.read_faces;
+    info->triangles = state->import->mesh.triangle_count;
+    return SVO_OK;
+}
+
 static svo_status check_materials(const parse_state *state)
 {
     const svo_mesh *mesh = &state->import->mesh;
@@ -256,16 +280,18 @@ static void fill_mesh(const parse_state *state)
     mesh->textures = state->import->textures;
 }
 
-svo_status svo_i_stream_parse(svo_import *import, const char *path, svo_log_callback log, void *log_user,
+svo_status svo_i_stream_parse(svo_import *import, const char *path, bool strict, svo_log_callback log, void *log_user,
                               svo_message *message)
 {
-    parse_state state = {.import = import, .path = path, .log = log, .log_user = log_user, .message = message};
+    parse_state state = {
+        .import = import, .path = path, .strict = strict, .log = log, .log_user = log_user, .message = message};
     if (import->byte_count < STREAM_GREETING_BYTES ||
         memcmp(import->bytes, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
         return malformed(&state, "it is not from an import child of this version");
     }
     SVO_I_TRY(take_frames(&state));
     SVO_I_TRY(check_lengths(&state));
+    SVO_I_TRY(take_counts(&state));
     fill_mesh(&state);
     return check_materials(&state);
 }

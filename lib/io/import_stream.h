@@ -7,12 +7,13 @@
 #ifndef SVO_LIB_IO_IMPORT_STREAM_H
 #define SVO_LIB_IO_IMPORT_STREAM_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp1\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp2\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 
@@ -27,6 +28,7 @@ typedef enum stream_kind {
     STREAM_UVS, /* 2 floats per vertex */
     STREAM_INDICES, /* 3 uint32_t per triangle */
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
+    STREAM_COUNTS, /* stream_counts */
     STREAM_END, /* empty: the answer is complete */
     STREAM_KIND_COUNT
 } stream_kind;
@@ -41,6 +43,21 @@ typedef struct stream_texture {
     uint32_t width, height, wrap_u, wrap_v;
 } stream_texture;
 
+/* Who read the file, and svo_import_info's counts. */
+typedef enum stream_reader {
+    STREAM_READER_ASSIMP = 0,
+    STREAM_READER_OBJ,
+    STREAM_READER_PLY,
+    STREAM_READER_STL,
+    STREAM_READER_OFF,
+    STREAM_READER_COUNT
+} stream_reader;
+
+typedef struct stream_counts {
+    uint64_t reader; /* stream_reader */
+    uint64_t declared_vertices, used_vertices, declared_faces, read_faces;
+} stream_counts;
+
 #define STREAM_TEXTURE_SIDE_MAX 16384 /* svo_texture's limit */
 
 /* The parent's result: a mesh that points into the stream's bytes. */
@@ -49,6 +66,7 @@ struct svo_import {
     size_t byte_count;
     svo_mesh mesh;
     svo_texture *textures;
+    svo_import_info info;
 };
 
 /* Child side. They return 0, or -1 when the parent is gone. A frame's payload may be written in parts. */
@@ -60,9 +78,10 @@ int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...) __a
 
 /*
  * Parent side: checks import->bytes and fills the rest of import. path: the mesh file, for messages and the log.
+ * strict: a warning is a failure.
  * Returns SVO_IMPORT_FAILED (the child's own failure, or an answer that is not well formed), SVO_OUT_OF_HOST_MEMORY.
  */
-svo_status svo_i_stream_parse(svo_import *import, const char *path, svo_log_callback log, void *log_user,
+svo_status svo_i_stream_parse(svo_import *import, const char *path, bool strict, svo_log_callback log, void *log_user,
                               svo_message *message);
 
 #endif

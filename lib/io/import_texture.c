@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "io/import_file.h"
 #include "io/import_stream.h"
 
 /* Static: a program that links the library may have its own stb_image. */
@@ -21,27 +22,6 @@
 #define STBI_MAX_DIMENSIONS STREAM_TEXTURE_SIDE_MAX
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
-
-/* The path relative to the mesh's folder, with either system's separators; NULL: no memory. */
-static char *resolve_path(const char *mesh_path, const char *texture_path)
-{
-    const char *slash = strrchr(mesh_path, '/');
-    const bool absolute = texture_path[0] == '/' || texture_path[0] == '\\';
-    const size_t folder_bytes = slash == NULL || absolute ? 0 : (size_t)(slash - mesh_path) + 1;
-    const size_t texture_bytes = strlen(texture_path) + 1;
-    char *path = malloc(folder_bytes + texture_bytes);
-    if (path == NULL) {
-        return NULL;
-    }
-    memcpy(path, mesh_path, folder_bytes);
-    memcpy(path + folder_bytes, texture_path, texture_bytes);
-    for (char *c = path + folder_bytes; *c != '\0'; ++c) {
-        if (*c == '\\') {
-            *c = '/';
-        }
-    }
-    return path;
-}
 
 /* Pixels from malloc and their size, or NULL and the reason. */
 static uint8_t *decode_file(const char *path, int *width, int *height, const char **trouble)
@@ -62,13 +42,10 @@ static uint8_t *decode_file(const char *path, int *width, int *height, const cha
 /* The same for an image inside the mesh file: still packed, or already texels in assimp's order. */
 static uint8_t *decode_embedded(const struct aiTexture *texture, int *width, int *height, const char **trouble)
 {
-    if (texture->mHeight == 0) {
+    if (texture->mHeight == 0 && texture->mWidth <= INT_MAX) {
         int channels = 0;
-        uint8_t *pixels = NULL;
-        if (texture->mWidth <= INT_MAX) {
-            pixels = stbi_load_from_memory((const uint8_t *)texture->pcData, (int)texture->mWidth, width, height,
-                                           &channels, 4);
-        }
+        uint8_t *pixels =
+            stbi_load_from_memory((const uint8_t *)texture->pcData, (int)texture->mWidth, width, height, &channels, 4);
         *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
         return pixels;
     }
@@ -107,11 +84,11 @@ static const struct aiTexture *find_embedded(const struct aiScene *scene, const 
 static uint8_t *decode(const texture_list *textures, const char *texture_path, int *width, int *height,
                        const char **trouble)
 {
-    const struct aiTexture *embedded = find_embedded(textures->scene, texture_path);
+    const struct aiTexture *embedded = textures->scene != NULL ? find_embedded(textures->scene, texture_path) : NULL;
     if (embedded != NULL) {
         return decode_embedded(embedded, width, height, trouble);
     }
-    char *path = resolve_path(textures->mesh_path, texture_path);
+    char *path = svo_i_file_beside(textures->mesh_path, texture_path);
     if (path == NULL) {
         *trouble = "out of memory";
         return NULL;

@@ -18,7 +18,7 @@ typedef struct texture_entry {
 } texture_entry;
 
 typedef struct texture_list {
-    const struct aiScene *scene;
+    const struct aiScene *scene; /* may have images in it; NULL: all are files */
     const char *mesh_path;
     int stream;
     texture_entry *entries;

@@ -41,27 +41,44 @@ static svo_certainty certainty_of(const svo_plan *plan, const svo_i_buffer_kind 
     return kind->basis == SVO_I_OF_FRAGMENTS ? SVO_BYTES_EXACT : SVO_BYTES_BOUND;
 }
 
-void svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
+svo_status svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes)
 {
+    size_t index = 0;
+    while (index < plan->buffer_count && strcmp(plan->buffers[index].name, name) != 0) {
+        ++index;
+    }
+    if (index == SVO_I_BUFFERS_MAX) {
+        return svo_i_device_fail(plan->device, SVO_INTERNAL, "svo_build: buffer %s is one more than the %d of a plan",
+                                 name, SVO_I_BUFFERS_MAX);
+    }
+    svo_buffer_info *buffer = &plan->buffers[index];
+    if (index == plan->buffer_count) {
+        const svo_i_buffer_kind *kind = kind_of(plan, name);
+        *buffer = (svo_buffer_info){.name = name, .persistent = kind != NULL && kind->persistent};
+        buffer->certainty = kind != NULL ? certainty_of(plan, kind, bytes) : SVO_BYTES_ESTIMATE;
+        ++plan->buffer_count;
+    }
+    buffer->bytes += bytes;
+    ++buffer->count;
     plan->live_bytes += bytes;
     plan->peak_bytes = plan->live_bytes > plan->peak_bytes ? plan->live_bytes : plan->peak_bytes;
-    for (size_t i = 0; i < plan->buffer_count; ++i) {
-        if (strcmp(plan->buffers[i].name, name) == 0) {
-            plan->buffers[i].bytes += bytes;
-            ++plan->buffers[i].count;
-            return;
-        }
-    }
-    const svo_i_buffer_kind *kind = kind_of(plan, name);
-    if (plan->buffer_count < SVO_I_BUFFERS_MAX) {
-        svo_buffer_info *buffer = &plan->buffers[plan->buffer_count++];
-        *buffer = (svo_buffer_info){.name = name, .bytes = bytes, .count = 1};
-        buffer->certainty = kind != NULL ? certainty_of(plan, kind, bytes) : SVO_BYTES_ESTIMATE;
-        buffer->persistent = kind != NULL && kind->persistent;
-    }
+    return SVO_OK;
 }
 
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
 {
     plan->live_bytes -= bytes;
+}
+
+svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes)
+{
+    const svo_i_budget *budget = plan->device->budget;
+    return svo_i_budget_fits(budget, bytes)
+               ? SVO_OK
+               : svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                   "%s: the scene needs about %llu bytes at depth %u beside the %llu in use, above "
+                                   "max_device_bytes %llu",
+                                   function, (unsigned long long)bytes, plan->info.depth,
+                                   (unsigned long long)svo_i_budget_held(budget),
+                                   (unsigned long long)svo_i_budget_max(budget));
 }

@@ -19,6 +19,14 @@ static svo_status no_memory(const svo_plan *plan)
     return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory to cut the fragment list");
 }
 
+uint64_t svo_i_chunk_bytes_max(const svo_plan *plan, uint64_t frontend_bytes)
+{
+    const uint64_t allocation = plan->device->max_allocation_bytes;
+    const uint64_t most = frontend_bytes < allocation ? frontend_bytes : allocation;
+    const uint64_t requested = plan->options.chunk_bytes;
+    return requested != 0 && requested < most ? requested : most;
+}
+
 void svo_i_chunking_destroy(svo_i_chunking *chunking)
 {
     free(chunking->draws);
@@ -30,7 +38,8 @@ static bool add_draw(svo_i_chunking *chunking, svo_i_draw draw)
 {
     if (chunking->draw_count == chunking->draw_capacity) {
         const uint32_t capacity = chunking->draw_capacity * 2 + 16;
-        svo_i_draw *draws = realloc(chunking->draws, capacity * sizeof *draws);
+        svo_i_draw *draws =
+            capacity > chunking->draw_capacity ? realloc(chunking->draws, capacity * sizeof *draws) : NULL;
         if (draws == NULL) {
             return false;
         }
@@ -45,13 +54,14 @@ static bool add_draw(svo_i_chunking *chunking, svo_i_draw draw)
 static bool add_chunk(svo_i_chunking *chunking, uint32_t first_draw, uint64_t capacity)
 {
     if (chunking->chunk_count == chunking->chunk_capacity) {
-        const uint32_t count = chunking->chunk_capacity * 2 + 16;
-        svo_i_chunk *chunks = realloc(chunking->chunks, count * sizeof *chunks);
+        const uint32_t grown = chunking->chunk_capacity * 2 + 16;
+        svo_i_chunk *chunks =
+            grown > chunking->chunk_capacity ? realloc(chunking->chunks, grown * sizeof *chunks) : NULL;
         if (chunks == NULL) {
             return false;
         }
         chunking->chunks = chunks;
-        chunking->chunk_capacity = count;
+        chunking->chunk_capacity = grown;
     }
     chunking->chunks[chunking->chunk_count++] = (svo_i_chunk){first_draw, chunking->draw_count - first_draw, capacity};
     return true;

@@ -13,6 +13,9 @@ void svo_i_chunking_destroy(svo_i_chunking *chunking);
 
 SVO_I_SHARED_END
 
+/* The limit on chunks: the least of the front end's, the device's and the request's. frontend_bytes: UINT64_MAX where
+   no front end is known. */
+uint64_t svo_i_chunk_bytes_max(const svo_plan *plan, uint64_t frontend_bytes);
 /* Replaces a chunking with chunks that were too small. needed: number of fragments of each chunk. */
 svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed,
                                svo_i_chunking *chunking);

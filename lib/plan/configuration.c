@@ -14,15 +14,17 @@
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Entries beyond SVO_I_LEFT_OUT_MAX are only counted; check_capacities fails then. */
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
 {
-    if (work->left_out_count == SVO_I_LEFT_OUT_MAX) {
+    const size_t index = work->left_out_count++;
+    if (index >= SVO_I_LEFT_OUT_MAX) {
         return;
     }
-    svo_i_left_out *entry = &work->left_out[work->left_out_count++];
+    svo_i_left_out *entry = &work->left_out[index];
+    entry->what = what;
     va_list arguments;
     va_start(arguments, format);
-    entry->what = what;
     (void)vsnprintf(entry->reason.text, sizeof entry->reason.text, format, arguments);
     va_end(arguments);
 }
@@ -53,7 +55,7 @@ static void leave_out_payload(svo_plan *plan, svo_need bit, const char *what)
     if ((plan->info.need & (uint32_t)bit) == 0) {
         const bool by_default =
             plan->options.need == SVO_NEED_DEFAULT && (bit == SVO_NEED_COLOR || bit == SVO_NEED_NORMAL);
-        leave_out(work, what, "%s", by_default ? "the mesh has none" : "not asked for");
+        leave_out(work, what, "%s", by_default ? "the mesh has none" : "it is not requested");
     }
 }
 
@@ -62,16 +64,16 @@ static void leave_out_constants(svo_i_work *work)
 {
     if ((work->constant & SVO_NEED_COLOR) != 0) {
         const uint32_t color = work->constant_color;
-        leave_out(work, "color per node", "all is of the color #%02x%02x%02x%02x, which is stored once", color & 255u,
+        leave_out(work, "color per node", "every node has the color #%02x%02x%02x%02x, stored once", color & 255u,
                   color >> 8 & 255u, color >> 16 & 255u, color >> 24);
     }
     if ((work->constant & SVO_NEED_NORMAL) != 0) {
-        leave_out(work, "normal per node", "all is of the normal (%.3f, %.3f, %.3f), which is stored once",
+        leave_out(work, "normal per node", "every node has the normal (%.3f, %.3f, %.3f), stored once",
                   work->constant_normal[0] / 32767.0, work->constant_normal[1] / 32767.0,
                   work->constant_normal[2] / 32767.0);
     }
     if ((work->constant & SVO_NEED_MATERIAL) != 0) {
-        leave_out(work, "material per node", "all is of material %u, which is stored once", work->constant_material);
+        leave_out(work, "material per node", "every node has material %u, stored once", work->constant_material);
     }
 }
 
@@ -79,9 +81,9 @@ static void leave_out_clipping(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     if (!work->positions) {
-        leave_out(work, "clipping", "uniform weights do not ask where in its voxel a triangle is");
+        leave_out(work, "clipping", "uniform weights do not depend on where in its voxel a triangle is");
     } else if (plan->options.weights == SVO_WEIGHTS_CENTER) {
-        leave_out(work, "clipping", "with weights by center every pair weighs 1");
+        leave_out(work, "clipping", "with center weights every pair weighs 1");
     }
 }
 
@@ -89,12 +91,12 @@ static void leave_out_textures(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     const bool color = (work->made & SVO_NEED_COLOR) != 0;
-    const char *reason = color ? "no accepted triangle has one" : "no color per node is made of them";
+    const char *reason = color ? "no accepted triangle is textured" : "no color is computed per node";
     if (!work->textures) {
         leave_out(work, "textures", "%s", reason);
-        leave_out(work, "texture coordinates", "%s", color ? "no texture is looked up" : reason);
+        leave_out(work, "texture coordinates", "%s", color ? "no texture is sampled" : reason);
     } else if (plan->textures_used < plan->textures_given) {
-        leave_out(work, "unused textures", "no accepted triangle has %zu of the %zu",
+        leave_out(work, "unused textures", "no accepted triangle uses %zu of the %zu",
                   plan->textures_given - plan->textures_used, plan->textures_given);
     }
 }
@@ -104,20 +106,20 @@ static void leave_out_inputs(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     if (!work->surface) {
-        leave_out(work, "mesh attributes", "no payload is made of them");
+        leave_out(work, "mesh attributes", "no payload is computed from them");
         return;
     }
     leave_out_clipping(plan);
     if (!work->vertex_colors) {
         leave_out(work, "vertex colors", "%s",
-                  (work->made & SVO_NEED_COLOR) != 0 ? "the mesh has none, or one, which is part of the materials"
-                                                     : "no color per node is made of them");
+                  (work->made & SVO_NEED_COLOR) != 0 ? "the mesh has none, or a single one, which the materials include"
+                                                     : "no color is computed per node");
     }
     leave_out_textures(plan);
     if (!work->vertex_normals) {
         leave_out(work, "vertex normals", "%s",
-                  (work->made & SVO_NEED_NORMAL) != 0 ? "the mesh has none, so triangles have their own"
-                                                      : "no normal per node is made of them");
+                  (work->made & SVO_NEED_NORMAL) != 0 ? "the mesh has none; triangles use their own"
+                                                      : "no normal is computed per node");
     }
 }
 
@@ -137,7 +139,7 @@ static void configure_payload(svo_plan *plan)
     leave_out_payload(plan, SVO_NEED_FILL, "fill");
     leave_out_constants(work);
     if (work->made != 0 && plan->options.payload_level > 0) {
-        leave_out(work, "filtered levels", "payload of levels above level %u is not read", plan->options.payload_level);
+        leave_out(work, "filtered levels", "payload begins at level %u", plan->options.payload_level);
     }
     leave_out_inputs(plan);
 }
@@ -164,7 +166,7 @@ static void configure_tests(svo_plan *plan)
         leave_out(work, "overlap test", "%u of %u triangles lie inside one voxel each", points, plan->triangle_count);
     }
     if (!work->tests[SVO_I_TEST_REGULAR] && !work->tests[SVO_I_TEST_WIDE]) {
-        leave_out(work, "64-bit overlap test", "no triangle's box of voxels is wider than 2^14 grid units");
+        leave_out(work, "64-bit overlap test", "no triangle's bounding box of voxels is wider than 2^14 grid units");
     }
     if (!work->tests[SVO_I_TEST_WIDE]) {
         leave_out(work, "128-bit products", "no triangle reaches outside the grid%s",
@@ -210,20 +212,38 @@ static char *add_kernels(svo_i_work *work, const char *name)
 static void list_kernels(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
-    if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_BUILD)) {
-        svo_i_plan_defines(plan, SVO_I_PROGRAM_BUILD, add_kernels(work, "build"), SVO_I_DEFINES_BYTES);
-    }
-    if (svo_i_plan_needs_program(plan, SVO_I_PROGRAM_SORT)) {
-        svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, add_kernels(work, "sort"), SVO_I_DEFINES_BYTES);
+    for (svo_i_program_kind kind = 0; kind < SVO_I_PROGRAM_STAGE_KINDS; ++kind) {
+        if (svo_i_plan_needs_program(plan, kind)) {
+            svo_i_plan_defines(plan, kind, add_kernels(work, svo_i_program_kind_name(kind)), SVO_I_DEFINES_BYTES);
+        }
     }
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         if (work->tests[test]) {
-            svo_i_plan_test_defines(plan, test, add_kernels(work, "voxelize"), SVO_I_DEFINES_BYTES);
+            svo_i_plan_test_defines(plan, test, add_kernels(work, svo_i_program_kind_name(SVO_I_PROGRAM_VOXELIZE)),
+                                    SVO_I_DEFINES_BYTES);
         }
     }
 }
 
-void svo_i_plan_configure(svo_plan *plan)
+/* Whether the configuration fits its arrays: a mistake in the library if it does not. */
+static svo_status check_capacities(const svo_plan *plan)
+{
+    const svo_i_work *work = &plan->work;
+    if (work->left_out_count > SVO_I_LEFT_OUT_MAX) {
+        return svo_i_device_fail(plan->device, SVO_INTERNAL, "svo_plan_create: %zu things are left out, above %d",
+                                 work->left_out_count, SVO_I_LEFT_OUT_MAX);
+    }
+    for (size_t i = 0; i < work->kernels_count; ++i) {
+        if (strlen(work->kernels[i].defines) + 1 == SVO_I_DEFINES_BYTES) { /* full, so they may have been cut */
+            return svo_i_device_fail(plan->device, SVO_INTERNAL,
+                                     "svo_plan_create: the defines of program %s take %d bytes or more",
+                                     work->kernels[i].name, SVO_I_DEFINES_BYTES);
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_plan_configure(svo_plan *plan)
 {
     configure_payload(plan);
     configure_lists(plan);
@@ -232,6 +252,7 @@ void svo_i_plan_configure(svo_plan *plan)
     configure_codes(plan);
     configure_opengl(plan);
     list_kernels(plan);
+    return check_capacities(plan);
 }
 
 void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *defines, size_t bytes)

@@ -12,6 +12,7 @@
 
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/progress.h"
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
@@ -26,6 +27,9 @@
 /* Triangles with this ratio of length to height are drawn by their bounds, because the corners of the expanded triangle
    are too far away for float arithmetic. */
 #define NEEDLE_RATIO 4096.0
+
+/* Triangles between two looks at the progress. */
+#define TRIANGLES_TOLD 4096
 
 static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
 {
@@ -257,34 +261,43 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
     return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
 }
 
-/* Keeps accepted triangles that meet the grid, and counts the others. Items are in the order of the mesh; classes[]
-   receives the class of each. */
-static void keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
+/* Keeps an accepted triangle that meets the grid, or counts it. */
+static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_t *classes)
+{
+    const uint32_t corners[3] = {corner_index(mesh, t, 0), corner_index(mesh, t, 1), corner_index(mesh, t, 2)};
+    const placed p = place(plan, corners);
+    if (p.outside) {
+        ++plan->info.outside_triangles;
+        return;
+    }
+    if (p.far) {
+        ++plan->info.refused_triangles;
+        return;
+    }
+    int64_t normal[3];
+    svo_i_plan_normal(plan, corners, normal);
+    const uint32_t kept = plan->triangle_count++;
+    const svo_i_class class_id = classify(plan, &p);
+    classes[kept] = (uint8_t)class_id;
+    memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
+    plan->triangle_ids[kept] = (uint32_t)t;
+    plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
+    plan->item_fragments[kept] = svo_i_estimate_add(plan, corners);
+}
+
+/* Keeps the accepted triangles. Items are in the order of the mesh; classes[] receives the class of each. */
+static svo_status keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
 {
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        if (!acceptable(mesh, flags, t)) {
-            continue;
+        if (t % TRIANGLES_TOLD == 0 &&
+            svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)TRIANGLES_TOLD)) {
+            SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
         }
-        const uint32_t corners[3] = {corner_index(mesh, t, 0), corner_index(mesh, t, 1), corner_index(mesh, t, 2)};
-        const placed p = place(plan, corners);
-        if (p.outside) {
-            ++plan->info.outside_triangles;
-            continue;
+        if (acceptable(mesh, flags, t)) {
+            keep_triangle(plan, mesh, t, classes);
         }
-        if (p.far) {
-            ++plan->info.refused_triangles;
-            continue;
-        }
-        int64_t normal[3];
-        svo_i_plan_normal(plan, corners, normal);
-        const uint32_t kept = plan->triangle_count++;
-        const svo_i_class class_id = classify(plan, &p);
-        classes[kept] = (uint8_t)class_id;
-        memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
-        plan->triangle_ids[kept] = (uint32_t)t;
-        plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
-        plan->item_fragments[kept] = svo_i_estimate_add(plan, corners);
     }
+    return SVO_OK;
 }
 
 /* Sets vertices that no kept triangle uses to 0, since they may be out of range. */
@@ -357,7 +370,9 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     plan->info.refused_triangles = mark_vertices(mesh, flags);
     SVO_I_TRY_CLEANUP(make_grid(plan, mesh, flags));
     snap_vertices(plan, mesh, flags);
-    keep_triangles(plan, mesh, flags, classes);
+    (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)vertices);
+    SVO_I_TRY_CLEANUP(svo_i_progress_tell(plan, SVO_STAGE_GRID));
+    SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, classes));
     clear_unused_vertices(plan, flags);
     status = sort_items(plan, classes);
 cleanup:

@@ -9,6 +9,8 @@
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/progress.h"
+#include "svocl/nodes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -85,7 +87,7 @@ static svo_status check_options(svo_device *device, const svo_plan_options *opti
     }
     if ((options->need & SVO_NEED_FILL) != 0 && options->weights != SVO_WEIGHTS_AREA) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.need asks for fill, which is made of areas, and "
+                                 "svo_plan_create: options.need has fill, which requires weights area, and "
                                  "options.weights is %s",
                                  svo_weights_name(options->weights));
     }
@@ -171,10 +173,13 @@ static svo_status make_plan(svo_plan *plan, const svo_mesh *mesh)
     plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
+    plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
+                                                 (SVO_I_KEEP_NS + SVO_I_ATTRIBUTES_NS) * (double)mesh->triangle_count;
+    SVO_I_TRY(svo_i_progress_begin(plan, "svo_plan_create", SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
     SVO_I_TRY(svo_i_plan_grid(plan, mesh));
     SVO_I_TRY(svo_i_plan_attributes(plan, mesh));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
-    svo_i_plan_configure(plan);
+    SVO_I_TRY(svo_i_plan_configure(plan));
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
     return SVO_OK;
 }
@@ -203,6 +208,7 @@ svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned dep
     }
     plan->device = device;
     plan->options = asked;
+    svo_plan_set_progress(plan, asked.progress, asked.progress_user);
     plan->info.depth = depth;
     plan->stages = stages;
     plan->stage_count = stage_count;
@@ -240,6 +246,20 @@ svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
 {
     return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &plan->info, info,
                               SVO_I_STRUCT_SIZES(svo_plan_info, coverage));
+}
+
+svo_status svo_plan_get_grid(const svo_plan *plan, svo_grid *grid)
+{
+    if (plan == NULL || grid == NULL) {
+        return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
+                                 "svo_plan_get_grid: %s is NULL", plan == NULL ? "plan" : "grid");
+    }
+    const svo_plan_info *info = &plan->info;
+    *grid = (svo_grid){.depth = info->depth,
+                       .snap_bits = info->snap_bits,
+                       .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                       .scale = info->scale};
+    return SVO_OK;
 }
 
 size_t svo_plan_buffer_count(const svo_plan *plan)

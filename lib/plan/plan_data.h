@@ -24,8 +24,8 @@ typedef enum svo_i_test {
 
 #define SVO_I_LEFT_OUT_MAX  24
 #define SVO_I_DEFINES_BYTES 256
-/* The programs "build" and "sort", and one voxelizer per test. */
-#define SVO_I_KERNELS_MAX (2 + SVO_I_TEST_COUNT)
+/* The programs of the stages, and one voxelizer per test. */
+#define SVO_I_KERNELS_MAX (SVO_I_PROGRAM_STAGE_KINDS + SVO_I_TEST_COUNT)
 
 typedef struct svo_i_left_out {
     const char *what; /* static string */
@@ -138,12 +138,26 @@ typedef struct svo_i_stage {
     /* Writes the defines that select its kernels, a space before each. NULL: none. */
     void (*defines)(const svo_plan *plan, char *text, size_t bytes);
     const char *kernels[SVO_I_STAGE_KERNELS_MAX];
+    double item_ns; /* rough time of a work-item in nanoseconds, for the progress; stages may set a better one */
     /* All buffers that the stage may allocate. */
     svo_i_buffer_kind buffers[SVO_I_STAGE_BUFFERS_MAX];
 } svo_i_stage;
 
+/* The progress of the call that is running on a plan; plan/progress.h has the functions. */
+typedef struct svo_i_progress {
+    svo_progress_callback callback; /* NULL: nobody asks */
+    void *user;
+    const char *function; /* that is running, for the message */
+    uint32_t stages; /* bits of the svo_stages that the running call goes through */
+    double expected_ns[SVO_STAGE_COUNT]; /* predicted times */
+    double done_ns[SVO_STAGE_COUNT]; /* of those, what is done */
+    double untold_ns; /* done since the callback was called */
+    double fraction; /* that it was told */
+} svo_i_progress;
+
 struct svo_plan {
     svo_device *device;
+    svo_i_progress progress;
     svo_plan_info info;
     svo_plan_options options;
     svo_i_work work; /* what a build does */
@@ -182,7 +196,7 @@ struct svo_plan {
     svo_buffer_info buffers[SVO_I_BUFFERS_MAX];
     size_t buffer_count;
     uint64_t live_bytes, peak_bytes;
-    uint64_t predicted_bytes; /* peak_bytes before the first build */
+    uint64_t predicted_bytes, predicted_tree_bytes; /* peak_bytes and the tree's bytes before the first build */
     bool counted; /* the capacity of the list is the exact number of fragments */
     bool built; /* buffers are those of a build, not a prediction */
 };

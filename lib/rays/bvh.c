@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The BVH that rays walk through: nodes of up to eight children, leaves of up to eight triangles, each triangle
- * in one leaf. Stands after a build, when rays are first asked for; kernels/rays.clh reads it.
+ * The BVH that rays traverse: nodes of up to eight children, leaves of up to eight triangles, each triangle in one
+ * leaf. It is built when a tree's rays are first used; kernels/rays/rays.clh reads it.
  *
- * Sets of triangles are halved where the surface area heuristic says, estimated with bins along the three axes (Wald,
- * "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node takes the largest of its sets apart
- * until it has eight, or all are leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Boxes are whole
- * numbers of grid units, exact in floats, and are rounded outwards to 16 bits in the end (after Mahovsky and Wyvill,
- * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are added, multiplied and
- * compared alone, so the same geometry gives the same boxes everywhere.
+ * The surface area heuristic decides where a set of triangles is split, estimated with bins along the three axes (Wald,
+ * "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node splits the set with the largest area
+ * until it has eight sets, or all fit leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Bounds are
+ * whole grid units, exact in floats; nodes store them rounded outwards to 16 bits (after Mahovsky and Wyvill,
+ * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are only added, multiplied
+ * and compared, so the same geometry gives the same BVH everywhere.
  */
 #include "rays/bvh.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Bins along an axis: these, or half as many for few items, where looking through them would take longer than filling
+/* Bins along an axis. Sets of fewer items use half as many, since evaluating the bins would cost more than filling
    them. */
 #define BINS      16
 #define FEW_ITEMS 64
-/* Beyond the last leaf: kernels read eight numbers where fewer are left. */
+/* Words after the last leaf: kernels read eight numbers where fewer are left. */
 #define PADDING_WORDS 8
 
-/* Least x, y, z, and the greatest with their sign turned, so that boxes grow by one minimum over all. */
+/* Least x, y, z, and the greatest ones negated, so that one minimum over all components joins two boxes. */
 typedef struct box {
     float least[8];
 } box;
@@ -32,11 +32,11 @@ typedef struct item {
     uint32_t triangle;
 } item;
 
-/* Consecutive items, to become one child. */
+/* Consecutive items that become one child. */
 typedef struct range {
     box bounds;
     uint32_t first, count;
-    uint32_t halvings; /* on the way here */
+    uint32_t halvings; /* splits from the set of all items down to this one */
 } range;
 
 typedef struct maker {
@@ -70,8 +70,8 @@ static float box_half_area(const box *b)
     return x * y + y * z + z * x;
 }
 
-/* Twice the middle. */
-static float box_middle(const box *b, int axis)
+/* Twice the center. */
+static float box_center(const box *b, int axis)
 {
     return b->least[axis] - b->least[4 + axis];
 }
@@ -91,17 +91,19 @@ static void box_of_triangle(const svo_i_bvh_source *source, uint32_t triangle, b
     for (int axis = 0; axis < 3; ++axis) {
         out->least[axis] = out->least[axis] > 0.0f ? out->least[axis] : 0.0f;
         out->least[4 + axis] = out->least[4 + axis] > -width ? out->least[4 + axis] : -width;
+        /* In a damaged file a listed triangle may lie below the grid. */
+        out->least[4 + axis] = out->least[4 + axis] > 0.0f ? 0.0f : out->least[4 + axis];
     }
 }
 
-/* ---- halving ---- */
+/* ---- splits ---- */
 
 typedef struct bin {
     box bounds;
     uint32_t count;
 } bin;
 
-/* Where bins lie: an item's is (middle - begin) * per_unit, rounded down. */
+/* The bins' places. An item's bin is (center - begin) * per_unit, rounded down. */
 typedef struct binning {
     int bin_count; /* along each axis */
     float begin[3], per_unit[3];
@@ -109,7 +111,7 @@ typedef struct binning {
 
 static int bin_of(const binning *by, const box *bounds, int axis)
 {
-    return (int)((box_middle(bounds, axis) - by->begin[axis]) * by->per_unit[axis]);
+    return (int)((box_center(bounds, axis) - by->begin[axis]) * by->per_unit[axis]);
 }
 
 static void place_bins(const item *items, uint32_t count, binning *out)
@@ -118,9 +120,9 @@ static void place_bins(const item *items, uint32_t count, binning *out)
     float greatest[3] = {-0x1p40f, -0x1p40f, -0x1p40f};
     for (uint32_t i = 0; i < count; ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-            const float middle = box_middle(&items[i].bounds, axis);
-            least[axis] = middle < least[axis] ? middle : least[axis];
-            greatest[axis] = middle > greatest[axis] ? middle : greatest[axis];
+            const float center = box_center(&items[i].bounds, axis);
+            least[axis] = center < least[axis] ? center : least[axis];
+            greatest[axis] = center > greatest[axis] ? center : greatest[axis];
         }
     }
     out->bin_count = count < FEW_ITEMS ? BINS / 2 : BINS;
@@ -148,10 +150,10 @@ static void fill_bins(const item *items, uint32_t count, const binning *by, bin 
     }
 }
 
-/* Where a set is cut, and the two parts. */
+/* A split of a set, and the bounds of the two parts. */
 typedef struct cut {
     float cost;
-    int axis; /* below 0: nowhere */
+    int axis; /* negative: none found */
     int at; /* the first bin of the second part */
     box parts[2];
 } cut;
@@ -184,7 +186,7 @@ static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *b
     }
 }
 
-/* Moves the items of the first part to the front; returns their number. */
+/* Moves the items of the first part to the front. Returns their number. */
 static uint32_t part_items(item *items, uint32_t count, const binning *by, const cut *where)
 {
     uint32_t front = 0;
@@ -211,8 +213,8 @@ static box bounds_of(const item *items, uint32_t count)
     return sum;
 }
 
-/* Halvings by number until what is left fits a leaf. */
-static uint32_t halvings_by_number(uint32_t count)
+/* How often a set must be halved by count until its parts fit leaves. */
+static uint32_t halvings_by_count(uint32_t count)
 {
     uint32_t halvings = 0;
     for (; count > SVO_RAY_LEAF_TRIANGLES; count -= count / 2) {
@@ -221,14 +223,14 @@ static uint32_t halvings_by_number(uint32_t count)
     return halvings;
 }
 
-/* Makes two ranges of one that is too large for a leaf: by area, as long as that leaves enough halvings by number for
-   the way to end in time. */
+/* Splits a range that is too large for a leaf in two: by area, while enough levels remain to split the parts by count;
+   otherwise by count. */
 static void halve(item *all, const range *whole, range *first, range *second)
 {
     item *items = all + whole->first;
     cut where = {.axis = -1};
     uint32_t front = whole->count / 2;
-    if (whole->halvings + 1 + halvings_by_number(whole->count) <= SVO_BVH_DEPTH_MAX) {
+    if (whole->halvings + 1 + halvings_by_count(whole->count) <= SVO_BVH_DEPTH_MAX) {
         binning by;
         bin bins[3][BINS];
         place_bins(items, whole->count, &by);
@@ -252,7 +254,7 @@ static void halve(item *all, const range *whole, range *first, range *second)
 
 /* ---- records ---- */
 
-/* Makes room for more elements at the end of an array; the array stays as it is when it cannot. */
+/* Grows an array to at least needed elements. Returns false, with the array unchanged, when out of memory. */
 static bool reserve(void **array, size_t *capacity, size_t needed, size_t element_bytes)
 {
     if (needed <= *capacity) {
@@ -271,7 +273,7 @@ static bool reserve(void **array, size_t *capacity, size_t needed, size_t elemen
     return true;
 }
 
-/* Least and greatest coordinates of whole triangles; true where 16 bits do not reach from one to the other. */
+/* Least and greatest coordinates of whole triangles. Returns whether their difference takes more than 16 bits. */
 static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
                              int32_t high[3])
 {
@@ -294,7 +296,7 @@ static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, 
     return wide;
 }
 
-/* Rows of one coordinate of one corner each, relative to the origin. */
+/* Writes nine rows: one coordinate of one corner each, relative to the origin. */
 static void write_corners(const svo_i_bvh_source *source, const item *items, uint32_t count, const int32_t origin[3],
                           bool wide, uint32_t *words)
 {
@@ -315,7 +317,7 @@ static void write_corners(const svo_i_bvh_source *source, const item *items, uin
     }
 }
 
-/* Adds a leaf; *reference becomes what a node says to point to it. */
+/* Adds a leaf. *reference receives a node's reference to it. */
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
     svo_i_bvh *out = m->out;
@@ -345,7 +347,7 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
     return true;
 }
 
-/* Adds a node without children: all point to the empty leaf. */
+/* Adds a node without children: all references are to the empty leaf. */
 static bool add_node(maker *m, uint32_t *index)
 {
     svo_i_bvh *out = m->out;
@@ -374,7 +376,7 @@ static void set_bound(uint32_t words[12], int axis, int child, uint32_t value)
     *word = (*word & ~(UINT32_C(0xffff) << shift)) | value << shift;
 }
 
-/* Both bounds rounded down: a box ends where the next step begins. */
+/* Both bounds are rounded down: a box ends where the step after its high bound begins. */
 static void set_child(svo_ray_node *node, int child, const box *bounds, uint32_t box_log2, uint32_t reference)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -386,7 +388,7 @@ static void set_child(svo_ray_node *node, int child, const box *bounds, uint32_t
     node->child[child] = reference;
 }
 
-/* The range with the largest area of those that fit no leaf; below 0: there is none. */
+/* The range with the largest area of those too large for a leaf; negative: none. */
 static int largest_range(const range *ranges, int count)
 {
     int best = -1;
@@ -401,14 +403,15 @@ static int largest_range(const range *ranges, int count)
     return best;
 }
 
-/* Adds a node of what is in the range, and all below it; *index becomes the node's. As deep as there are halvings. */
+/* Adds a node for a range, and all nodes and leaves below it. *index receives the node's index. Recursion is at most
+   SVO_BVH_DEPTH_MAX deep. */
 static bool make_node(maker *m, const range *whole, uint32_t *index)
 {
     range ranges[8] = {*whole};
     int count = whole->count > 0 ? 1 : 0;
     for (int best = largest_range(ranges, count); best >= 0 && count < 8; best = largest_range(ranges, count)) {
-        const range taken_apart = ranges[best];
-        halve(m->items, &taken_apart, &ranges[best], &ranges[count]);
+        const range whole_set = ranges[best];
+        halve(m->items, &whole_set, &ranges[best], &ranges[count]);
         ++count;
     }
     if (!add_node(m, index)) {
@@ -429,7 +432,7 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
 
 /* ---- all of it ---- */
 
-/* The triangles that count, each once, in their order. */
+/* Collects the triangles to include, each once, in their order. */
 static bool gather_items(maker *m)
 {
     const svo_i_bvh_source *source = m->source;

@@ -9,25 +9,26 @@
 
 #include "shared/layout.h"
 
-/* The geometry as the octree keeps it. */
+/* The geometry, as the octree holds it. */
 typedef struct svo_i_bvh_source {
     const int32_t *vertices; /* three coordinates each, grid units */
     const uint32_t *indices; /* three per triangle */
     const uint32_t *triangle_ids;
-    const uint32_t *list; /* the triangles that count, any number of times each; NULL: all of them do */
+    const uint32_t *list; /* the triangles to include, any number of times each; NULL: all */
     uint64_t list_count;
     uint32_t triangle_count;
     uint32_t snap_bits; /* the grid is 2^snap_bits units wide */
 } svo_i_bvh_source;
 
 typedef struct svo_i_bvh {
-    svo_ray_node *nodes; /* the first one is the root */
+    svo_ray_node *nodes; /* the first is the root */
     size_t node_count, node_capacity;
-    uint32_t *leaves; /* records as layout.h has them, the empty one first; padded for reads beyond the last */
+    uint32_t *leaves; /* records as in layout.h, the empty leaf first; padded for reads beyond the last */
     size_t leaf_words, leaf_capacity;
 } svo_i_bvh;
 
-/* False: out of memory, or more leaves than references reach. Freed by svo_i_bvh_free either way. */
+/* Returns false when out of memory, or with more nodes or leaves than references can address. The caller frees *out
+   with svo_i_bvh_free in either case. */
 bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out);
 void svo_i_bvh_free(svo_i_bvh *bvh);
 

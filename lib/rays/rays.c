@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The host side of kernels/rays/rays.clh: makes the BVH on first use, and sets the arguments of svocl's and of the
+ * The host side of kernels/rays/rays.clh: builds the BVH on first use, and sets the arguments of svocl's and of the
  * caller's kernels. trace.c and render.c launch.
  */
 #include "rays/rays.h"
@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/foreign.h"
 #include "rays/bvh.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
@@ -37,25 +38,26 @@ static void release_bvh(svo_i_attachment *attachment)
     free(bvh);
 }
 
-/* The tree's BVH; all zero before it is made. */
+/* The tree's BVH; all zero before it is built. */
 static device_bvh find_bvh(const svo_tree *tree)
 {
     const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
     return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
 }
 
-/* The largest absolute coordinate, at least the width of the grid. */
-static int32_t find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+/* The largest absolute coordinate, at least the width of the grid. A file may hold any number for a vertex without a
+   triangle. */
+static float find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
-    int32_t reach = (int32_t)(1u << snap_bits);
+    int64_t reach = INT64_C(1) << snap_bits;
     for (uint64_t i = 0; i < vertex_count * 3; ++i) {
-        const int32_t far_off = vertices[i] < 0 ? -vertices[i] : vertices[i];
-        reach = far_off > reach ? far_off : reach;
+        const int64_t distance = vertices[i] < 0 ? -(int64_t)vertices[i] : vertices[i];
+        reach = distance > reach ? distance : reach;
     }
-    return reach;
+    return (float)reach;
 }
 
-/* Whether a vertex lies outside the grid; then the leaf lists decide which triangles the BVH holds. */
+/* Whether a vertex lies outside the grid. Then the leaf lists determine which triangles the BVH holds. */
 static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
 {
     bool outside = false;
@@ -114,7 +116,7 @@ static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queu
     SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
     to->attachment.destroy = release_bvh;
     to->bytes = node_bytes + leaf_bytes;
-    to->reach = (float)find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    to->reach = find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
     svo_i_attachment_add(&tree->derived, &to->attachment);
     to = NULL;
 
@@ -196,7 +198,7 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     bool fits = split(info->scale, params->scale);
     for (int axis = 0; axis < 3 && fits; ++axis) {
         float parts[3] = {0};
-        /* A corner this close to zero is taken for zero. */
+        /* A corner this close to zero counts as zero. */
         fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
         for (int part = 0; part < 3; ++part) {
             params->origin[3 * part + axis] = parts[part];
@@ -209,17 +211,14 @@ static svo_status fill_params(const svo_tree *tree, const char *function, svo_ra
     }
     params->depth = info->depth;
     params->snap_bits = info->snap_bits;
-    params->reserved = 0;
+    params->inner_count = (cl_uint)info->inner_count;
     params->reach = find_bvh(tree).reach;
     return SVO_OK;
 }
 
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
 {
-    if (tree->pending != NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree's build is in flight; call svo_tree_finish first", function);
-    }
+    SVO_I_TRY(svo_i_tree_check(tree, function));
     if ((tree->info.need & SVO_NEED_RAYS) == 0) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree holds no leaf lists; build it with SVO_NEED_RAYS", function);
@@ -236,7 +235,6 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
     return SVO_OK;
 }
 
-/* Sets arguments from first_index on. */
 svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
                           const svo_i_argument *arguments, cl_uint argument_count)
 {
@@ -255,6 +253,7 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
     /* Voxels need no BVH. */
     const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
     if (triangles) {
+        SVO_I_TRY(svo_i_rays_check(tree, function));
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
     SVO_I_TRY(fill_params(tree, function, &params));
@@ -272,8 +271,13 @@ svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_ind
         return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
                                  tree == NULL ? "tree" : "kernel");
     }
+    SVO_I_TRY(svo_i_tree_check(tree, function));
     if (tree->device == NULL) {
         return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = svo_i_wrong_kernel(tree->device->context, kernel);
+    if (wrong != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
     }
     return svo_i_rays_set_tree(tree, function, kernel, first_index);
 }

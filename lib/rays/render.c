@@ -21,7 +21,7 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
 #define PICTURE_EDGE_MAX 16384u
-/* Levels of the tree that are looked at to find what is occupied. */
+/* The deepest level that is searched for the bounds of the occupied part. */
 #define BOUNDS_LEVEL_MAX 6u
 /* Rays along each side of a pixel. */
 #define SAMPLES   2u
@@ -87,7 +87,7 @@ typedef struct cell_bounds {
     uint32_t low[3], high[3]; /* high: one past the last cell */
 } cell_bounds;
 
-/* The tree's nodes on the host; NULL where they are not. */
+/* The tree's nodes on the host; NULL where the tree has no host arrays. */
 typedef struct node_arrays {
     const uint8_t *child_mask;
     const uint32_t *first_child;
@@ -162,7 +162,7 @@ static double framing_distance(const seen_corner corners[8], double tangent_righ
     return distance;
 }
 
-/* Moves the target so that the corners' picture is in the middle. */
+/* Moves the target so that the corners are centered in the picture. */
 static void center_target(const view *camera_view, const seen_corner corners[8], double distance, double target[3])
 {
     double low[2] = {HUGE_VAL, HUGE_VAL};
@@ -219,6 +219,7 @@ void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
 
 static svo_status check_options(svo_device *device, const svo_tree *tree, const svo_render_options *options)
 {
+    SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_render"));
     if (options->width < 1 || options->width > PICTURE_EDGE_MAX || options->height < 1 ||
         options->height > PICTURE_EDGE_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: %u x %u pixels are not within 1 .. %u",
@@ -235,6 +236,10 @@ static svo_status check_options(svo_device *device, const svo_tree *tree, const 
     }
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: the tree is on another device");
+    }
+    if (tree->pending != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "svo_tree_render: the tree's build is in flight; call svo_tree_finish first");
     }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -324,7 +329,7 @@ static svo_status check_payload(svo_device *device, const svo_tree *tree)
         tree->info.payload_level);
 }
 
-/* The kernel of a view without light, all its arguments set. */
+/* The kernel of an unlit view, with all arguments set. */
 static svo_status prepare_view(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                const picture *drawn, cl_kernel *out)
 {
@@ -332,9 +337,8 @@ static svo_status prepare_view(svo_device *device, svo_tree *tree, const svo_ren
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
     cl_program program = NULL;
-    if (options->view == SVO_VIEW_TRIANGLES && (tree->info.need & SVO_NEED_RAYS) == 0) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_tree_render: the tree holds no leaf lists; build it with SVO_NEED_RAYS");
+    if (options->view == SVO_VIEW_TRIANGLES) {
+        SVO_I_TRY(svo_i_rays_check(tree, "svo_tree_render"));
     }
     SVO_I_TRY(svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_VIEW, normal_defines(tree), &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(device, "svo_tree_render", program, "svo_k_view", out));
@@ -344,12 +348,12 @@ static svo_status prepare_view(svo_device *device, svo_tree *tree, const svo_ren
     return svo_i_rays_set(tree, "svo_tree_render", *out, SVO_TREE_ARGUMENTS, arguments, 5);
 }
 
-/* The kernel of a shaded picture, all its arguments set. */
+/* The kernel of a shaded picture, with all arguments set. */
 static svo_status prepare_shaded(svo_device *device, const svo_tree *tree, const picture *drawn, cl_kernel *out)
 {
     const cl_mem colors = tree->buffers[SVO_TREE_COLORS];
     const cl_mem normals = tree->buffers[SVO_TREE_NORMALS];
-    char defines[80];
+    char defines[sizeof " -DSVO_COLOR -DSVO_ONE_COLOR -DSVO_NORMAL -DSVO_ONE_NORMAL"];
     cl_program program = NULL;
     (void)snprintf(defines, sizeof defines, "%s%s", color_defines(tree), normal_defines(tree));
     SVO_I_TRY(svo_i_program_get(device, "svo_tree_render", SVO_I_PROGRAM_CAST, defines, &program, NULL));
@@ -375,7 +379,7 @@ static svo_status prepare(svo_device *device, svo_tree *tree, const svo_render_o
                                             : prepare_view(device, tree, options, out, &out->kernel);
 }
 
-/* Each command waits for the one before by its event: the queue may be out of order. */
+/* Each command waits for the previous one by an event, since the queue may be out-of-order. */
 static svo_status draw(svo_device *device, cl_command_queue queue, const picture *drawn, const svo_cast_params *params,
                        uint8_t *rgba)
 {

@@ -20,7 +20,7 @@ typedef struct batch {
 
 static svo_status check_batch(const svo_tree *tree, const batch *asked, const void *input, const void *output)
 {
-    if (input == NULL || output == NULL) {
+    if (asked->count > 0 && (input == NULL || output == NULL)) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", asked->function,
                                  input == NULL ? asked->input_name : asked->output_name);
     }
@@ -31,17 +31,12 @@ static svo_status check_batch(const svo_tree *tree, const batch *asked, const vo
     return svo_i_rays_check(tree, asked->function);
 }
 
-/* Whether a caller's buffer holds all records. */
+/* Whether a caller's buffer holds all records. An empty batch needs none. */
 static svo_status check_buffer(const svo_tree *tree, const batch *asked, const char *name, cl_mem buffer, size_t bytes)
 {
-    size_t held = 0;
-    const cl_int error = clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof held, &held, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(tree->device, asked->function, "clGetMemObjectInfo", error);
-    }
-    return held >= bytes ? SVO_OK
-                         : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s holds %zu bytes, below %zu",
-                                             asked->function, name, held, bytes);
+    return asked->count > 0 || buffer != NULL
+               ? svo_i_device_check_memory(tree->device, asked->function, name, buffer, bytes)
+               : SVO_OK;
 }
 
 /* ---- launches ---- */
@@ -67,10 +62,9 @@ static svo_status enqueue(svo_tree *tree, const batch *asked, cl_mem input, cl_m
     const size_t global = groups * local;
     cl_kernel kernel = NULL;
     svo_status status = SVO_OK;
-    if (queue == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: queue is NULL", asked->function);
-    }
     SVO_I_TRY(check_batch(tree, asked, input, output));
+    SVO_I_TRY(svo_i_device_check_queue(tree->device, asked->function, queue));
+    SVO_I_TRY(svo_i_device_check_wait(tree->device, asked->function, num_wait, wait));
     SVO_I_TRY(check_buffer(tree, asked, asked->input_name, input, asked->count * asked->input_bytes));
     SVO_I_TRY(check_buffer(tree, asked, asked->output_name, output, asked->count * asked->output_bytes));
     if (asked->count > 0) {
@@ -159,7 +153,7 @@ static svo_status ray_batch(const svo_tree *tree, const char *function, size_t r
                    .input_bytes = sizeof(svo_ray),
                    .output_bytes = sizeof(svo_hit),
                    .count = ray_count,
-                   .per_item = streams ? SVO_GROUP_ITEMS : 1, /* see kernels/trace.cl */
+                   .per_item = streams ? SVO_GROUP_ITEMS : 1, /* see kernels/rays/trace.cl */
                    .last_argument = any};
     return flags <= SVO_TRACE_COUNT
                ? SVO_OK

@@ -8,6 +8,9 @@
 #include "plan/buffers.h"
 #include "plan/estimate.h"
 
+_Static_assert(sizeof((svo_build_state *)NULL)->level_begin == SVO_LEVELS_MAX * sizeof(uint32_t),
+               "the state has every level of a tree");
+
 svo_status svo_i_build_fail_damaged(svo_i_build *build)
 {
     return svo_i_device_fail(build->commands.device, SVO_INTERNAL,
@@ -30,13 +33,25 @@ svo_status svo_i_build_alloc_cursors(svo_i_build *build)
 
 svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX])
 {
-    build->host_state =
-        (svo_build_state){.triangle_count = build->commands.plan->triangle_count, .fragment_limit = UINT32_MAX};
+    uint64_t fragments = 0; /* in enqueued builds the capacity, which the device replaces */
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        fragments += build->list.chunks[i].needed;
+    }
+    build->host_state = (svo_build_state){.fragments_low = (uint32_t)fragments,
+                                          .fragments_high = (uint32_t)(fragments >> 32),
+                                          .triangle_count = build->commands.plan->triangle_count,
+                                          .fragment_limit = UINT32_MAX};
     memcpy(build->host_state.level_begin, level_begin, sizeof build->host_state.level_begin);
     return build->state == NULL
                ? svo_i_commands_upload(&build->commands, "state", &build->host_state, sizeof build->host_state,
                                        &build->state)
                : svo_i_commands_write(&build->commands, build->state, &build->host_state, sizeof build->host_state);
+}
+
+svo_status svo_i_build_alloc_published(svo_i_build *build)
+{
+    return svo_i_commands_alloc(&build->commands, SVO_I_TREE_BUILD_STATE, sizeof(svo_build_state),
+                                &build->tree->build_state);
 }
 
 static void take_counts(svo_i_build *build, const svo_build_state *state)
@@ -88,7 +103,7 @@ void svo_i_build_release_list(svo_i_build *build)
     build->list = (svo_i_fragment_list){0};
 }
 
-void svo_i_build_fill_info(svo_i_build *build)
+void svo_i_build_fill_info(const svo_i_build *build)
 {
     const svo_plan_info *from = &build->commands.plan->info;
     svo_tree_info *to = &build->tree->info;

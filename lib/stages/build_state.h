@@ -20,7 +20,7 @@ typedef struct svo_i_surface {
 
 typedef struct svo_i_build {
     svo_i_commands commands;
-    cl_program programs[SVO_I_PROGRAM_KINDS]; /* owned by the device; NULL where the plan does not need them */
+    cl_program programs[SVO_I_PROGRAM_STAGE_KINDS]; /* owned by the device; NULL where the plan does not need them */
     svo_frontend *frontend; /* NULL where a plan is measured before a front end is known */
 
     svo_i_fragment_list list;
@@ -39,8 +39,6 @@ typedef struct svo_i_build {
     svo_tree *tree; /* incomplete until the last stage has run */
 } svo_i_build;
 
-/* Writes level_begin to build->state, which is allocated on first use. */
-svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
 SVO_I_SHARED_BEGIN
 
 /* Checks the counts that subdivide left in the state. *fits: whether all inner nodes fit; if so, sets the tree's
@@ -49,6 +47,10 @@ svo_status svo_i_build_take_state(svo_i_build *build, const svo_build_state *sta
 
 SVO_I_SHARED_END
 
+/* Writes level_begin to build->state, which is allocated on first use. */
+svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
+/* Allocates the tree's own copy of the state, for the caller's kernels. The first allocation of an enqueued build. */
+svo_status svo_i_build_alloc_published(svo_i_build *build);
 /* Allocates build->cursors for the list's fragments. */
 svo_status svo_i_build_alloc_cursors(svo_i_build *build);
 /* Releases the list, whether the build or the front end owns it. */
@@ -56,7 +58,7 @@ void svo_i_build_release_list(svo_i_build *build);
 /* Fails with the message for a list that has a fragment outside the grid or of no triangle. */
 svo_status svo_i_build_fail_damaged(svo_i_build *build);
 /* Copies what the plan knows of the tree to the tree's info. */
-void svo_i_build_fill_info(svo_i_build *build);
+void svo_i_build_fill_info(const svo_i_build *build);
 /* Sets the tree's counts to the plan's capacities. */
 void svo_i_build_assume_counts(svo_i_build *build);
 

@@ -13,6 +13,11 @@
 #include "stages/link.h"
 #include "stages/payload_params.h"
 
+/* Rough times for the progress: of a fragment that is linked, one that is summed, and a node that is summed. */
+#define LINK_NS   12.0
+#define GATHER_NS 250.0
+#define NODE_NS   40.0
+
 /* The sums of one level. */
 typedef struct level_sums {
     cl_mem weights, colors, normals;
@@ -81,7 +86,7 @@ static svo_status allocate(filterer *f)
 static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
-    cl_program program = f->build->programs[SVO_I_PROGRAM_BUILD];
+    cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
     const char *gather = f->one_chunk ? "svo_k_gather_level" : "svo_k_gather";
     SVO_I_TRY(svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
     SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
@@ -101,6 +106,21 @@ static void release(filterer *f)
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&f->build->commands, buffers[i]);
     }
+}
+
+/* Launches one work-item per node, in parts. The last argument is f->params. */
+static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argument *arguments, cl_uint argument_count,
+                               uint64_t nodes)
+{
+    const uint64_t parts = svo_i_commands_parts(&f->build->commands, nodes);
+    for (uint64_t part = 0; part < parts; ++part) {
+        const uint64_t first = part * SVO_I_PART_ITEMS;
+        f->params.first_index = (cl_uint)first;
+        SVO_I_TRY(svo_i_commands_launch(&f->build->commands, kernel, arguments, argument_count,
+                                        part + 1 < parts ? SVO_I_PART_ITEMS : nodes - first));
+    }
+    f->params.first_index = 0;
+    return SVO_OK;
 }
 
 /* Sums a chunk's contributions: into the leaves, or into the level above if it is the only chunk. */
@@ -140,8 +160,10 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     arguments[count++] = SVO_I_ARGUMENT(build->state);
     arguments[count++] = SVO_I_ARGUMENT(f->params);
     svo_i_stage_begin(&build->commands);
-    SVO_I_TRY(svo_i_commands_launch(&build->commands, f->gather, arguments, count,
-                                    f->one_chunk ? f->params.level_count : f->params.leaf_count));
+    const uint64_t nodes = f->one_chunk ? f->params.level_count : f->params.leaf_count;
+    const double fragments = (double)build->list.chunks[chunk].needed;
+    svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, nodes > 0 ? GATHER_NS * fragments / (double)nodes : 0.0);
+    SVO_I_TRY(launch_parts(f, f->gather, arguments, count, nodes));
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }
 
@@ -150,6 +172,7 @@ static svo_status gather_leaves(filterer *f)
     f->params.first_chunk = 1;
     for (uint32_t i = 0; i < f->build->list.chunk_count; ++i) {
         f->params.fragment_count = (cl_uint)f->build->list.chunks[i].needed;
+        svo_i_commands_stage(&f->build->commands, SVO_STAGE_LINK, LINK_NS);
         SVO_I_TRY(svo_i_link(f->build, f->link, i, f->heads, f->params));
         SVO_I_TRY(gather_chunk(f, i));
         f->params.first_chunk = 0;
@@ -174,7 +197,7 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return svo_i_commands_launch(&f->build->commands, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count);
+    return launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count);
 }
 
 static svo_status filter_levels(filterer *f)
@@ -183,6 +206,7 @@ static svo_status filter_levels(filterer *f)
     const uint32_t first = f->params.payload_level;
     const uint32_t last_level = first > 0 ? first - 1 : 0; /* inner nodes write the payload of their children too */
     svo_i_stage_begin(&f->build->commands);
+    svo_i_commands_stage(&f->build->commands, SVO_STAGE_FILTER, NODE_NS);
     for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > last_level;) {
         const unsigned odd = (depth - level) % 2;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);

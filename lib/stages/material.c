@@ -66,7 +66,7 @@ static svo_status scatter(sorter *s)
                                             SVO_I_ARGUMENT(s->levels[0].entries),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(s->params)};
-        SVO_I_TRY(svo_i_commands_run(&build->commands, build->programs[SVO_I_PROGRAM_BUILD], "svo_k_material_scatter",
+        SVO_I_TRY(svo_i_commands_run(&build->commands, build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_scatter",
                                      SVO_I_ARGUMENTS(arguments), s->params.fragment_count));
     }
     return SVO_OK;
@@ -81,7 +81,7 @@ static svo_status sort_leaves(sorter *s)
                                         SVO_I_ARGUMENT(s->materials),
                                         SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_material_leaves",
+    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_leaves",
                               SVO_I_ARGUMENTS(arguments), s->params.leaf_count);
 }
 
@@ -110,7 +110,7 @@ static svo_status merge_level(sorter *s, uint32_t level)
 static svo_status run(sorter *s)
 {
     SVO_I_TRY(allocate(s));
-    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD],
+    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_FILTER],
                                     "svo_k_material_merge", &s->merge));
     SVO_I_TRY(scatter(s));
     SVO_I_TRY(sort_leaves(s));

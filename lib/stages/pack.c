@@ -26,15 +26,20 @@ static svo_status allocate_ranges(packer *p)
     return SVO_OK;
 }
 
+/* The most leaves that svo_k_sort_long may have to sort, or 1. */
+static uint64_t most_long_leaves(const svo_i_build *build)
+{
+    return build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
+}
+
 static svo_status allocate_lists(packer *p)
 {
     svo_i_build *build = p->build;
-    const uint64_t long_leaves = build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
     build->tree->info.list_count = build->fragment_count;
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4,
                                    &build->tree->buffers[SVO_TREE_LIST]));
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_spare", build->fragment_count * 4, &p->spare));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "long_leaves", long_leaves * 4, &p->long_leaves));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "long_leaves", most_long_leaves(build) * 4, &p->long_leaves));
     p->list = build->tree->buffers[SVO_TREE_LIST];
     return SVO_OK;
 }
@@ -47,7 +52,7 @@ static svo_status count_lists(packer *p)
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[i]), SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params)};
-        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_count",
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_count",
                                      SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
     return SVO_OK;
@@ -65,7 +70,7 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(p->list),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(p->params)};
-        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_scatter",
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_scatter",
                                      SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
     return SVO_OK;
@@ -77,7 +82,7 @@ static svo_status sort_lists(packer *p)
     const svo_i_argument short_lists[] = {SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->list),
                                           SVO_I_ARGUMENT(p->long_leaves), SVO_I_ARGUMENT(build->state),
                                           SVO_I_ARGUMENT(p->params)};
-    SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_sort_short",
+    SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_sort_short",
                                  SVO_I_ARGUMENTS(short_lists), p->params.leaf_count));
     const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin),
                                          SVO_I_ARGUMENT(p->list),
@@ -87,15 +92,16 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_ARGUMENT(p->params),
                                          SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
-    return svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_sort_long",
-                              SVO_I_ARGUMENTS(long_lists), (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS);
+    const uint64_t groups = most_long_leaves(build) < SVO_SCAN_GROUPS ? most_long_leaves(build) : SVO_SCAN_GROUPS;
+    return svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_sort_long",
+                              SVO_I_ARGUMENTS(long_lists), groups * SVO_GROUP_ITEMS);
 }
 
 static svo_status run(packer *p)
 {
     SVO_I_TRY(allocate_ranges(p));
     SVO_I_TRY(count_lists(p));
-    SVO_I_TRY(svo_i_scan_lists(p->build, SVO_I_PROGRAM_BUILD, p->counts, p->list_begin, p->build->state, p->params));
+    SVO_I_TRY(svo_i_scan_lists(p->build, SVO_I_PROGRAM_PACK, p->counts, p->list_begin, p->build->state, p->params));
     if (p->build->commands.plan->work.lists) {
         SVO_I_TRY(allocate_lists(p));
         SVO_I_TRY(scatter(p));

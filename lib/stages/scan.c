@@ -9,12 +9,20 @@ svo_status svo_i_scan_alloc(svo_i_build *build)
                                                           SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
 }
 
+uint32_t svo_i_scan_groups(uint64_t numbers)
+{
+    const uint32_t tile = SVO_SCAN_TILE;
+    const uint64_t tiles = (numbers + tile - 1) / tile;
+    return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
+}
+
 svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
                             svo_filter_params params)
 {
     svo_i_commands *commands = &build->commands;
     cl_program kernels = build->programs[program];
-    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    params.scan_groups = svo_i_scan_groups(params.leaf_count);
+    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};

@@ -13,6 +13,9 @@ typedef struct sorter {
     cl_mem counts, before; /* digits by blocks, and their exclusive sums */
 } sorter;
 
+/* Rough time to count or to move an entry, for the progress. */
+#define ENTRY_NS 8.0
+
 static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
 {
     return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
@@ -22,6 +25,9 @@ static svo_status launch(sorter *s, const char *name, const svo_i_argument *argu
 /* One pass over a digit. It swaps the list and the spare buffer. */
 static svo_status sort_pass(sorter *s, svo_sort_params params)
 {
+    const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
+    svo_i_commands_stage(&s->build->commands, SVO_STAGE_SUBDIVIDE,
+                         ENTRY_NS * (double)s->build->fragment_count / (double)items);
     cl_mem *list = &s->build->list.chunks[0].buffer;
     const svo_filter_params cells = {.leaf_count = (cl_uint)SVO_SORT_DIGITS * SVO_SORT_BLOCKS};
     const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);

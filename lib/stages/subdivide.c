@@ -16,7 +16,7 @@ typedef struct subdivider {
 
 static svo_status create_kernels(subdivider *s)
 {
-    cl_program program = s->build->programs[SVO_I_PROGRAM_BUILD];
+    cl_program program = s->build->programs[SVO_I_PROGRAM_SUBDIVIDE];
     const struct {
         const char *name;
         cl_kernel *kernel;
@@ -70,7 +70,7 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
 static svo_status scan_level(subdivider *s, svo_subdivide_params params)
 {
     svo_i_build *build = s->build;
-    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(s->masks), SVO_I_ARGUMENT(build->partials),
                                      SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params), scratch};
@@ -103,7 +103,7 @@ static svo_status take_count(subdivider *s, svo_subdivide_params params)
     params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->list.counters), SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(params)};
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_BUILD], "svo_k_take_count",
+    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SUBDIVIDE], "svo_k_take_count",
                               SVO_I_ARGUMENTS(arguments), 1);
 }
 
@@ -117,6 +117,13 @@ static uint32_t next_level_capacity(const svo_i_build *build, uint32_t level)
                : begin[level + 2] - begin[level + 1];
 }
 
+/* The most nodes that a level can have. */
+static uint64_t most_nodes(const svo_i_build *build, uint32_t level)
+{
+    const uint64_t cells = UINT64_C(1) << (3 * level);
+    return cells < build->fragment_count ? cells : build->fragment_count;
+}
+
 static svo_status run_levels(subdivider *s)
 {
     svo_subdivide_params params = {.depth = s->build->commands.plan->info.depth,
@@ -124,6 +131,7 @@ static svo_status run_levels(subdivider *s)
     SVO_I_TRY(s->build->list.counters != NULL ? take_count(s, params) : SVO_OK);
     SVO_I_TRY(mark_root(s, params));
     for (params.level = 0; params.level < params.depth; ++params.level) {
+        params.scan_groups = svo_i_scan_groups(most_nodes(s->build, params.level));
         params.level_capacity = next_level_capacity(s->build, params.level);
         SVO_I_TRY(scan_level(s, params));
         SVO_I_TRY(descend(s, params));

@@ -54,7 +54,7 @@ static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
             SVO_I_TRY(get_program(plan, test, &program, &fresh));
         }
         if (fresh) {
-            svo_i_warm_up_add_program(warm_up, program);
+            SVO_I_TRY(svo_i_warm_up_add_program(warm_up, program));
         }
     }
     return SVO_OK;
@@ -92,27 +92,53 @@ static svo_status upload(run *r)
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
 }
 
+/* The work-items of a draw: one per triangle, in whole groups, then one per tile. */
+static uint64_t ids_of_triangles(const svo_i_draw *draw)
+{
+    return ((uint64_t)draw->item_count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
+}
+
+/* Restricts a launch to the work-items from begin, a multiple of the group, to end. */
+static void cut_launch(svo_voxelize_params *params, uint64_t begin, uint64_t end)
+{
+    const uint64_t tile_id = params->first_tile_id; /* before the cut */
+    const uint64_t items = params->item_count;
+    params->first_item += (uint32_t)(begin < items ? begin : items);
+    params->item_count = (uint32_t)((end < items ? end : items) - (begin < items ? begin : items));
+    params->first_tile += (uint32_t)(begin > tile_id ? begin - tile_id : 0);
+    params->tile_count = (uint32_t)(end > tile_id ? end - (begin > tile_id ? begin : tile_id) : 0);
+    params->first_tile_id = (uint32_t)((end < tile_id ? end : begin > tile_id ? begin : tile_id) - begin);
+}
+
 static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params params, cl_mem tiles, cl_mem fragments)
 {
     const svo_plan *plan = r->commands->plan;
-    const uint64_t groups = ((uint64_t)draw->item_count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+    const uint64_t ids = ids_of_triangles(draw) + params.tile_count;
     params.depth = plan->info.depth;
     params.voxel_log2 = plan->voxel_log2;
     params.open = plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1;
     params.one_voxel = draw->class_id == SVO_I_CLASS_POINT;
     params.first_item = draw->first_item;
     params.item_count = draw->item_count;
-    params.first_tile_id = (uint32_t)(groups * SVO_GROUP_ITEMS);
+    params.first_tile_id = (uint32_t)ids_of_triangles(draw);
     params.left = draw->tile_x;
     params.bottom = draw->tile_y;
     params.width = draw->tile_width;
     params.height = draw->tile_height;
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
-        SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
-        SVO_I_ARGUMENT(params),      SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
-    return svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)], SVO_I_ARGUMENTS(arguments),
-                                 groups * SVO_GROUP_ITEMS + params.tile_count);
+    const uint64_t parts = svo_i_commands_parts(r->commands, ids);
+    for (uint64_t part = 0; part < parts; ++part) {
+        const uint64_t begin = part * SVO_I_PART_ITEMS;
+        const uint64_t end = part + 1 < parts ? begin + SVO_I_PART_ITEMS : ids;
+        svo_voxelize_params cut = params;
+        cut_launch(&cut, begin, end);
+        const svo_i_argument arguments[] = {
+            SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
+            SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
+            SVO_I_ARGUMENT(cut),         SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
+        SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)],
+                                        SVO_I_ARGUMENTS(arguments), end - begin));
+    }
+    return SVO_OK;
 }
 
 /* Finds the tiles of all draws of a chunk. tile_begin: index of each draw's first tile, and the end. */
@@ -171,10 +197,22 @@ static uint64_t expected_tile_bytes(const run *r, const svo_i_chunk *chunk)
     return (uint64_t)tiles * sizeof(svo_tile_item);
 }
 
+/* The predicted time of a work-item of a chunk. Chunks have about equal times. */
+static double item_ns(const run *r, const svo_i_chunk *chunk, const size_t *tile_begin)
+{
+    uint64_t ids = tile_begin != NULL ? tile_begin[chunk->draw_count] : 0;
+    for (uint32_t i = 0; i < chunk->draw_count; ++i) {
+        ids += ids_of_triangles(&r->chunking->draws[chunk->first_draw + i]);
+    }
+    const double chunk_ns = r->commands->plan->progress.expected_ns[SVO_STAGE_VOXELIZE] / r->chunking->chunk_count;
+    return ids > 0 ? chunk_ns / (double)ids : 0.0;
+}
+
 /* Launches the draws of a chunk. tile_begin: NULL if there are no tiles. */
 static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_begin, cl_mem tiles, cl_mem fragments)
 {
     const svo_i_chunk *chunk = &r->chunking->chunks[chunk_index];
+    svo_i_commands_stage(r->commands, SVO_STAGE_VOXELIZE, item_ns(r, chunk, tile_begin));
     svo_i_stage_begin(r->commands);
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
         const size_t first = tile_begin != NULL ? tile_begin[i] : 0;
@@ -276,6 +314,7 @@ svo_status svo_i_voxelize(void *self, svo_i_commands *commands, const svo_i_chun
 {
     (void)self;
     run r = {.commands = commands, .chunking = chunking};
+    svo_i_commands_stage(commands, SVO_STAGE_VOXELIZE, 0.0);
     const svo_status status = make_list(&r, list);
     list->counters = r.counters;
     release_run(&r);
@@ -300,7 +339,11 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
                                  device == NULL ? "device" : "out");
     }
     cl_ulong local_bytes = 0;
-    clGetDeviceInfo(device->device, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local_bytes, &local_bytes, NULL);
+    const cl_int error =
+        clGetDeviceInfo(device->device, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local_bytes, &local_bytes, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, "svo_frontend_create_cl", "clGetDeviceInfo", error);
+    }
     if (local_bytes < NOTES_BYTES + SCRATCH_BYTES) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "svo_frontend_create_cl: %s has %llu bytes of local memory, below %zu", device->name,

@@ -1,0 +1,36 @@
+# Removes the files that `cmake --install` wrote last, as the build folder's manifests list them, and the folders named
+# svocl that are empty then. BUILD_DIR comes from the command line; DESTDIR from the environment, as when installing.
+cmake_minimum_required(VERSION 3.22)
+
+# CMake writes one manifest for everything, or one for each component that was installed alone.
+file(GLOB manifests ${BUILD_DIR}/install_manifest*.txt)
+if(NOT manifests)
+  message(FATAL_ERROR "nothing was installed from ${BUILD_DIR}: it has no install_manifest.txt")
+endif()
+
+set(folders "")
+foreach(manifest IN LISTS manifests)
+  file(STRINGS ${manifest} files)
+  foreach(file IN LISTS files)
+    set(path "$ENV{DESTDIR}${file}")
+    if(EXISTS "${path}" OR IS_SYMLINK "${path}")
+      message(STATUS "Removing: ${path}")
+      file(REMOVE "${path}")
+      if(EXISTS "${path}" OR IS_SYMLINK "${path}")
+        message(FATAL_ERROR "${path} cannot be removed")
+      endif()
+    endif()
+    cmake_path(GET path PARENT_PATH folder)
+    list(APPEND folders "${folder}")
+  endforeach()
+  file(REMOVE ${manifest})
+endforeach()
+
+list(REMOVE_DUPLICATES folders)
+foreach(folder IN LISTS folders)
+  cmake_path(GET folder FILENAME name)
+  file(GLOB remaining "${folder}/*")
+  if(name STREQUAL "svocl" AND IS_DIRECTORY "${folder}" AND NOT remaining)
+    file(REMOVE_RECURSE "${folder}")
+  endif()
+endforeach()

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT */
+/* svo_device_create_default: finds a device by name or index on all platforms, and makes a context for it. */
+#define _POSIX_C_SOURCE 200809L
+#include <CL/cl_ext.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "core/device.h"
+#include "core/device_info.h"
+#include "core/struct_size.h"
+
+#define CREATE_DEFAULT "svo_device_create_default"
+
+/* Whether part occurs in text, ignoring the case of letters. */
+static bool contains(const char *text, const char *part)
+{
+    const size_t length = strlen(part);
+    for (; *text != '\0'; ++text) {
+        if (strncasecmp(text, part, length) == 0) {
+            return true;
+        }
+    }
+    return length == 0;
+}
+
+/* A search of svo_device_create_default: the request, and the best device so far. */
+typedef struct device_search {
+    const char *wanted; /* part of the name; NULL: any device */
+    bool by_index;
+    unsigned platform_index, device_index;
+    cl_device_id found;
+    bool found_gpu;
+    char bare[256]; /* names and errors of platforms without a device, cut to fit */
+} device_search;
+
+/* Adds a platform without a device to the text for the message. */
+static void note_bare_platform(device_search *search, cl_platform_id platform, cl_int error)
+{
+    char *name = NULL;
+    (void)svo_i_platform_text(platform, CL_PLATFORM_NAME, CREATE_DEFAULT, &name, NULL);
+    const size_t length = strlen(search->bare);
+    (void)snprintf(search->bare + length, sizeof search->bare - length, "%s\"%s\"%s%s%s", length > 0 ? ", " : "",
+                   name != NULL ? name : "", error != CL_SUCCESS ? " (" : "",
+                   error != CL_SUCCESS ? svo_i_cl_error_name(error) : "", error != CL_SUCCESS ? ")" : "");
+    free(name);
+}
+
+/* Compares a device with the best one so far. */
+static svo_status search_device(device_search *search, cl_device_id device, svo_message *message)
+{
+    char *name = NULL;
+    cl_device_type type = 0;
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE_DEFAULT, message));
+    SVO_I_TRY(svo_i_device_full_name(device, CREATE_DEFAULT, &name, message));
+    const bool matches = search->wanted == NULL || contains(name, search->wanted);
+    free(name);
+    const bool gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
+    if (matches && (search->found == NULL || (gpu && !search->found_gpu))) {
+        search->found = device;
+        search->found_gpu = gpu;
+    }
+    return SVO_OK;
+}
+
+/* For searches that go on after a failure. */
+static void keep_first(svo_status status, svo_status *first)
+{
+    if (*first == SVO_OK) {
+        *first = status;
+    }
+}
+
+/* Fails on the platform's first device that cannot be examined; those after it are examined nevertheless. */
+static svo_status search_devices(device_search *search, const cl_device_id *devices, cl_uint count,
+                                 unsigned platform_index, svo_message *message)
+{
+    svo_status status = SVO_OK;
+    for (unsigned i = 0; i < count; ++i) {
+        if (!search->by_index) {
+            keep_first(search_device(search, devices[i], status == SVO_OK ? message : NULL), &status);
+        } else if (platform_index == search->platform_index && i == search->device_index) {
+            search->found = devices[i];
+        }
+    }
+    return status;
+}
+
+static svo_status search_platform(device_search *search, cl_platform_id platform, unsigned platform_index,
+                                  svo_message *message)
+{
+    cl_uint count = 0;
+    cl_int error = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count);
+    if (error == CL_DEVICE_NOT_FOUND || (error == CL_SUCCESS && count == 0)) {
+        note_bare_platform(search, platform, error);
+        return SVO_OK;
+    }
+    cl_device_id *devices = error == CL_SUCCESS ? calloc(count, sizeof(cl_device_id)) : NULL;
+    if (error == CL_SUCCESS && devices == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE_DEFAULT ": no memory for %u devices", count);
+    }
+    error = error == CL_SUCCESS ? clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices, NULL) : error;
+    const svo_status status = error == CL_SUCCESS ? search_devices(search, devices, count, platform_index, message)
+                                                  : svo_i_fail_cl(message, CREATE_DEFAULT, "clGetDeviceIDs", error);
+    free(devices);
+    return status;
+}
+
+/* All platforms, by malloc. CL_PLATFORM_NOT_FOUND_KHR: the loader found none. */
+static svo_status list_platforms(cl_platform_id **out, cl_uint *count, svo_message *message)
+{
+    cl_int error = clGetPlatformIDs(0, NULL, count);
+    if (error == CL_PLATFORM_NOT_FOUND_KHR || (error == CL_SUCCESS && *count == 0)) {
+        return svo_i_fail(message, SVO_NO_DEVICE, CREATE_DEFAULT ": no OpenCL platform is installed");
+    }
+    cl_platform_id *platforms = error == CL_SUCCESS ? calloc(*count, sizeof(cl_platform_id)) : NULL;
+    if (error == CL_SUCCESS && platforms == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE_DEFAULT ": no memory for %u platforms", *count);
+    }
+    error = error == CL_SUCCESS ? clGetPlatformIDs(*count, platforms, NULL) : error;
+    if (error != CL_SUCCESS) {
+        free(platforms);
+        return svo_i_fail_cl(message, CREATE_DEFAULT, "clGetPlatformIDs", error);
+    }
+    *out = platforms;
+    return SVO_OK;
+}
+
+/* Says what was searched for, and which platforms had nothing to search. */
+static svo_status fail_search(const device_search *search, svo_message *message)
+{
+    char asked[256] = "";
+    if (search->wanted != NULL) {
+        (void)snprintf(asked, sizeof asked, " matches \"%.200s\"", search->wanted);
+    }
+    return search->bare[0] == '\0'
+               ? svo_i_fail(message, SVO_NO_DEVICE, CREATE_DEFAULT ": no OpenCL device%s", asked)
+               : svo_i_fail(message, SVO_NO_DEVICE,
+                            CREATE_DEFAULT ": no OpenCL device%s; without any device: platform %s, perhaps "
+                                           "because its cache folder cannot be written (PoCL: POCL_CACHE_DIR, else "
+                                           "XDG_CACHE_HOME/pocl or HOME/.cache/pocl)",
+                            asked, search->bare);
+}
+
+static svo_status find_device(const char *wanted, cl_device_id *out, svo_message *message)
+{
+    cl_uint count = 0;
+    cl_platform_id *platforms = NULL;
+    const svo_status listed = list_platforms(&platforms, &count, message);
+    if (platforms == NULL) {
+        return listed;
+    }
+    device_search search = {.wanted = wanted};
+    char rest = '\0';
+    search.by_index =
+        wanted != NULL && sscanf(wanted, "%u.%u%c", &search.platform_index, &search.device_index, &rest) == 2;
+    /* A platform or a device that does not work is no reason to refuse another, but the reason where none is found. */
+    svo_status status = SVO_OK;
+    for (unsigned i = 0; i < count; ++i) {
+        keep_first(search_platform(&search, platforms[i], i, status == SVO_OK ? message : NULL), &status);
+    }
+    free(platforms);
+    if (search.found == NULL) {
+        return status != SVO_OK ? status : fail_search(&search, message);
+    }
+    *out = search.found;
+    return SVO_OK;
+}
+
+/* Replaces a device that has more compute units than threads by a part that has as many. threads: 0: all. */
+static svo_status limit_threads(uint32_t threads, cl_device_id *device, svo_message *message)
+{
+    cl_uint units = 0;
+    clGetDeviceInfo(*device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    if (threads == 0 || threads >= units) {
+        return SVO_OK;
+    }
+    const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, (cl_device_partition_property)threads,
+                                                  CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    cl_device_id part = NULL;
+    const cl_int error = clCreateSubDevices(*device, parts, 1, &part, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_fail(message, SVO_UNSUPPORTED,
+                          CREATE_DEFAULT ": the device has %u compute units, and does not give away %u for "
+                                         "options.max_threads: clCreateSubDevices failed with %s (%d)",
+                          units, threads, svo_i_cl_error_name(error), error);
+    }
+    *device = part;
+    return SVO_OK;
+}
+
+static void release_part(cl_device_id whole, cl_device_id part)
+{
+    if (part != whole) {
+        clReleaseDevice(part);
+    }
+}
+
+svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message)
+{
+    cl_device_id device = NULL;
+    svo_device_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, CREATE_DEFAULT, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
+    SVO_I_TRY(find_device(asked.device_name, &device, message));
+    const cl_device_id whole = device;
+    SVO_I_TRY(limit_threads(asked.max_threads, &device, message));
+    asked.max_threads = 0;
+    cl_int error = CL_SUCCESS;
+    cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, &error);
+    if (error != CL_SUCCESS) {
+        release_part(whole, device);
+        return svo_i_fail_cl(message, CREATE_DEFAULT, "clCreateContext", error);
+    }
+    const svo_status created = svo_device_create(context, device, &asked, out, message);
+    clReleaseContext(context);
+    release_part(whole, device); /* the handle has retained it */
+    return created;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* Faces over a list of vertices, as PLY and OFF have them, gathered as triangles in the import child. */
+#ifndef SVO_LIB_IO_IMPORT_FACES_H
+#define SVO_LIB_IO_IMPORT_FACES_H
+
+#include "io/import_polygon.h"
+#include "io/import_reader.h"
+
+typedef struct face_list {
+    const mesh_reader *reader;
+    gather_vertex *vertices; /* of the file, vertex_count of them */
+    uint32_t *known; /* per vertex its index in the mesh; GATHER_NO_VERTEX before its first use */
+    uint8_t *used; /* per vertex whether a triangle has it */
+    uint32_t *first; /* per vertex the first that is equal; NULL: equal ones are found when they are gathered */
+    size_t vertex_count;
+    int64_t *corners; /* of the face that is read: vertex indices as the file has them */
+    float (*corner_uvs)[2]; /* the same: its texture coordinates, if the file has them per corner */
+    size_t corner_capacity, uv_capacity;
+    polygon shape;
+    uint64_t face_count; /* added, with those below */
+    uint64_t small_count; /* of fewer than three corners, left out */
+    uint64_t bad_count, first_bad_face; /* faces with an index out of range, and the number of the first, from 0 */
+    int64_t first_bad; /* that index */
+} face_list;
+
+/* Allocates the vertices, white and zero otherwise; svo_i_faces_free releases them. */
+svo_status svo_i_faces_begin(face_list *faces, const mesh_reader *reader, uint64_t vertex_count);
+/* After the vertices are filled in, before the first face. corner_uvs: faces may have texture coordinates. */
+svo_status svo_i_faces_end_vertices(face_list *faces, bool corner_uvs);
+/* Room for a face of corner_count corners. */
+svo_status svo_i_faces_reserve(face_list *faces, uint64_t corner_count);
+/* Room for the texture coordinates of as many. */
+svo_status svo_i_faces_reserve_uvs(face_list *faces, uint64_t corner_count);
+/* Adds the face whose first corner_count corners were filled in. with_uvs: they have texture coordinates. An index out
+   of range gives triangles without that vertex, which a build refuses and counts. */
+svo_status svo_i_faces_add(face_list *faces, uint32_t corner_count, bool with_uvs);
+/* Warns of all that was left out. */
+void svo_i_faces_warn(const face_list *faces);
+void svo_i_faces_free(face_list *faces);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Files that are written whole or not at all. This is the first room: the library's writers and the program's both use
+ * it, so it knows neither messages nor statuses. Functions return 0 or the errno of what failed.
+ *
+ * A path leads to one of these:
+ *
+ *   - A file, or nothing yet: the bytes go to a file without a name in the same folder (O_TMPFILE). When it is
+ *     complete and flushed it gets its name; an old file of that name is replaced by a rename. File systems without
+ *     O_TMPFILE get a temporary name from the start.
+ *   - A symbolic link: what it leads to is written, and the link stays.
+ *   - A device, a pipe, a terminal: the bytes go straight there.
+ *   - An open descriptor of this process, such as /dev/stdout or /dev/fd/3: the bytes go straight to it, from where it
+ *     stands. Opening such a path anew would begin at the start of a file that others have written to.
+ */
+#ifndef SVO_LIB_OUTPUT_OUTPUT_H
+#define SVO_LIB_OUTPUT_OUTPUT_H
+
+#include <stddef.h>
+
+/*
+ * Told about temporary names, so that a program can remove them when a signal ends it. hold is called before a name
+ * may appear or vanish, release after it: with the name that is there now, or NULL. A process that is ended between
+ * two such pairs leaves exactly the name of the last release behind.
+ */
+typedef struct svo_i_output_watch {
+    void (*hold)(void *user);
+    void (*release)(void *user, const char *temporary);
+    void *user;
+} svo_i_output_watch;
+
+typedef struct svo_i_output {
+    int descriptor; /* where the bytes go; -1: not open */
+    char *target; /* the file to make or to replace, with links followed; NULL: the bytes go straight to their place */
+    char *temporary; /* the name that the bytes have meanwhile; NULL: none */
+    const svo_i_output_watch *watch; /* NULL allowed */
+} svo_i_output;
+
+/* Whether an output could be opened at path, as far as can be told without opening it: 0 or an errno. */
+int svo_i_output_check(const char *path);
+
+/*
+ * Opens an output. Opening a named pipe waits for its reader.
+ *
+ * watch: NULL allowed; must outlive the output. output: to be committed or abandoned after success.
+ */
+int svo_i_output_open(const char *path, const svo_i_output_watch *watch, svo_i_output *output);
+
+/* The same straight to an open descriptor, of which a copy is used. EBADF where it cannot be written to. */
+int svo_i_output_open_descriptor(int descriptor, svo_i_output *output);
+
+/* Writes all the bytes. A reader that has gone is EPIPE; it raises no SIGPIPE. */
+int svo_i_output_write(const svo_i_output *output, const void *bytes, size_t byte_count);
+
+/* Flushes, gives the file its name and closes. On failure nothing is left, and an old file is unchanged. */
+int svo_i_output_commit(svo_i_output *output);
+
+/* Closes and leaves nothing behind, except what has gone straight to its place. Does nothing when not open. */
+void svo_i_output_abandon(svo_i_output *output);
+
+/* The descriptor of this process that a path names, as /dev/stdin names 0; -1: none. */
+int svo_i_output_descriptor_of(const char *path);
+
+#endif
