@@ -14,7 +14,7 @@ readonly matrix_mirror=http://deb.debian.org/debian
 readonly matrix_packages=(
     build-essential cmake ninja-build pkg-config ocl-icd-opencl-dev opencl-headers libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 libassimp-dev zlib1g-dev libstb-dev libxxhash-dev libzstd-dev
-    libcjson-dev libcmocka-dev
+    libcjson-dev libcmocka-dev libfast-float-dev
     pocl-opencl-icd # PoCL 6
     mesa-opencl-icd # rusticl
 )
@@ -75,7 +75,8 @@ matrix_make_root()
     apt-config dump Acquire | as_root tee "$folder/etc/apt/apt.conf.d/90acquire" >/dev/null
     if [[ $(cat "$folder/packages" 2>/dev/null) != "${matrix_packages[*]}" ]]; then
         quietly "$folder.log" matrix_enter "$folder" apt-get -q update
-        quietly "$folder.log" matrix_enter "$folder" apt-get -y -q install --no-install-recommends "${matrix_packages[@]}"
+        quietly "$folder.log" matrix_enter "$folder" \
+            apt-get -y -q install --no-install-recommends "${matrix_packages[@]}"
         printf '%s\n' "${matrix_packages[*]}" | as_root tee "$folder/packages" >/dev/null
     fi
 }
@@ -102,7 +103,9 @@ matrix_runner()
     case $column in
     "PoCL 3.1") printf '%s\n' env OCL_ICD_VENDORS=$vendors/pocl.icd "$program" ;;
     # Without optimization: oclgrind 21.10 does not support everything that the optimizer emits.
-    oclgrind) printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program" ;;
+    oclgrind)
+        printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program"
+        ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
         # Ray intersections are decided in doubles, which rusticl offers only on request.

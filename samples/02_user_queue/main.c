@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl in a program that has OpenCL of its own: its context, its out-of-order queues, its events, its buffers. Two
- * builds of one mesh are in flight at once, each on a queue of its own, and a command of the program's waits for each.
+ * svocl in a program with its own OpenCL: context, out-of-order queues, events and buffers. Two builds of one mesh are
+ * in flight at once, each on its own queue. A command of the program waits for each.
  */
 #include <inttypes.h>
 #include <stdbool.h>
@@ -22,7 +22,7 @@ typedef struct own_opencl {
     cl_event uploads[2];
 } own_opencl;
 
-/* One build: all the memory it needs, made before, and what it leaves. */
+/* One build: the memory it needs, and its results. */
 typedef struct build_job {
     unsigned depth;
     svo_plan *plan;
@@ -86,8 +86,7 @@ static bool prepare(svo_device *device, svo_frontend *frontend, const svo_mesh *
            svo_workspace_make_tree(job->workspace, &job->tree) == SVO_OK;
 }
 
-/* The build, and behind it a command of the program's: reading the root's mask out of the tree's buffer. Waits for
-   nothing. */
+/* Enqueues the build and, after it, a read of the root's mask from the tree's buffer. Waits for nothing. */
 static bool start(cl_command_queue queue, build_job *job)
 {
     return svo_build_enqueue(job->workspace, job->tree, queue, 0, NULL, &job->built) == SVO_OK &&
@@ -96,7 +95,7 @@ static bool start(cl_command_queue queue, build_job *job)
            clFlush(queue) == CL_SUCCESS;
 }
 
-/* Waits for both, and prints what became of it. */
+/* Waits for both and prints the result. */
 static bool finish(cl_command_queue queue, build_job *job)
 {
     const int trim = 1; /* to buffers as large as the tree */

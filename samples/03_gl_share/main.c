@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl in a program that has OpenGL of its own: the mesh lies in its vertex and index buffers, svocl rasterizes in its
- * context and leaves its state alone, and the octree's child masks end up in a shader storage buffer of the program.
+ * svocl in a program with its own OpenGL: the mesh is in the program's vertex and index buffers, svocl rasterizes in
+ * the program's context and restores its state, and the program copies the octree's child masks to a shader storage
+ * buffer.
  */
 #include <inttypes.h>
 #include <stdbool.h>
@@ -17,7 +18,7 @@
 #include "svocl/gl.h"
 #include "svocl/svocl.h"
 
-/* Interleaved, as renderers like it. */
+/* Interleaved, as in many renderers. */
 typedef struct vertex {
     float position[3];
     uint8_t color[4];
@@ -59,7 +60,7 @@ static bool open_opengl(own_opengl *own)
     if (own->display == EGL_NO_DISPLAY || !eglInitialize(own->display, NULL, NULL) || !eglBindAPI(EGL_OPENGL_API))
         return false;
     own->context = eglCreateContext(own->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    if (!eglMakeCurrent(own->display, EGL_NO_SURFACE, EGL_NO_SURFACE, own->context))
+    if (own->context == EGL_NO_CONTEXT || !eglMakeCurrent(own->display, EGL_NO_SURFACE, EGL_NO_SURFACE, own->context))
         return false;
     own->gen_buffers = (PFNGLGENBUFFERSPROC)eglGetProcAddress("glGenBuffers");
     own->delete_buffers = (PFNGLDELETEBUFFERSPROC)eglGetProcAddress("glDeleteBuffers");
@@ -69,7 +70,7 @@ static bool open_opengl(own_opengl *own)
     return true;
 }
 
-/* The mesh, where a renderer would have it. */
+/* Puts the mesh into vertex and index buffers, as a renderer does. */
 static svo_mesh_buffers make_mesh(own_opengl *own)
 {
     own->gen_buffers(3, own->buffers);
@@ -121,9 +122,9 @@ static bool build(builder *b, const svo_mesh_buffers *mesh)
                 svo_gl_create(b->device, b->context, NULL, &b->gl) == SVO_OK;
     if (done)
         b->queue = clCreateCommandQueue(svo_device_cl_context(b->device), svo_device_cl_device(b->device), 0, NULL);
-    svo_build_report report = {.struct_size = sizeof report};
+    svo_build_report report = SVO_BUILD_REPORT_INIT;
     svo_tree_info info = SVO_TREE_INFO_INIT;
-    done = done && svo_plan_create(b->device, svo_mesh_copy_get(b->mesh), 7, NULL, &b->plan) == SVO_OK &&
+    done = b->queue != NULL && svo_plan_create(b->device, svo_mesh_copy_get(b->mesh), 7, NULL, &b->plan) == SVO_OK &&
            svo_build(b->plan, svo_gl_frontend(b->gl), b->queue, &b->tree, &report) == SVO_OK;
     if (done) {
         svo_tree_get_info(b->tree, &info);
@@ -145,7 +146,7 @@ static void release(builder *b)
     svo_gl_context_destroy(&b->context);
 }
 
-/* The tree's buffer, kept beyond the tree, goes to a buffer of the program's OpenGL. */
+/* Copies the tree's buffer, which was retained and outlives the tree, to an OpenGL buffer of the program. */
 static bool take_masks(const own_opengl *own, cl_command_queue queue, cl_mem masks)
 {
     size_t bytes = 0;
@@ -159,6 +160,8 @@ static bool take_masks(const own_opengl *own, cl_command_queue queue, cl_mem mas
         own->buffer_data(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, host, GL_STATIC_DRAW);
         own->read_buffer(GL_SHADER_STORAGE_BUFFER, 0, 1, &root);
         printf("%zu child masks in OpenGL, the root's is %02x\n", bytes, root);
+    } else {
+        fprintf(stderr, "the child masks cannot be read\n");
     }
     free(host);
     return done;

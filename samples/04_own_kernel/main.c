@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays in a kernel of one's own: a ring that throws a shadow on itself, one work-item per pixel, drawn with letters. */
+/* Rays in your own kernel: a ring that casts a shadow on itself, drawn with letters. One work-item per pixel. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -13,8 +13,8 @@
 #define WIDTH  72u
 #define HEIGHT 30u
 
-/* The whole of the integrator's side: svo_trace_closest finds what a pixel sees, svo_trace_any what is in the light's
-   way. The picture holds 0 for nothing, 1 for shadow, 2 and up for light. */
+/* The program's kernel: svo_trace_closest finds what a pixel sees, svo_trace_any whether something blocks the light.
+   The picture holds 0 for nothing, 1 for shadow, 2 and up for light. */
 static const char kernel_source[] =
     "__kernel void draw(SVO_TREE_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
     "{\n"
@@ -61,7 +61,7 @@ static void make_ring(float *positions, uint32_t *indices)
     }
 }
 
-/* The text of svocl before one's own; the tree's arguments before one's own. */
+/* svocl's source comes before the program's, and the tree's arguments come before the kernel's own. */
 static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, cl_mem picture)
 {
     const char *sources[2] = {svo_tree_kernel_source(), kernel_source};
@@ -130,7 +130,7 @@ int main(void)
                            .indices = indices,
                            .triangle_count = (size_t)ROUND * TUBE * 2};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
-    svo_message message = {""};
+    svo_message message = {"an OpenCL call of the program failed"};
     svo_device *device = NULL;
     cl_command_queue queue = NULL;
     svo_plan *plan = NULL;
@@ -143,7 +143,8 @@ int main(void)
     done = queue != NULL && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
            svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK && draw(device, tree, queue);
     if (!done)
-        fprintf(stderr, "%s\n", device == NULL || message.text[0] != '\0' ? message.text : svo_device_message(device));
+        fprintf(stderr, "%s\n",
+                device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);
 
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);

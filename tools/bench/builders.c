@@ -5,9 +5,6 @@
  */
 #include "bench/builders.h"
 
-#include <math.h>
-#include <stdio.h>
-
 #include "bench/series.h"
 
 static const char builders_id[] = "builders";
@@ -34,10 +31,8 @@ static const struct {
 static const char builders_note[] =
     "Builders run interleaved. Needs: colors, normals and rays, with uniform weights; table \"filter\" has the others. "
     "Transfer: the mesh to the device, the list or the finished arrays from OpenGL to OpenCL, counts back. List to "
-    "tree: "
-    "subdivide, link, pack and filter. Total: with grid, voxelize and transfer, without compilation. First: total of "
-    "the "
-    "warm-up run, with compilation. Ratio: list to tree, relative to cl, within each round.";
+    "tree: subdivide, link, pack and filter. Total: with grid, voxelize and transfer, without compilation. First: "
+    "total of the warm-up run, with compilation. Ratio: list to tree, relative to cl, within each round.";
 
 static void begin_builders(suite *all)
 {

@@ -120,7 +120,7 @@ static int begin_embree(suite *all)
     result_table *table =
         suite_add_table(all, embree_id, "Ray structures: the octree with its BVH, and Embree's BVH", embree_note);
     if (!embree_is_there()) {
-        result_set_note(table, "%s Empty: this program was built without libembree-dev.", table->note);
+        result_extend_note(table, "Empty: this program was built without libembree-dev.");
     }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
@@ -136,18 +136,17 @@ static int begin_embree(suite *all)
 
 static const char openvdb_note[] =
     "Methods run interleaved. svocl: from the mesh to the octree, occupancy only, exact. OpenVDB: tools::meshToVolume "
-    "on "
-    "all cores, unsigned distances in a band of one voxel to each side; its active voxels are those near the surface, "
-    "whether or not it touches them. Ratio: svocl's time to OpenVDB's, within each round.";
+    "on all cores, unsigned distances in a band of one voxel to each side; its active voxels are those near the "
+    "surface, whether or not it touches them. Ratio: svocl's time to OpenVDB's, within each round.";
 
 static int begin_openvdb(suite *all)
 {
     result_table *table = suite_add_table(
         all, openvdb_id, "Occupancy: the octree and an OpenVDB grid of the same resolution", openvdb_note);
     if (openvdb_is_there()) {
-        result_set_note(table, "%s OpenVDB %s.", table->note, openvdb_version());
+        result_extend_note(table, "OpenVDB %s.", openvdb_version());
     } else {
-        result_set_note(table, "%s Empty: this program was built without libopenvdb-dev.", table->note);
+        result_extend_note(table, "Empty: this program was built without libopenvdb-dev.");
     }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");

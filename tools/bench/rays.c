@@ -205,7 +205,7 @@ static double mrays(const ray_bench *bench, double ms)
 
 static cJSON *to_json(const ray_bench *bench)
 {
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "input", bench->work.source.name);
     job_add_what_ran(document, &bench->work);
     json_add_count(document, "triangles", bench->work.result.info.list_triangle_count);
@@ -346,7 +346,9 @@ static int show(const ray_bench *bench)
         return json_print(bench->state, document);
     }
     cJSON_Delete(document);
-    print_table(bench);
+    if (given->output_path == NULL || !given->quiet) {
+        print_table(bench);
+    }
     return PROGRAM_DONE;
 }
 
@@ -380,14 +382,13 @@ static const char table_id[] = "rays";
 
 static const char note[] =
     "Wall clock, on the snapped mesh. Embree: rtcIntersect1, interleaved with svocl, on as many threads. Ratio: "
-    "svocl's "
-    "rays per second to Embree's, within each round. Wrong: another triangle than the reference, or none.";
+    "svocl's rays per second to Embree's, within each round. Wrong: another triangle than the reference, or none.";
 
 static int begin(suite *all)
 {
     result_table *results = suite_add_table(all, table_id, "Rays against triangles, closest hit", note);
     if (!embree_is_there()) {
-        result_set_note(results, "%s Without Embree: this program was built without libembree-dev.", note);
+        result_extend_note(results, "Without Embree: this program was built without libembree-dev.");
     }
     result_add_column(results, "scene", "");
     result_add_column(results, "triangles", "");

@@ -222,14 +222,12 @@ static int check(suite *all, const input *source, const series_method *methods, 
     return PROGRAM_DONE;
 }
 
-/* Appends "Without gl-hw: reason." to the note, unless it is there already. */
+/* Says in the note which methods are missing. */
 static void add_reasons(result_table *table, const series_method *methods, size_t method_count)
 {
-    for (size_t i = 0; i < method_count && table != NULL; ++i) {
-        char text[320];
-        snprintf(text, sizeof text, "Without %.40s: %.256s.", methods[i].name, methods[i].reason);
-        if (methods[i].reason[0] != '\0' && strstr(table->note, text) == NULL) {
-            result_set_note(table, "%s %s", table->note, text);
+    for (size_t i = 0; i < method_count; ++i) {
+        if (methods[i].reason[0] != '\0') {
+            result_extend_note(table, "Without %s: %s.", methods[i].name, methods[i].reason);
         }
     }
 }

@@ -37,11 +37,9 @@ static int run_sizes(suite *all, const input *source, unsigned depth)
 
 static const char sizes_note[] =
     "Needs run interleaved, with front end cl. The scene is a terrain with exactly this number of triangles, and the "
-    "grid "
-    "is fitted to it. Default: the colors and normals of the mesh. Peak: the largest sum of OpenCL buffers at one "
-    "time. "
-    "Tree: the buffers of the finished tree. Build: wall clock from planning to the finished tree. First: the warm-up "
-    "run, with compilation.";
+    "grid is fitted to it. Default: the colors and normals of the mesh. Peak: the largest sum of OpenCL buffers at one "
+    "time. Tree: the buffers of the finished tree. Build: wall clock from planning to the finished tree. First: the "
+    "warm-up run, with compilation.";
 
 static int begin_sizes(suite *all)
 {

@@ -159,8 +159,8 @@ static int run(suite *all, const input *source, unsigned depth)
         } else if (form == 0) {
             return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s --frontend cl' failed as a child",
                                 source->name);
-        } else if (table != NULL) {
-            result_set_note(table, "%s %s does not work here.", table->note, forms[form].name);
+        } else {
+            result_extend_note(table, "%s does not work here.", forms[form].name);
         }
     }
     return PROGRAM_DONE;

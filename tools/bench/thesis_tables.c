@@ -80,7 +80,7 @@ const suite_subject bench_thesis_2020 = {
 
 static const char memory_id[] = "thesis-2016";
 
-/* At 512^3, on a Radeon HD 5850. */
+/* At 512³, on a Radeon HD 5850. */
 static const struct {
     double voxelize_ms, first_build_ms, second_build_ms, list_kib, full_kib, sparse_kib;
 } published = {110, 1944, 111, 51035, 599186, 4576};
@@ -88,14 +88,13 @@ static const struct {
 static const char memory_note[] =
     "svocl: another atrium, front end and builder cl, occupancy only. Build: subdivide, link, pack and filter. First "
     "build: the warm-up run, with compilation. Second build: the runs after it. Sparse octree: OpenCL buffers. Full "
-    "octree: 4 bytes for each node of a complete octree, computed. Published: an atrium at 512^3 on a Radeon HD 5850, "
+    "octree: 4 bytes for each node of a complete octree, computed. Published: an atrium at 512³ on a Radeon HD 5850, "
     "with 36 bytes per fragment; the names of the two builds are the thesis's.";
 
 static int begin_memory(suite *all)
 {
     result_table *table = suite_add_table(
-        all, memory_id, "Voxel cone tracing thesis (2016): memory and build times at 128^3, 256^3 and 512^3",
-        memory_note);
+        all, memory_id, "Voxel cone tracing thesis (2016): memory and build times at 128³, 256³ and 512³", memory_note);
     result_add_column(table, "system", "");
     result_add_column(table, "hardware", "");
     result_add_column(table, "voxels per axis", "");
@@ -154,7 +153,7 @@ static int run_memory(suite *all, const input *source, unsigned depth)
 const suite_subject bench_thesis_2016 = {
     .name = "thesis-2016",
     .group = "all",
-    .summary = "a thesis on voxel cone tracing: memory and times at 128^3, 256^3 and 512^3",
+    .summary = "a thesis on voxel cone tracing: memory and times at 128³, 256³ and 512³",
     .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .fixed = true,

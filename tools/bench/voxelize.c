@@ -2,8 +2,6 @@
 /* Compares the front ends: triangles to exact fragments by OpenCL alone and by OpenGL's rasterizer. */
 #include "bench/voxelize.h"
 
-#include <math.h>
-
 #include "bench/series.h"
 
 static const char table_id[] = "voxelize";

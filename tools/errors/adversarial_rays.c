@@ -35,7 +35,7 @@ static double random_fraction(random_stream *random)
 static void pick_triangle(const svo_mesh *mesh, random_stream *random, vector3 corners[3], vector3 *normal)
 {
     for (int attempt = 0; attempt < 1000; ++attempt) {
-        const size_t triangle = (size_t)((random_bits(random) >> 32) * mesh->triangle_count >> 32);
+        const size_t triangle = random_index(random, (uint32_t)mesh->triangle_count);
         for (size_t i = 0; i < 3; ++i) {
             corners[i] = vertex_of(mesh, mesh->indices != NULL ? mesh->indices[3 * triangle + i] : 3 * triangle + i);
         }

@@ -148,7 +148,7 @@ static void shuffle_triangles(attribute_bench *bench, uint64_t seed)
 {
     random_stream random = {seed};
     for (size_t t = bench->mesh.triangle_count; t-- > 1;) {
-        const size_t other = (size_t)((random_bits(&random) >> 32) * (t + 1) >> 32);
+        const size_t other = random_index(&random, (uint32_t)t + 1);
         uint32_t kept[3];
         memcpy(kept, bench->indices + 3 * t, sizeof kept);
         memmove(bench->indices + 3 * t, bench->indices + 3 * other, sizeof kept);

@@ -123,7 +123,7 @@ void attribute_samples_shuffle(attribute_samples *made, uint64_t seed)
 {
     random_stream random = {seed};
     for (size_t i = made->count; i-- > 1;) {
-        const size_t other = (size_t)((random_bits(&random) >> 32) * (i + 1) >> 32);
+        const size_t other = random_index(&random, (uint32_t)i + 1);
         float kept[4];
         const uint32_t leaf = made->leaves[i];
         memcpy(kept, made->values[i], sizeof kept);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Built by median splits along the longest axis of the centroids' bounds; traversed with a stack, nearer child first.
-   */
+/* Built by median splits along the longest axis of the centroids' bounds; traversed with a stack, the nearer child
+   first. */
 #include "errors/bvh.h"
 
 #include <math.h>

@@ -15,10 +15,8 @@ static result_table *begin_table(error_run *run)
         table,
         "Each method lists the (voxel, triangle) pairs of the same snapped triangles. Its voxels are compared with the "
         "exact set for its coverage: closed voxels for the two separating-axis tests, half-open ones for the others. "
-        "The "
-        "float32 methods run on %u host threads; the two tests visit every voxel of a triangle's bounds. The exact "
-        "methods run on the device or renderer named above (stage voxelize). %s; "
-        "methods run interleaved.",
+        "The float32 methods run on %u host threads; the two tests visit every voxel of a triangle's bounds. The exact "
+        "methods run on the device or renderer named above (stage voxelize). %s; methods run interleaved.",
         run->threads, run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");
@@ -74,8 +72,9 @@ static int measure_scene(error_run *run, result_table *table, const char *name, 
 static int measure(error_run *run)
 {
     result_table *table = begin_table(run);
-    const int exit_code = measure_scene(run, table, "statue", run->quick ? "statue:60000" : "statue:120000", 10);
-    return exit_code == PROGRAM_DONE ? measure_scene(run, table, "atrium", "atrium:17000", run->quick ? 9 : 10)
+    const int exit_code =
+        measure_scene(run, table, "statue", run->quick ? "statue:60000" : "statue:120000", run->quick ? 9 : 10);
+    return exit_code == PROGRAM_DONE ? measure_scene(run, table, "atrium", "atrium:17000", run->quick ? 8 : 10)
                                      : exit_code;
 }
 

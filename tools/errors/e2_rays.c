@@ -20,13 +20,12 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     result_set_note(
         table,
         "%zu rays of each kind against the same triangles. Coordinates and origins are 15-bit integers, exact in "
-        "float32, and aimed rays pass through their vertex or edge exactly: long double decides the first hit without "
-        "rounding. Wrong: another triangle at another t, or a false hit. Error of t: |t - exact| / exact over correct "
-        "hits. svocl and \"voxels alone\" run on the OpenCL device. The float32 tests run on %u host threads in one "
-        "BVH "
-        "with conservative bounds, so that they differ in the test only; Embree runs on as many threads. \"Voxels "
-        "alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. %s; "
-        "methods run interleaved.",
+        "float32, and adversarial rays pass through their vertex or edge exactly: long double decides the first hit "
+        "without rounding. Wrong: another triangle at another t, or a false hit. Error of t: |t - exact| / exact over "
+        "correct hits. svocl and \"voxels alone\" run on the OpenCL device. The float32 tests run on %u host threads "
+        "in one BVH with conservative bounds, so that they differ in the test only; Embree runs on as many threads. "
+        "\"Voxels alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. %s; methods run "
+        "interleaved.",
         ray_count, run->threads, run->rounds_note);
     result_add_column(table, "triangles", "");
     result_add_column(table, "rays", "");

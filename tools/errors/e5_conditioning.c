@@ -22,13 +22,12 @@ static result_table *begin_table(error_run *run, size_t triangle_count, unsigned
     result_table *table = result_add_table(run->results, "e5-conditioning", "E5: ill-conditioned meshes", "");
     result_set_note(
         table,
-        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a "
-        "closed knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays "
-        "the knot "
+        "Voxelization: %zu randomly oriented triangles in a grid of %u³, as in E1. Rays: %zu rays at edges of a closed "
+        "knot, from nearby, as in E2. Aspect ratio: longest edge of the triangles over their height; for rays the knot "
         "is flattened by this factor. Offset: distance of the mesh from the origin along all axes, in widths of the "
         "mesh; float32 methods and Embree get coordinates rounded to float32. Scale ratio: width of the grid over "
-        "three edges of a triangle; for rays the distance of their origins in widths of the mesh. %s; "
-        "methods run interleaved.",
+        "three edges of a triangle; for rays the distance of their origins in widths of the mesh. %s; methods run "
+        "interleaved.",
         triangle_count, 1u << depth, ray_count, run->rounds_note);
     result_add_column(table, "problem", "");
     result_add_column(table, "conditioning", "");
@@ -53,7 +52,7 @@ static void add_row(result_table *table, const char *problem, conditioning famil
 static int measure_voxels(error_run *run, result_table *table, conditioning family, double value, size_t triangle_count,
                           unsigned depth)
 {
-    stress_mesh made;
+    triangle_set made;
     if (!ill_conditioned_triangles(family, value, triangle_count, &made)) {
         return errors_fail(run);
     }
@@ -64,7 +63,7 @@ static int measure_voxels(error_run *run, result_table *table, conditioning fami
         add_row(table, "voxelization", family, value, results[i].method, results[i].ms,
                 voxel_method_error(&results[i]));
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
     return exit_code;
 }
 

@@ -47,10 +47,10 @@ static void pin_grid(double corner, double corners[9])
     }
 }
 
-bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, stress_mesh *out)
+bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, triangle_set *out)
 {
     random_stream random = {SEED};
-    if (!stress_mesh_empty(triangle_count, out)) {
+    if (!triangle_set_empty(triangle_count, out)) {
         return false;
     }
     const double length = family == CONDITIONING_SCALE ? UNIT_EDGE / value : UNIT_EDGE;
@@ -61,7 +61,7 @@ bool ill_conditioned_triangles(conditioning family, double value, size_t triangl
         make_triangle(&random, length, height, out->positions + t * 9);
     }
     if (family == CONDITIONING_OFFSET) {
-        stress_mesh_move(out, 1.0, value);
+        triangle_set_move(out, 1.0, value);
     }
     return true;
 }

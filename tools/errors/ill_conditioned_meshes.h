@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "stress/stress_mesh.h"
+#include "measure/triangle_sets.h"
 
 typedef enum conditioning {
     CONDITIONING_ASPECT = 0, /* longest edge over height */
@@ -17,8 +17,8 @@ typedef enum conditioning {
 const char *conditioning_name(conditioning family); /* static string */
 
 /* Triangles for voxelization, inside the unit cube or, for an offset, that far from it. triangle_count: at least 2.
-   Returns false when out of memory. Released by stress_mesh_free. */
-bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, stress_mesh *out);
+   Returns false when out of memory. Released by triangle_set_free. */
+bool ill_conditioned_triangles(conditioning family, double value, size_t triangle_count, triangle_set *out);
 
 /* A closed mesh's positions in double, flattened along y or moved along all axes. out: vertex_count * 3. */
 void ill_conditioned_positions(const svo_mesh *mesh, conditioning family, double value, double *out);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Voxelizes one mesh by every method: common float32 methods on the host (stress/float_methods.h) and svocl's front
+ * Voxelizes one mesh by every method: common float32 methods on the host (measure/float_methods.h) and svocl's front
  * ends. Each is compared with the exact set of voxels for its coverage rule.
  */
 #ifndef SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
 #define SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
 
 #include "errors/errors.h"
-#include "stress/float_methods.h"
+#include "measure/float_methods.h"
 
 #define VOXEL_FRONTENDS_MAX 2u
 #define VOXEL_METHODS_MAX   ((size_t)FLOAT_METHOD_COUNT + VOXEL_FRONTENDS_MAX)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Interleaved timing: each round runs every method once, so that disturbances of the machine affect all methods alike.
-   */
+/* Interleaved timing: each round runs every method once, so that disturbances of the machine affect all alike. */
 #ifndef SVOCL_TOOLS_MEASURE_INTERLEAVE_H
 #define SVOCL_TOOLS_MEASURE_INTERLEAVE_H
 

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "support/ray_table.h"
+
 /* [0, 1), a multiple of 2^-24: Marsaglia, "Xorshift RNGs", 2003. */
 static double random_unit(uint64_t *state)
 {
@@ -12,13 +14,6 @@ static double random_unit(uint64_t *state)
     *state ^= *state >> 7;
     *state ^= *state << 17;
     return (double)(*state >> 40) * 0x1p-24;
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 static void normalize(double vector[3])
@@ -44,25 +39,14 @@ void ray_set_primary(const svo_camera *camera, size_t count, svo_ray *rays)
     size_t edge = (size_t)sqrt((double)count);
     edge = edge > 0 ? edge : 1;
     const double tangent = tan(0.5 * (double)camera->vertical_fov);
-    double eye[3];
-    double forward[3];
-    double up[3];
-    double right[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        eye[axis] = (double)camera->eye[axis];
-        forward[axis] = (double)camera->target[axis] - eye[axis];
-        up[axis] = (double)camera->up[axis];
-    }
-    normalize(forward);
-    cross(forward, up, right);
-    normalize(right);
-    cross(right, forward, up);
+    const camera_axes axes = ray_table_axes(camera);
+    const double eye[3] = {(double)camera->eye[0], (double)camera->eye[1], (double)camera->eye[2]};
     for (size_t i = 0; i < count; ++i) {
         const double across = (2.0 * ((double)(i % edge) + 0.5) / (double)edge - 1.0) * tangent;
         const double down = (2.0 * ((double)(i / edge % edge) + 0.5) / (double)edge - 1.0) * tangent;
         double direction[3];
         for (int axis = 0; axis < 3; ++axis) {
-            direction[axis] = forward[axis] + across * right[axis] - down * up[axis];
+            direction[axis] = axes.forward[axis] + across * axes.right[axis] - down * axes.up[axis];
         }
         normalize(direction);
         rays[i] = make_ray(eye, direction);

@@ -79,23 +79,44 @@ result_table *result_add_table(result_set *set, const char *id, const char *titl
     return table;
 }
 
+/* Text by malloc; NULL, and the set remembers it, when out of memory. */
+static char *make_text(result_set *owner, const char *format, va_list arguments)
+{
+    char text[TEXT_BYTES];
+    vsnprintf(text, sizeof text, format, arguments);
+    char *made = strdup(text);
+    owner->incomplete = owner->incomplete || made == NULL;
+    return made;
+}
+
 void result_set_note(result_table *table, const char *format, ...)
 {
     if (table == NULL) {
         return;
     }
-    char text[TEXT_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    char *note = make_text(table->owner, format, arguments);
     va_end(arguments);
-    char *note = strdup(text);
-    if (note == NULL) {
-        table->owner->incomplete = true;
+    if (note != NULL) {
+        free(table->note);
+        table->note = note;
+    }
+}
+
+void result_extend_note(result_table *table, const char *format, ...)
+{
+    if (table == NULL) {
         return;
     }
-    free(table->note);
-    table->note = note;
+    va_list arguments;
+    va_start(arguments, format);
+    char *sentence = make_text(table->owner, format, arguments);
+    va_end(arguments);
+    if (sentence != NULL && strstr(table->note, sentence) == NULL) {
+        result_set_note(table, "%s %s", table->note, sentence);
+    }
+    free(sentence);
 }
 
 void result_add_column(result_table *table, const char *name, const char *unit)
@@ -135,17 +156,13 @@ void result_add_text(result_table *table, const char *format, ...)
     if (table == NULL) {
         return;
     }
-    char text[TEXT_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    char *text = make_text(table->owner, format, arguments);
     va_end(arguments);
-    const result_cell cell = {.kind = RESULT_TEXT, .text = strdup(text)};
-    if (cell.text == NULL) {
-        table->owner->incomplete = true;
-        return;
+    if (text != NULL) {
+        add_cell(table, (result_cell){.kind = RESULT_TEXT, .text = text});
     }
-    add_cell(table, cell);
 }
 
 void result_add_number(result_table *table, double number)

@@ -69,6 +69,8 @@ void result_destroy(result_set **set); /* a pointer to NULL is allowed */
 result_table *result_add_table(result_set *set, const char *id, const char *title, const char *note);
 /* Replaces the note, once it is known what ran. */
 void result_set_note(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Appends a sentence to the note, unless the note has it already. */
+void result_extend_note(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The next column. All columns come before the first cell. */
 void result_add_column(result_table *table, const char *name, const char *unit);

@@ -5,29 +5,31 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "support/json_text.h"
+
 /* ---- writing ---- */
 
 static cJSON *machine_to_json(const result_machine *machine)
 {
     cJSON *object = cJSON_CreateObject();
-    cJSON_AddStringToObject(object, "device", machine->device);
-    cJSON_AddStringToObject(object, "driver", machine->driver);
-    cJSON_AddStringToObject(object, "platform", machine->platform);
-    cJSON_AddStringToObject(object, "renderer", machine->renderer);
+    json_add_text(object, "device", machine->device);
+    json_add_text(object, "driver", machine->driver);
+    json_add_text(object, "platform", machine->platform);
+    json_add_text(object, "renderer", machine->renderer);
     cJSON_AddNumberToObject(object, "cpu_threads", machine->cpu_threads);
-    cJSON_AddStringToObject(object, "svocl", machine->svocl);
+    json_add_text(object, "svocl", machine->svocl);
     if (machine->instruction_set[0] != '\0') {
-        cJSON_AddStringToObject(object, "instruction_set", machine->instruction_set);
+        json_add_text(object, "instruction_set", machine->instruction_set);
     }
     if (machine->date[0] != '\0') {
-        cJSON_AddStringToObject(object, "date", machine->date);
+        json_add_text(object, "date", machine->date);
     }
     return object;
 }
 
 static cJSON *cell_to_json(const result_cell *cell)
 {
-    return cell->kind == RESULT_TEXT     ? cJSON_CreateString(cell->text)
+    return cell->kind == RESULT_TEXT     ? json_text(cell->text)
            : cell->kind == RESULT_NUMBER ? cJSON_CreateNumber(cell->number)
                                          : cJSON_CreateNull();
 }
@@ -35,14 +37,14 @@ static cJSON *cell_to_json(const result_cell *cell)
 static cJSON *table_to_json(const result_table *table)
 {
     cJSON *object = cJSON_CreateObject();
-    cJSON_AddStringToObject(object, "id", table->id);
-    cJSON_AddStringToObject(object, "title", table->title);
-    cJSON_AddStringToObject(object, "note", table->note);
+    json_add_text(object, "id", table->id);
+    json_add_text(object, "title", table->title);
+    json_add_text(object, "note", table->note);
     cJSON *columns = cJSON_AddArrayToObject(object, "columns");
     for (size_t i = 0; i < table->column_count; ++i) {
         cJSON *column = cJSON_CreateObject();
-        cJSON_AddStringToObject(column, "name", table->columns[i].name);
-        cJSON_AddStringToObject(column, "unit", table->columns[i].unit);
+        json_add_text(column, "name", table->columns[i].name);
+        json_add_text(column, "unit", table->columns[i].unit);
         cJSON_AddItemToArray(columns, column);
     }
     cJSON *rows = cJSON_AddArrayToObject(object, "rows");
@@ -61,7 +63,7 @@ cJSON *result_to_json(const result_set *set)
     if (!result_is_whole(set)) {
         return NULL;
     }
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     cJSON_AddItemToObject(document, "machine", machine_to_json(&set->machine));
     cJSON *tables = cJSON_AddArrayToObject(document, "tables");
     for (size_t i = 0; i < set->table_count; ++i) {

@@ -2,7 +2,8 @@
 /*
  * Sets of tables as JSON:
  *
- *   {"machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
+ *   {"version": "0.1.0",
+ *    "machine": {"device": "...", "driver": "...", "platform": "...", "renderer": "...", "cpu_threads": 2,
  *                "svocl": "0.1.0"},
  *    "tables": [{"id": "voxelize", "title": "...", "note": "...",
  *                "columns": [{"name": "scene", "unit": ""}, {"name": "median", "unit": "ms"}],

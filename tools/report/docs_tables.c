@@ -150,7 +150,7 @@ static int rewrite(program *state, const result_set *results, document *one)
     return exit_code;
 }
 
-static int save(program *state, const document *one)
+static int save(program *state, const document *one, cJSON *written)
 {
     output_file file;
     if (one->text == NULL) {
@@ -161,7 +161,11 @@ static int save(program *state, const document *one)
         return exit_code;
     }
     output_write(&file, one->text, one->text_bytes);
-    return output_commit(state, &file);
+    const int result = output_commit(state, &file);
+    if (result == PROGRAM_DONE) {
+        json_add_file(written, one->path, (long)one->text_bytes);
+    }
+    return result;
 }
 
 static int is_markdown(const struct dirent *entry)
@@ -207,7 +211,7 @@ static int list_documents(program *state, const char *folder, document *all, siz
     return exit_code;
 }
 
-int docs_tables_write(program *state, const result_set *results, const char *folder)
+int docs_tables_write(program *state, const result_set *results, const char *folder, cJSON *written)
 {
     size_t count = 0;
     document *all = calloc(DOCUMENTS_MAX, sizeof *all);
@@ -219,7 +223,7 @@ int docs_tables_write(program *state, const result_set *results, const char *fol
         exit_code = rewrite(state, results, &all[i]);
     }
     for (size_t i = 0; i < count && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = save(state, &all[i]);
+        exit_code = save(state, &all[i], written);
     }
     for (size_t i = 0; i < count; ++i) {
         free(all[i].text);

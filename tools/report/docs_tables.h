@@ -11,11 +11,11 @@
 #define SVOCL_TOOLS_REPORT_DOCS_TABLES_H
 
 #include "measure/result.h"
-#include "support/program.h"
+#include "support/json.h"
 
 /* Writes the tables of folder/README.md and of every .md file in folder/docs anew. Documents without markers stay as
-   they are. So do all of them when a marker is unknown or not closed, or when the results lack a table. Returns the
-   exit code. */
-int docs_tables_write(program *state, const result_set *results, const char *folder);
+   they are. So do all of them when a marker is unknown or not closed, or when the results lack a table. written gets
+   {file, bytes} of each document that was written. Returns the exit code. */
+int docs_tables_write(program *state, const result_set *results, const char *folder, cJSON *written);
 
 #endif

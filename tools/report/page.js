@@ -83,10 +83,11 @@ function drawTable(table) {
 
 /* ---- sections ---- */
 
-/* As a sentence. */
+/* As a sentence; what stands between backticks is code. */
 function drawNote(note) {
   const end = note.endsWith(".") ? "" : ".";
-  return note !== "" && html`<p class="note">${note[0].toUpperCase()}${note.slice(1)}${end}</p>`;
+  const parts = note.split("`").map((part, index) => index % 2 === 1 ? html`<code>${part}</code>` : part);
+  return note !== "" && html`<p class="note">${parts}${end}</p>`;
 }
 
 function drawContent(table) {

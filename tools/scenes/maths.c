@@ -49,6 +49,11 @@ double random_between(random_stream *stream, double low, double high)
     return low + (high - low) * unit_from_bits(random_bits(stream));
 }
 
+uint32_t random_index(random_stream *stream, uint32_t count)
+{
+    return (uint32_t)((random_bits(stream) >> 32) * count >> 32);
+}
+
 vector3 random_direction(random_stream *stream)
 {
     const double y = random_between(stream, -1, 1);

@@ -93,6 +93,7 @@ typedef struct random_stream {
 
 uint64_t random_bits(random_stream *stream);
 double random_between(random_stream *stream, double low, double high); /* low <= result < high */
+uint32_t random_index(random_stream *stream, uint32_t count); /* 0 .. count - 1 */
 vector3 random_direction(random_stream *stream); /* uniform on the unit sphere */
 
 /* Value noise in [-1, 1]: random values on the integer lattice, blended by the quintic of Perlin, "Improving noise",

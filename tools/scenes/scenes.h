@@ -13,6 +13,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "svocl/mesh.h"
 #include "svocl/status.h"
@@ -47,14 +48,17 @@ void scene_destroy(scene **scene_handle); /* NULL and a pointer to NULL are allo
 const svo_mesh *scene_mesh(const scene *scene_handle); /* lives as long as the scene */
 
 /*
- * Writes a mesh by the suffix of path (any case): .obj, with vertex colors, normals and an .mtl of the same name beside
- * it when the mesh has materials, or .ply, binary little-endian with normals and colors, base colors multiplied in.
- * Files are written under temporary names and renamed at the end: on failure nothing is left and old files stay.
+ * The three write a mesh to a stream, whose errors the caller looks for. A mesh needs float positions, normals and
+ * colors, and no textures. message: receives one line on failure; NULL allowed.
  *
- * mesh: float positions, normals and colors present, no textures.
- * Returns SVO_INVALID_ARGUMENT (another suffix), SVO_UNSUPPORTED (a mesh as above is not given, or a .ply of a mesh in
- * which triangles of different base colors share a vertex), SVO_FILE_ERROR, SVO_OUT_OF_HOST_MEMORY.
+ * OBJ has vertex colors and normals and, where the mesh has materials, names the file of the library, which is what
+ * scene_write_mtl writes. PLY is binary little-endian with normals and colors, base colors multiplied in.
+ *
+ * Returns SVO_UNSUPPORTED (another mesh, or a PLY of one in which triangles of different base colors share a vertex),
+ * SVO_OUT_OF_HOST_MEMORY; nothing was written then.
  */
-svo_status scene_write(const svo_mesh *mesh, const char *path, svo_message *message);
+svo_status scene_write_obj(const svo_mesh *mesh, const char *library_name, FILE *stream, svo_message *message);
+svo_status scene_write_ply(const svo_mesh *mesh, FILE *stream, svo_message *message);
+void scene_write_mtl(const svo_mesh *mesh, FILE *stream);
 
 #endif

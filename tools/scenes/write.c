@@ -1,101 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Meshes as OBJ and PLY files, for other programs and for tests of the importer. Files are written to a temporary name
- * in the same folder, flushed to disk and renamed, so that a reader never sees half a file.
- */
-#define _POSIX_C_SOURCE 200809L
+/* Meshes as OBJ, MTL and PLY, for other programs and for tests of the importer. */
 #include "scenes.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <unistd.h>
 
 #include "fail.h"
-
-/* A file that is not yet renamed to its final name. */
-typedef struct pending_file {
-    FILE *stream;
-    char *path;
-    char *temporary_path;
-} pending_file;
-
-static char *join_text(const char *head, size_t head_bytes, const char *tail)
-{
-    const size_t tail_bytes = strlen(tail);
-    char *text = malloc(head_bytes + tail_bytes + 1);
-    if (text != NULL) {
-        memcpy(text, head, head_bytes);
-        memcpy(text + head_bytes, tail, tail_bytes + 1);
-    }
-    return text;
-}
-
-static svo_status fail_file(svo_message *message, const char *path, const char *step)
-{
-    return scene_fail(message, SVO_FILE_ERROR, "scene_write: cannot %s '%s': %s", step, path, strerror(errno));
-}
-
-static svo_status pending_open(pending_file *file, const char *path, svo_message *message)
-{
-    char suffix[32];
-    (void)snprintf(suffix, sizeof suffix, ".%ld.tmp", (long)getpid());
-    file->path = join_text(path, strlen(path), "");
-    file->temporary_path = join_text(path, strlen(path), suffix);
-    if (file->path == NULL || file->temporary_path == NULL) {
-        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for a file name");
-    }
-    const int descriptor = open(file->temporary_path, O_WRONLY | O_CREAT | O_EXCL, 0666);
-    if (descriptor >= 0) {
-        file->stream = fdopen(descriptor, "wb");
-        if (file->stream == NULL) {
-            close(descriptor);
-            unlink(file->temporary_path);
-        }
-    }
-    return file->stream != NULL ? SVO_OK : fail_file(message, path, "create");
-}
-
-/* Flushes everything to disk, still under the temporary name. */
-static svo_status pending_flush(pending_file *file, svo_message *message)
-{
-    if (ferror(file->stream) != 0 || fflush(file->stream) != 0 || fsync(fileno(file->stream)) != 0) {
-        return fail_file(message, file->path, "write");
-    }
-    return SVO_OK;
-}
-
-static svo_status pending_rename(pending_file *file, svo_message *message)
-{
-    const int closed = fclose(file->stream);
-    file->stream = NULL;
-    if (closed != 0 || rename(file->temporary_path, file->path) != 0) {
-        const svo_status status = fail_file(message, file->path, "write");
-        unlink(file->temporary_path);
-        return status;
-    }
-    return SVO_OK;
-}
-
-static svo_status pending_commit(pending_file *file, svo_message *message)
-{
-    const svo_status status = pending_flush(file, message);
-    return status != SVO_OK ? status : pending_rename(file, message);
-}
-
-/* Removes the temporary file unless it was renamed. */
-static void pending_release(pending_file *file)
-{
-    if (file->stream != NULL) {
-        (void)fclose(file->stream);
-        unlink(file->temporary_path);
-    }
-    free(file->path);
-    free(file->temporary_path);
-}
 
 static const uint8_t *base_color(const svo_mesh *mesh, size_t triangle)
 {
@@ -109,6 +20,15 @@ static const uint8_t *base_color(const svo_mesh *mesh, size_t triangle)
 static uint32_t corner_index(const svo_mesh *mesh, size_t corner)
 {
     return mesh->indices == NULL ? (uint32_t)corner : mesh->indices[corner];
+}
+
+static svo_status check_mesh(const svo_mesh *mesh, svo_message *message)
+{
+    if (mesh->positions == NULL || mesh->normals == NULL || mesh->colors == NULL || mesh->texture_count > 0) {
+        return scene_fail(message, SVO_UNSUPPORTED,
+                          "scene_write: the mesh needs float positions, normals and colors and no textures");
+    }
+    return SVO_OK;
 }
 
 /* ---- OBJ ---- */
@@ -143,77 +63,28 @@ static void put_obj_faces(FILE *stream, const svo_mesh *mesh)
     }
 }
 
-static void put_mtl(FILE *stream, const svo_mesh *mesh)
+svo_status scene_write_obj(const svo_mesh *mesh, const char *library_name, FILE *stream, svo_message *message)
+{
+    const svo_status status = check_mesh(mesh, message);
+    if (status != SVO_OK) {
+        return status;
+    }
+    (void)fprintf(stream, "# svocl scene: %zu vertices, %zu triangles\n", mesh->vertex_count, mesh->triangle_count);
+    if (mesh->material_count > 0) {
+        (void)fprintf(stream, "mtllib %s\n", library_name);
+    }
+    put_obj_vertices(stream, mesh);
+    put_obj_faces(stream, mesh);
+    return SVO_OK;
+}
+
+void scene_write_mtl(const svo_mesh *mesh, FILE *stream)
 {
     for (size_t k = 0; k < mesh->material_count; ++k) {
         const uint8_t *c = mesh->materials[k].rgba;
         (void)fprintf(stream, "newmtl material_%zu\nKd %.5f %.5f %.5f\nd %.5f\nillum 1\n", k, c[0] / 255.0,
                       c[1] / 255.0, c[2] / 255.0, c[3] / 255.0);
     }
-}
-
-static void put_obj(FILE *stream, const svo_mesh *mesh, const char *library_path)
-{
-    (void)fprintf(stream, "# svocl scene: %zu vertices, %zu triangles\n", mesh->vertex_count, mesh->triangle_count);
-    if (mesh->material_count > 0) {
-        const char *slash = strrchr(library_path, '/');
-        (void)fprintf(stream, "mtllib %s\n", slash == NULL ? library_path : slash + 1);
-    }
-    put_obj_vertices(stream, mesh);
-    put_obj_faces(stream, mesh);
-}
-
-static svo_status write_mtl(const svo_mesh *mesh, const char *path, svo_message *message)
-{
-    pending_file file = {NULL, NULL, NULL};
-    svo_status status = pending_open(&file, path, message);
-    if (status != SVO_OK) {
-        goto cleanup;
-    }
-    put_mtl(file.stream, mesh);
-    status = pending_commit(&file, message);
-
-cleanup:
-    pending_release(&file);
-    return status;
-}
-
-static svo_status write_obj_and_mtl(const svo_mesh *mesh, const char *path, const char *library_path,
-                                    svo_message *message)
-{
-    pending_file file = {NULL, NULL, NULL};
-    svo_status status = pending_open(&file, path, message);
-    if (status != SVO_OK) {
-        goto cleanup;
-    }
-    put_obj(file.stream, mesh, library_path);
-    status = pending_flush(&file, message);
-    if (status != SVO_OK) {
-        goto cleanup;
-    }
-    /* The library is renamed first: an object without its library would be half a result. */
-    if (mesh->material_count > 0) {
-        status = write_mtl(mesh, library_path, message);
-        if (status != SVO_OK) {
-            goto cleanup;
-        }
-    }
-    status = pending_rename(&file, message);
-
-cleanup:
-    pending_release(&file);
-    return status;
-}
-
-static svo_status write_obj(const svo_mesh *mesh, const char *path, svo_message *message)
-{
-    char *library_path = join_text(path, strlen(path) - strlen(".obj"), ".mtl");
-    if (library_path == NULL) {
-        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for a file name");
-    }
-    const svo_status status = write_obj_and_mtl(mesh, path, library_path, message);
-    free(library_path);
-    return status;
 }
 
 /* ---- PLY ---- */
@@ -284,52 +155,26 @@ static void put_ply(FILE *stream, const svo_mesh *mesh, const uint8_t *colors)
     }
 }
 
-static svo_status write_ply(const svo_mesh *mesh, const char *path, svo_message *message)
+svo_status scene_write_ply(const svo_mesh *mesh, FILE *stream, svo_message *message)
 {
     bool shared = false;
-    pending_file file = {NULL, NULL, NULL};
+    const svo_status status = check_mesh(mesh, message);
+    if (status != SVO_OK) {
+        return status;
+    }
     uint8_t *colors = baked_colors(mesh, &shared);
     if (colors == NULL) {
-        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write: no memory for %zu colors", mesh->vertex_count);
+        return scene_fail(message, SVO_OUT_OF_HOST_MEMORY, "scene_write_ply: no memory for %zu colors",
+                          mesh->vertex_count);
     }
-    svo_status status = SVO_OK;
     if (shared) {
-        status = scene_fail(message, SVO_UNSUPPORTED,
-                            "scene_write: '%s': triangles of different base colors share a vertex, which a .ply file "
-                            "cannot store; write an .obj file",
-                            path);
-        goto cleanup;
+        free(colors);
+        return scene_fail(
+            message, SVO_UNSUPPORTED,
+            "scene_write_ply: triangles of different base colors share a vertex, which a .ply file cannot "
+            "store; write an .obj file");
     }
-    status = pending_open(&file, path, message);
-    if (status != SVO_OK) {
-        goto cleanup;
-    }
-    put_ply(file.stream, mesh, colors);
-    status = pending_commit(&file, message);
-
-cleanup:
-    pending_release(&file);
+    put_ply(stream, mesh, colors);
     free(colors);
-    return status;
-}
-
-static bool has_suffix(const char *path, const char *suffix)
-{
-    const size_t path_bytes = strlen(path);
-    const size_t suffix_bytes = strlen(suffix);
-    return path_bytes > suffix_bytes && strcasecmp(path + path_bytes - suffix_bytes, suffix) == 0;
-}
-
-svo_status scene_write(const svo_mesh *mesh, const char *path, svo_message *message)
-{
-    const bool is_obj = has_suffix(path, ".obj");
-    if (!is_obj && !has_suffix(path, ".ply")) {
-        return scene_fail(message, SVO_INVALID_ARGUMENT, "scene_write: '%s' does not end in .obj or .ply", path);
-    }
-    if (mesh->positions == NULL || mesh->normals == NULL || mesh->colors == NULL || mesh->texture_count > 0) {
-        return scene_fail(message, SVO_UNSUPPORTED,
-                          "scene_write: '%s': the mesh needs float positions, normals and colors and no textures",
-                          path);
-    }
-    return is_obj ? write_obj(mesh, path, message) : write_ply(mesh, path, message);
+    return SVO_OK;
 }

@@ -13,7 +13,7 @@
 
 #define CASE_DEPTH 6
 
-static const svo_plan_options own_grid = {.edge = STRESS_UNITS};
+static const svo_plan_options own_grid = {.edge = TRIANGLE_SET_UNITS};
 
 static void scenes(stress *run, svo_coverage coverage)
 {
@@ -36,13 +36,13 @@ static void scenes(stress *run, svo_coverage coverage)
 }
 
 /* All three coverages on the caller's grid, then the float32 methods on the same triangles. */
-static void shape_at_origin(stress *run, stress_shape shape)
+static void shape_at_origin(stress *run, triangle_shape shape)
 {
-    const char *row = shape == STRESS_SLIVERS || shape == STRESS_NEEDLES ? "T3" : "T4";
-    const size_t triangle_count = shape == STRESS_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 8);
-    stress_case one = stress_begin("%s %s", row, stress_shape_name(shape));
-    stress_mesh made;
-    if (!stress_mesh_create(shape, run->seed, triangle_count, &made)) {
+    const char *row = shape == TRIANGLES_SLIVERS || shape == TRIANGLES_NEEDLES ? "T3" : "T4";
+    const size_t triangle_count = shape == TRIANGLES_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 8);
+    stress_case one = stress_begin("%s %s", row, triangle_shape_name(shape));
+    triangle_set made;
+    if (!triangle_set_create(shape, run->seed, triangle_count, &made)) {
         run->failed = true;
         return;
     }
@@ -65,21 +65,21 @@ static void shape_at_origin(stress *run, stress_shape shape)
         stress_float_methods(run, one.name, &built);
         stress_tree_free(&built);
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
 }
 
 /* A unit-sized mesh far from the origin. The grid is fitted in double, so the snap adds no error to that of the
    positions. */
-static void shape_at_offset(stress *run, stress_shape shape, double offset, bool with_float_methods)
+static void shape_at_offset(stress *run, triangle_shape shape, double offset, bool with_float_methods)
 {
-    stress_case one = stress_begin("T4 %s at %.9g", stress_shape_name(shape), offset);
+    stress_case one = stress_begin("T4 %s at %.9g", triangle_shape_name(shape), offset);
     const svo_plan_options plan_options = {.need = SVO_NEED_RAYS};
-    stress_mesh made;
-    if (!stress_mesh_create(shape, run->seed + 1, stress_amount(run, 20, 4), &made)) {
+    triangle_set made;
+    if (!triangle_set_create(shape, run->seed + 1, stress_amount(run, 20, 4), &made)) {
         run->failed = true;
         return;
     }
-    stress_mesh_move(&made, 1.0 / STRESS_UNITS, offset);
+    triangle_set_move(&made, 1.0 / TRIANGLE_SET_UNITS, offset);
     stress_tree built;
     if (stress_build(run, NULL, &made.mesh, stress_depth(run, CASE_DEPTH, 4), &plan_options, &one, &built)) {
         stress_compare(&made.mesh, &plan_options, &built, &one);
@@ -91,15 +91,15 @@ static void shape_at_offset(stress *run, stress_shape shape, double offset, bool
     } else {
         stress_end(run, &one);
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
 }
 
 static void offsets(stress *run)
 {
     static const double distances[] = {1e3, 65536.0, 1048576.0, 1e6, 1e9, 1e12};
     for (size_t i = 0; i < sizeof distances / sizeof distances[0]; ++i) {
-        shape_at_offset(run, STRESS_COPLANAR, distances[i], i == 0);
-        shape_at_offset(run, STRESS_SLIVERS, distances[i], i == 0);
+        shape_at_offset(run, TRIANGLES_COPLANAR, distances[i], i == 0);
+        shape_at_offset(run, TRIANGLES_SLIVERS, distances[i], i == 0);
     }
 }
 
@@ -108,9 +108,9 @@ static void offsets(stress *run)
 static void ill_conditioned_scene(stress *run)
 {
     stress_case one = stress_begin("T7 ill-conditioned scene");
-    stress_mesh made;
+    triangle_set made;
     const size_t triangle_count = 1 + stress_amount(run, 1000, 20);
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, triangle_count, &made)) {
+    if (!triangle_set_create(TRIANGLES_SMALL, run->seed, triangle_count, &made)) {
         run->failed = true;
         return;
     }
@@ -126,7 +126,7 @@ static void ill_conditioned_scene(stress *run)
     svo_plan_options plan_options = own_grid;
     plan_options.fragment_capacity = 1;
     stress_check(run, &made.mesh, stress_depth(run, 9, 5), &plan_options, &one);
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
     stress_end(run, &one);
 }
 
@@ -135,14 +135,14 @@ static void garbage(stress *run, const char *what, const svo_plan_options *plan_
 {
     const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, -0.0, 1e-310, 1e38, -1e38, 5e-324};
     stress_case one = stress_begin("T8 garbage, %s", what);
-    stress_mesh made;
+    triangle_set made;
     random_stream random = {run->seed};
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, stress_amount(run, 50, 10), &made)) {
+    if (!triangle_set_create(TRIANGLES_SMALL, run->seed, stress_amount(run, 50, 10), &made)) {
         run->failed = true;
         return;
     }
     for (size_t i = 0; i < made.mesh.vertex_count * 3; ++i) {
-        const uint32_t pick = stress_random_below(&random, 128);
+        const uint32_t pick = random_index(&random, 128);
         made.positions[i] = pick < 8 ? values[pick] : made.positions[i];
     }
     stress_check(run, &made.mesh, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
@@ -154,7 +154,7 @@ static void garbage(stress *run, const char *what, const svo_plan_options *plan_
     stress_check(run, &indexed, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
     indexed.triangle_count = 0;
     stress_check(run, &indexed, stress_depth(run, CASE_DEPTH, 4), plan_options, &one);
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
     stress_end(run, &one);
 }
 
@@ -162,8 +162,8 @@ static void depths(stress *run)
 {
     static const unsigned depth_list[] = {1, 2, 10, 11, 12, 13, 16};
     stress_case one = stress_begin("T9 depths 1 to 16");
-    stress_mesh made;
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, 8 + run->count, &made)) {
+    triangle_set made;
+    if (!triangle_set_create(TRIANGLES_SMALL, run->seed, 8 + run->count, &made)) {
         run->failed = true;
         return;
     }
@@ -187,16 +187,16 @@ static void depths(stress *run)
         refused.figure += 1.0;
     }
     stress_end(run, &refused);
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
 }
 
 /* List capacities of one fragment, of exactly the required count, and of one less. */
 static void capacities(stress *run)
 {
     stress_case one = stress_begin("T10 capacities");
-    stress_mesh made;
+    triangle_set made;
     stress_tree built;
-    if (!stress_mesh_create(STRESS_SMALL, run->seed, stress_amount(run, 100, 10), &made)) {
+    if (!triangle_set_create(TRIANGLES_SMALL, run->seed, stress_amount(run, 100, 10), &made)) {
         run->failed = true;
         return;
     }
@@ -211,7 +211,7 @@ static void capacities(stress *run)
         }
         stress_tree_free(&built);
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
     stress_end(run, &one);
 }
 
@@ -221,8 +221,8 @@ void stress_cases_builds(stress *run)
     for (int coverage = SVO_COVERAGE_HALF_OPEN; coverage <= last_coverage; ++coverage) {
         scenes(run, (svo_coverage)coverage);
     }
-    for (int shape = 0; shape < STRESS_SHAPE_COUNT; ++shape) {
-        shape_at_origin(run, (stress_shape)shape);
+    for (int shape = 0; shape < TRIANGLE_SHAPE_COUNT; ++shape) {
+        shape_at_origin(run, (triangle_shape)shape);
     }
     offsets(run);
     ill_conditioned_scene(run);

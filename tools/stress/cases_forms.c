@@ -25,7 +25,7 @@ static void closed_form(stress *run, const char *name, const svo_mesh *mesh, uin
     stress_case one = stress_begin("T2 %s", name);
     one.unit = "voxels";
     for (unsigned depth = 1; depth <= stress_depth(run, 7, 3); ++depth) {
-        const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = (uint32_t)SVO_NEED_NONE};
+        const svo_plan_options plan_options = {.edge = TRIANGLE_SET_UNITS, .need = (uint32_t)SVO_NEED_NONE};
         stress_tree built;
         if (stress_build(run, NULL, mesh, depth, &plan_options, &one, &built)) {
             expect_voxels(&one, count_voxels(UINT64_C(1) << depth), built.info.leaf_count, depth);
@@ -53,8 +53,8 @@ static uint64_t one_voxel(uint64_t r)
 
 static void closed_forms(stress *run)
 {
-    static const double m = STRESS_UNITS - 1;
-    static const double h = STRESS_UNITS / 2.0;
+    static const double m = TRIANGLE_SET_UNITS - 1;
+    static const double h = TRIANGLE_SET_UNITS / 2.0;
     const double cube[24] = {0, 0, 0, m, 0, 0, 0, m, 0, m, m, 0, 0, 0, m, m, 0, m, 0, m, m, m, m, m};
     static const uint32_t faces[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
@@ -118,16 +118,16 @@ static void fragment_estimate(stress *run)
     stress_case one = stress_begin("T5 fragment estimate");
     one.unit = "standard errors";
     const size_t triangle_count = run->count < 8 ? stress_amount(run, 2500, 150) : 20000;
-    const svo_plan_options plan_options = {.edge = STRESS_UNITS, .need = SVO_NEED_RAYS};
+    const svo_plan_options plan_options = {.edge = TRIANGLE_SET_UNITS, .need = SVO_NEED_RAYS};
     random_stream random = {run->seed};
-    stress_mesh made;
-    if (!stress_mesh_empty(triangle_count, &made)) {
+    triangle_set made;
+    if (!triangle_set_empty(triangle_count, &made)) {
         run->failed = true;
         return;
     }
     for (size_t t = 0; t < triangle_count; ++t) {
         for (size_t k = 0; k < 3; ++k) {
-            const double offset = stress_random_below(&random, STRESS_UNITS - 65536); /* whole voxels */
+            const double offset = random_index(&random, TRIANGLE_SET_UNITS - 65536); /* whole voxels */
             for (size_t i = k; i < 9; i += 3) {
                 made.positions[t * 9 + i] = shape[i] + offset;
             }
@@ -135,13 +135,13 @@ static void fragment_estimate(stress *run)
     }
     stress_tree built;
     if (stress_build(run, NULL, &made.mesh, 6, &plan_options, &one, &built)) {
-        one.figure = standard_errors(&built, triangle_count, expected_voxels(shape, STRESS_UNITS / 64.0));
+        one.figure = standard_errors(&built, triangle_count, expected_voxels(shape, TRIANGLE_SET_UNITS / 64.0));
         if (!(one.figure <= 4.0)) {
             stress_fail(&one, "%.2f standard errors from the estimate, 4 are allowed", one.figure);
         }
         stress_tree_free(&built);
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
     stress_end(run, &one);
 }
 
@@ -159,7 +159,8 @@ static void apply(const symmetry *s, const double *from, double *to, size_t vert
 {
     for (size_t i = 0; i < vertex_count * 3; ++i) {
         const double value = from[i];
-        to[i / 3 * 3 + image_axis(s, (unsigned)(i % 3))] = (s->mirror >> i % 3 & 1) != 0 ? STRESS_UNITS - value : value;
+        to[i / 3 * 3 + image_axis(s, (unsigned)(i % 3))] =
+            (s->mirror >> i % 3 & 1) != 0 ? TRIANGLE_SET_UNITS - value : value;
     }
 }
 
@@ -216,22 +217,23 @@ static void symmetries(stress *run)
 {
     stress_case one = stress_begin("T6 symmetries");
     const svo_plan_options plan_options = {
-        .edge = STRESS_UNITS, .coverage = SVO_COVERAGE_CLOSED, .need = SVO_NEED_RAYS};
-    stress_mesh made;
-    stress_mesh image;
+        .edge = TRIANGLE_SET_UNITS, .coverage = SVO_COVERAGE_CLOSED, .need = SVO_NEED_RAYS};
+    triangle_set made;
+    triangle_set image;
     stress_tree original;
-    if (!stress_mesh_create(STRESS_LATTICE, run->seed, 10 + stress_amount(run, 10, 0), &made)) {
+    if (!triangle_set_create(TRIANGLES_LATTICE, run->seed, 10 + stress_amount(run, 10, 0), &made)) {
         run->failed = true;
         return;
     }
-    if (!stress_mesh_empty(made.mesh.triangle_count, &image)) {
-        stress_mesh_free(&made);
+    if (!triangle_set_empty(made.mesh.triangle_count, &image)) {
+        triangle_set_free(&made);
         run->failed = true;
         return;
     }
     const bool has_original =
         stress_build(run, NULL, &made.mesh, stress_depth(run, 6, 4), &plan_options, &one, &original);
-    for (unsigned i = 0; has_original && i<48; i += run->count> 0 ? 1 : 7) {
+    const unsigned step = run->count > 0 ? 1 : 7;
+    for (unsigned i = 0; has_original && i < 48; i += step) {
         const symmetry s = {i % 3, i / 3 % 2, i / 6};
         stress_tree built;
         apply(&s, made.positions, image.positions, made.mesh.vertex_count);
@@ -243,8 +245,8 @@ static void symmetries(stress *run)
     if (has_original) {
         stress_tree_free(&original);
     }
-    stress_mesh_free(&image);
-    stress_mesh_free(&made);
+    triangle_set_free(&image);
+    triangle_set_free(&made);
     stress_end(run, &one);
 }
 

@@ -9,7 +9,7 @@
 /* Sums of the colors below each node: four channels, then the number of samples. */
 typedef uint64_t color_sum[5];
 
-static void add_leaves(const stress_tree *built, const stress_mesh *made, color_sum *sums)
+static void add_leaves(const stress_tree *built, const triangle_set *made, color_sum *sums)
 {
     const svo_tree_arrays *arrays = &built->arrays;
     for (uint64_t leaf = 0; leaf < built->info.leaf_count; ++leaf) {
@@ -40,7 +40,7 @@ static void add_inner(const stress_tree *built, color_sum *sums)
 
 /* Checks that every node has the mean of its samples, rounded half up. All pairs of the mesh must have the same
    weight. */
-static void check_colors(const stress_tree *built, const stress_mesh *made, stress_case *one)
+static void check_colors(const stress_tree *built, const triangle_set *made, stress_case *one)
 {
     color_sum *sums = calloc((size_t)built->info.node_count, sizeof *sums);
     if (sums == NULL) {
@@ -64,17 +64,17 @@ static void check_colors(const stress_tree *built, const stress_mesh *made, stre
 }
 
 /* Triangles of one shape inside voxels of depth 6, so that all have the same weight, each of one random color. */
-static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_mesh *out)
+static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, triangle_set *out)
 {
     static const double shape[9] = {1000, 2000, 3000, 9000, 2500, 4000, 5000, 12000, 6000};
     random_stream random = {seed};
-    if (!stress_mesh_empty(count, out)) {
+    if (!triangle_set_empty(count, out)) {
         return false;
     }
     for (size_t t = 0; t < count; ++t) {
         double corner[3] = {32, 32, 32};
         for (int k = 0; k < 3 && !in_one_voxel; ++k) {
-            corner[k] = stress_random_below(&random, 64);
+            corner[k] = random_index(&random, 64);
         }
         for (size_t i = 0; i < 9; ++i) {
             out->positions[t * 9 + i] = shape[i] + corner[i % 3] * 16384;
@@ -88,11 +88,11 @@ static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, stress_
     return true;
 }
 
-static const svo_plan_options colored = {.edge = STRESS_UNITS, .need = SVO_NEED_RAYS | SVO_NEED_COLOR};
+static const svo_plan_options colored = {.edge = TRIANGLE_SET_UNITS, .need = SVO_NEED_RAYS | SVO_NEED_COLOR};
 
 static void samples(stress *run, size_t count, bool in_one_voxel, stress_case *one)
 {
-    stress_mesh made;
+    triangle_set made;
     if (!make_samples(run->seed + count, count, in_one_voxel, &made)) {
         run->failed = true;
         return;
@@ -103,9 +103,9 @@ static void samples(stress *run, size_t count, bool in_one_voxel, stress_case *o
             check_colors(&built, &made, one);
             stress_tree_free(&built);
         }
-        stress_mesh_shuffle(&made, run->seed);
+        triangle_set_shuffle(&made, run->seed);
     }
-    stress_mesh_free(&made);
+    triangle_set_free(&made);
 }
 
 static void averages(stress *run)
@@ -133,7 +133,7 @@ static void expect_hash(stress_case *one, const char *what, const char *expected
 }
 
 /* The same tree by another front end. NULL: not available. */
-static void compare_frontend(stress *run, const stress_mesh *made, svo_frontend *other, const char *hash,
+static void compare_frontend(stress *run, const triangle_set *made, svo_frontend *other, const char *hash,
                              stress_case *one)
 {
     stress_tree again;
@@ -144,9 +144,9 @@ static void compare_frontend(stress *run, const stress_mesh *made, svo_frontend 
 }
 
 /* Builds again, with the other front ends, with the triangles in a different order, and without lists. */
-static void compare_runs(stress *run, stress_mesh *made, svo_frontend *copying, stress_case *one)
+static void compare_runs(stress *run, triangle_set *made, svo_frontend *copying, stress_case *one)
 {
-    const svo_plan_options no_lists = {.edge = STRESS_UNITS, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL};
+    const svo_plan_options no_lists = {.edge = TRIANGLE_SET_UNITS, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL};
     stress_tree with_lists;
     stress_tree first;
     stress_tree again;
@@ -160,7 +160,7 @@ static void compare_runs(stress *run, stress_mesh *made, svo_frontend *copying, 
     compare_frontend(run, made, copying, with_lists.hash, one);
     compare_frontend(run, made, run->opened.cl, with_lists.hash, one);
     if (stress_build(run, NULL, &made->mesh, 6, &no_lists, one, &first)) {
-        stress_mesh_shuffle(made, run->seed);
+        triangle_set_shuffle(made, run->seed);
         if (stress_build(run, NULL, &made->mesh, 6, &no_lists, one, &again)) {
             expect_hash(one, "shuffled triangles", first.hash, again.hash);
             expect_hash(one, "shuffled triangles, nodes", with_lists.nodes_hash, again.nodes_hash);
@@ -182,10 +182,12 @@ static void repeatability(stress *run)
     if (run->opened.gl != NULL && copying == NULL) {
         stress_fail(&one, "share copy: %s", reason.text);
     }
-    for (int shape = 0; shape<STRESS_SHAPE_COUNT; shape += run->count> 0 ? 1 : 3) {
-        stress_mesh made;
-        if (!stress_mesh_create((stress_shape)shape, run->seed,
-                                shape == STRESS_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 5), &made)) {
+    const int step = run->count > 0 ? 1 : 3;
+    for (int shape = 0; shape < TRIANGLE_SHAPE_COUNT; shape += step) {
+        triangle_set made;
+        if (!triangle_set_create((triangle_shape)shape, run->seed,
+                                 shape == TRIANGLES_HUGE ? stress_amount(run, 1, 1) : stress_amount(run, 50, 5),
+                                 &made)) {
             run->failed = true;
             break;
         }
@@ -194,7 +196,7 @@ static void repeatability(stress *run)
             made.colors[i] = (uint8_t)(i * 37);
         }
         compare_runs(run, &made, copying, &one);
-        stress_mesh_free(&made);
+        triangle_set_free(&made);
     }
     stress_end(run, &one);
 }

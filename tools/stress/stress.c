@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stress/float_methods.h"
+#include "measure/float_methods.h"
 #include "support/input.h"
 #include "support/snap_check.h"
 #include "support/tree_check.h"

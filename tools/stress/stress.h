@@ -6,7 +6,7 @@
 #ifndef SVOCL_TOOLS_STRESS_STRESS_H
 #define SVOCL_TOOLS_STRESS_STRESS_H
 
-#include "stress/stress_mesh.h"
+#include "measure/triangle_sets.h"
 #include "support/program.h"
 #include "support/session.h"
 

@@ -195,6 +195,22 @@ static void add_stages(cJSON *document, const program *state, const job *done)
     cJSON_AddNumberToObject(document, "tree_fragments_per_s", per_second(fragments, tree_ms(done)));
 }
 
+/* What a mesh file declares and what was read; generated scenes have none. */
+static void add_import(cJSON *document, const job *done)
+{
+    const svo_import_info *info = &done->source.import_info;
+    if (done->source.import == NULL) {
+        return;
+    }
+    cJSON *object = cJSON_AddObjectToObject(document, "import");
+    json_add_text(object, "reader", info->reader);
+    json_add_count(object, "declared_vertices", info->declared_vertices);
+    json_add_count(object, "used_vertices", info->used_vertices);
+    json_add_count(object, "declared_faces", info->declared_faces);
+    json_add_count(object, "read_faces", info->read_faces);
+    json_add_count(object, "triangles", info->triangles);
+}
+
 static void add_buffers(cJSON *document, const job *done)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "buffers");
@@ -210,8 +226,9 @@ static void add_buffers(cJSON *document, const job *done)
 cJSON *report_to_json(const program *state, const job *done, const char *hash)
 {
     const build_result *result = &done->result;
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "input", done->source.name);
+    add_import(document, done);
     report_add_refused(document, done);
     json_add_count(document, "fragments", result->report.fragments);
     json_add_count(document, "leaves", result->info.leaf_count);

@@ -2,11 +2,17 @@
 /* Reads meshes and trees, generates scenes, and counts the triangles that will be refused. */
 #include "support/input.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <time.h>
+
+#include "support/spool.h"
+
+#define PATH_BYTES 4096
 
 double input_now_ms(void)
 {
@@ -15,10 +21,33 @@ double input_now_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-bool input_is_tree(const char *name)
+/* Whether the running command's INPUT came through a pipe. */
+static bool is_piped(const program *state)
 {
+    return state->piped.name != NULL && state->options.input == state->piped.name;
+}
+
+int input_begin(program *state)
+{
+    options *given = &state->options;
+    piped_input *piped = &state->piped;
+    if (given->input == NULL || strncmp(given->input, "scene:", 6) == 0 || !piped_is_stream(given->input)) {
+        return PROGRAM_DONE;
+    }
+    const int error = piped_read(given->input, piped);
+    given->input = piped->name;
+    if (error != 0) {
+        return program_fail(state, PROGRAM_FAILED, "%s: %s", piped->name, strerror(error));
+    }
+    const char *reason = piped_judge(piped);
+    return reason == NULL ? PROGRAM_DONE : program_fail(state, PROGRAM_FAILED, "%s: %s", piped->name, reason);
+}
+
+bool input_is_tree(const program *state)
+{
+    const char *name = is_piped(state) ? state->piped.suffix : state->options.input;
     const size_t length = strlen(name);
-    return strncmp(name, "scene:", 6) != 0 && length > 4 && strcasecmp(name + length - 4, ".svo") == 0;
+    return strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0;
 }
 
 int input_refuse_build_options(program *state)
@@ -71,15 +100,69 @@ static int open_scene(program *state, input *opened)
     return PROGRAM_DONE;
 }
 
-static int open_file(program *state, input *opened)
+/* A mesh file and the name that messages give it. */
+typedef struct mesh_file {
+    program *state;
+    const char *path, *name;
+} mesh_file;
+
+/* A message with the name in place of the path that it begins with. */
+static svo_message with_name(const mesh_file *file, const char *text)
+{
+    svo_message named;
+    const char *words = program_words(text);
+    const size_t length = strlen(file->path);
+    const bool begins = strncmp(words, file->path, length) == 0;
+    snprintf(named.text, sizeof named.text, "%s%s", begins ? file->name : "", begins ? words + length : words);
+    return named;
+}
+
+static void log_with_name(void *user, svo_log_level level, const char *text)
+{
+    const mesh_file *file = user;
+    program_log(file->state, level, with_name(file, text).text);
+}
+
+static int import(program *state, const char *path, input *opened)
 {
     svo_message message = {""};
-    const svo_import_options import_options = {.struct_size = sizeof import_options};
-    if (svo_import_file(opened->name, &import_options, program_log, state, &opened->import, &message) != SVO_OK) {
-        return program_fail_library(state, message.text);
+    mesh_file file = {.state = state, .path = path, .name = opened->name};
+    char helper[PATH_BYTES];
+    svo_import_options import_options = {.struct_size = sizeof import_options,
+                                         .time_limit_seconds = (uint32_t)state->options.import_seconds,
+                                         .strict = (uint32_t)state->options.strict};
+    if (svo_import_helper(helper, sizeof helper, NULL) != SVO_OK) {
+        import_options.child_program = "/proc/self/exe"; /* this program alone, copied out of its installation */
+    }
+    if (svo_import_file(path, &import_options, log_with_name, &file, &opened->import, &message) != SVO_OK) {
+        return program_fail_library(state, with_name(&file, message.text).text);
     }
     opened->mesh = svo_import_mesh(opened->import);
+    opened->import_info.struct_size = sizeof opened->import_info;
+    (void)svo_import_get_info(opened->import, &opened->import_info);
     return PROGRAM_DONE;
+}
+
+/* The importer reads files by their suffix, in another process: what came through a pipe becomes a file for it. */
+static int import_piped(program *state, input *opened)
+{
+    spool_file spool;
+    int exit_code = spool_open(state, state->piped.suffix, &spool);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = spool_write(state, &spool, state->piped.bytes, state->piped.byte_count);
+    piped_release_bytes(&state->piped);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = import(state, spool.path, opened);
+    }
+    spool_remove(&spool);
+    return exit_code;
+}
+
+static int open_file(program *state, input *opened)
+{
+    return is_piped(state) ? import_piped(state, opened) : import(state, opened->name, opened);
 }
 
 /* A mesh without a valid triangle is an input error, not an empty tree. */
@@ -110,9 +193,10 @@ static int check_triangles(program *state, input *opened)
 int input_open(program *state, input *opened)
 {
     *opened = (input){.name = state->options.input};
+    state->reads_mesh = true;
     const bool is_scene = strncmp(opened->name, "scene:", 6) == 0;
     progress_step(state->progress, is_scene ? "generating the scene" : "reading the mesh");
-    if (input_is_tree(opened->name)) {
+    if (input_is_tree(state)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree, a mesh is needed here", opened->name);
     }
     const double started_ms = input_now_ms();
@@ -138,8 +222,22 @@ int input_load_tree(program *state, svo_tree **out)
 {
     svo_message message = {""};
     progress_step(state->progress, "reading the tree");
-    if (svo_tree_load(state->options.input, out, &message) != SVO_OK) {
-        return program_fail_library(state, message.text);
+    const piped_input *piped = &state->piped;
+    const svo_status status = is_piped(state)
+                                  ? svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, &message)
+                                  : svo_tree_load(state->options.input, out, &message);
+    return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+}
+
+int input_measure(program *state, uint64_t *byte_count)
+{
+    struct stat status;
+    if (is_piped(state)) {
+        *byte_count = state->piped.byte_count;
+    } else if (stat(state->options.input, &status) != 0) {
+        return program_fail(state, PROGRAM_FAILED, "%s: %s", state->options.input, strerror(errno));
+    } else {
+        *byte_count = (uint64_t)status.st_size;
     }
     return PROGRAM_DONE;
 }

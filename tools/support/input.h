@@ -21,11 +21,17 @@ typedef struct input {
     double import_ms; /* wall-clock time of reading or generating */
     refused_triangles refused;
     svo_import *import; /* of a mesh file, else NULL */
+    svo_import_info import_info; /* of a mesh file */
     scene *made; /* of scene:..., else NULL */
 } input;
 
-/* Whether the input is a finished tree, judged by its suffix .svo. Build options are then wrong usage. */
-bool input_is_tree(const char *name);
+/* Reads INPUT if it is standard input or a pipe, to its end; messages then call it by piped.name. To be called once,
+   before the command. Returns the exit code. */
+int input_begin(program *state);
+
+/* Whether INPUT is a finished tree, judged by its suffix .svo or, from a pipe, by its bytes. Build options are then
+   wrong usage. */
+bool input_is_tree(const program *state);
 int input_refuse_build_options(program *state);
 
 /* Reads or generates the mesh; one step of the progress bar. Returns the exit code; on failure nothing stays open. */
@@ -34,6 +40,9 @@ void input_close(input *opened);
 
 /* Loads the tree that input names. Returns the exit code. */
 int input_load_tree(program *state, svo_tree **out);
+
+/* The length of INPUT, a file or a pipe that was read. Returns the exit code. */
+int input_measure(program *state, uint64_t *byte_count);
 
 /* Milliseconds of a monotonic clock. */
 double input_now_ms(void);

@@ -34,6 +34,13 @@ static svo_status make_plan(const options *given, svo_device *device, const svo_
     return status;
 }
 
+/* An svo_progress_callback whose user is the program's bar. */
+static int show_progress(void *user, svo_stage stage, double fraction)
+{
+    progress_part(user, svo_stage_name(stage), fraction);
+    return 0;
+}
+
 int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out)
 {
     const options *given = &state->options;
@@ -46,6 +53,10 @@ int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t 
                                      .payload_level = (uint32_t)given->payload_level,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
+    if (state->progress != NULL && given->repeat == 1) { /* builds that report wait more often: not where times count */
+        plan_options.progress = show_progress;
+        plan_options.progress_user = state->progress;
+    }
     return make_plan(given, device, mesh, &plan_options, out) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(state, svo_device_message(device));

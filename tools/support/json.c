@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "support/output.h"
-
 #include "svocl/plan.h"
 
 void json_add_count(cJSON *object, const char *name, uint64_t count)
@@ -14,18 +13,17 @@ void json_add_count(cJSON *object, const char *name, uint64_t count)
     cJSON_AddNumberToObject(object, name, (double)count);
 }
 
-void json_add_text(cJSON *object, const char *name, const char *text)
-{
-    if (text != NULL) {
-        cJSON_AddStringToObject(object, name, text);
-    } else {
-        cJSON_AddNullToObject(object, name);
-    }
-}
-
 void json_add_vector(cJSON *object, const char *name, const double vector[3])
 {
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(vector, 3));
+}
+
+void json_add_file(cJSON *array, const char *path, long byte_count)
+{
+    cJSON *object = cJSON_CreateObject();
+    json_add_text(object, "file", path);
+    cJSON_AddNumberToObject(object, "bytes", (double)byte_count);
+    cJSON_AddItemToArray(array, object);
 }
 
 int json_save(program *state, const char *path, const cJSON *document)
@@ -55,8 +53,23 @@ void json_add_needs(cJSON *object, const char *name, uint32_t bits)
     }
 }
 
+/* Warnings so far, as texts; those beyond PROGRAM_WARNINGS_KEPT as a number of their own. */
+static void add_warnings(cJSON *document, const program *state)
+{
+    cJSON *array = cJSON_AddArrayToObject(document, "warnings");
+    for (unsigned i = 0; i < state->warning_count && i < PROGRAM_WARNINGS_KEPT; ++i) {
+        if (state->warnings[i] != NULL) {
+            cJSON_AddItemToArray(array, json_text(state->warnings[i]));
+        }
+    }
+    json_add_count(document, "warning_count", state->warning_count);
+}
+
 int json_print(program *state, cJSON *document)
 {
+    if (state->reads_mesh) {
+        add_warnings(document, state);
+    }
     char *text = cJSON_Print(document);
     cJSON_Delete(document);
     if (text == NULL) {

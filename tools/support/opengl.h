@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All OpenGL use of the program: a context with the front end of svocl::gl, and the renderers of `svocl devices`.
- * opengl.c and opengl_devices.c implement it; opengl_none.c replaces them in a build without svocl::gl.
+ * The program's OpenGL: a context and the front ends of svocl::gl on it. opengl.c implements it; opengl_none.c replaces
+ * opengl.c and opengl_devices.c in a build without svocl::gl.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_OPENGL_H
 #define SVOCL_TOOLS_SUPPORT_OPENGL_H

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The OpenGL half of svocl devices: every kind of context, and what works on its pair with each OpenCL device. */
+#include "support/opengl_devices.h"
+
 #include <stdio.h>
 
 #include "support/devices.h"
-#include "support/opengl.h"
-#include "support/opengl_devices.h"
 #include "svocl/gl.h"
 
 #define RENDERERS_MAX 32

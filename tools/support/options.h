@@ -15,8 +15,8 @@ struct program;
 
 /* Which options a command takes. */
 enum option_group {
-    OPTION_COMMON = 1, /* help, verbose */
-    OPTION_DEVICE = 2, /* the OpenCL device and the threads */
+    OPTION_COMMON = 1, /* help, quiet, verbose */
+    OPTION_DEVICE = 2, /* the OpenCL device, its kernels and the threads */
     OPTION_BUILD = 4, /* how a mesh is built; does not apply to a finished tree */
     OPTION_JSON = 8,
     OPTION_OUTPUT = 16,
@@ -50,10 +50,11 @@ typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
     const char *subject; /* bench: what is measured, the argument before input */
     unsigned given_groups; /* groups of the options on the command line */
-    uint64_t help, verbose, json; /* flags: 0 or 1 */
+    uint64_t help, quiet, verbose, json; /* flags: 0 or 1 */
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
+    const char *kernels_path; /* folder of saved kernels; NULL: none */
 
     uint64_t depth;
     int frontend; /* option_frontend */
@@ -64,6 +65,8 @@ typedef struct options {
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
+    uint64_t strict; /* flag: warnings of the import are errors */
+    uint64_t import_seconds; /* time limit of the import; 0: by the size of the file */
     const char *gl_device; /* EGL device by index or name; NULL: not given */
     double origin[3];
     bool has_origin;
@@ -76,8 +79,8 @@ typedef struct options {
     uint64_t payload_level; /* build */
     bool has_repeat;
     uint64_t nodes; /* hash: nodes only */
-    uint64_t triangles, seed;
-    bool has_triangles, has_seed;
+    uint64_t triangles; /* scene: 0: not given */
+    uint64_t seed;
     uint32_t width, height; /* pixels */
     int view; /* svo_render_view */
     uint64_t count; /* stress: amount of work */
@@ -90,6 +93,12 @@ typedef struct options {
     const char *rays_path, *camera; /* trace: NULL: not given */
 } options;
 
+enum option_output {
+    OPTION_OUTPUT_BYTES = 0, /* a file of bytes that no terminal shows */
+    OPTION_OUTPUT_TEXT, /* a file of text */
+    OPTION_OUTPUT_FOLDER
+};
+
 typedef struct command {
     const char *name;
     int (*run)(struct program *state); /* returns the exit code after printing its line */
@@ -97,6 +106,9 @@ typedef struct command {
     const char *input_name; /* "INPUT"; NULL: takes none */
     bool needs_input;
     const char *summary; /* one line */
+    bool reads_file; /* INPUT may be a file or a pipe */
+    enum option_output output; /* what -o names */
+    const char *const *examples; /* arguments after "svocl"; ends with NULL */
 } command;
 
 #endif

@@ -1,21 +1,34 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Output files. They are written under a temporary name in the same folder, then renamed: after a failure nothing is
- * left behind and an old file is unchanged. A path that names a device or a pipe is written directly.
+ * Output files, written whole or not at all by lib/output: after a failure or a signal nothing is left behind and an
+ * old file is unchanged. Symbolic links stay. "-" and what is no file are written straight.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_OUTPUT_H
 #define SVOCL_TOOLS_SUPPORT_OUTPUT_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
+#include "support/cleanup.h"
 #include "support/program.h"
 
+/* Stays where it is while it is open. */
 typedef struct output_file {
     FILE *stream;
     const char *path; /* borrowed */
-    char *temporary_path; /* NULL: path itself is written */
+    svo_i_output target;
+    cleanup_entry temporary;
     int error; /* errno of the first write that failed; 0: none */
 } output_file;
+
+/* What messages call the path: "standard output" for "-". */
+const char *output_name(const char *path);
+
+/*
+ * To be called once, with the path after -o: where it is "-" or leads to standard output, keeps that for the file. What
+ * the program prints then goes to standard error. kind: what -o names. Returns the exit code.
+ */
+int output_begin(program *state, enum option_output kind);
 
 /* Fails early if no file can be created at path: before long work, not after it. */
 int output_check(program *state, const char *path);
@@ -23,7 +36,9 @@ int output_check(program *state, const char *path);
 int output_open(program *state, const char *path, output_file *file);
 /* A write that fails shows in output_commit. */
 void output_write(output_file *file, const void *bytes, size_t byte_count);
-/* Flushes, closes and renames; on failure nothing is left. */
+/* Hands all bytes to the system; false after a write that failed. */
+bool output_flush(output_file *file);
+/* Flushes, closes and gives the file its name; on failure nothing is left. */
 int output_commit(program *state, output_file *file);
 void output_abandon(output_file *file);
 

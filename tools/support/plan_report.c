@@ -113,19 +113,24 @@ void plan_print(const svo_plan *plan, const char *input, bool with_opengl)
     print_left_out(plan, with_opengl);
 }
 
+/* Adds {name: text, other_name: other_text} to an array. */
+static void add_pair(cJSON *array, const char *name, const char *text, const char *other_name, const char *other_text)
+{
+    cJSON *entry = cJSON_CreateObject();
+    json_add_text(entry, name, text);
+    json_add_text(entry, other_name, other_text);
+    cJSON_AddItemToArray(array, entry);
+}
+
 static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "kernels");
     for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
-        if (!applies(kernels.name, with_opengl)) {
-            continue;
+        if (applies(kernels.name, with_opengl)) {
+            add_pair(array, "name", kernels.name, "defines", kernels.defines[0] != '\0' ? kernels.defines + 1 : "");
         }
-        cJSON *entry = cJSON_CreateObject();
-        json_add_text(entry, "name", kernels.name);
-        json_add_text(entry, "defines", kernels.defines[0] != '\0' ? kernels.defines + 1 : "");
-        cJSON_AddItemToArray(array, entry);
     }
 }
 
@@ -150,13 +155,9 @@ static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl
     for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
         svo_left_out left_out = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &left_out);
-        if (!applies(left_out.what, with_opengl)) {
-            continue;
+        if (applies(left_out.what, with_opengl)) {
+            add_pair(array, "what", left_out.what, "reason", left_out.reason);
         }
-        cJSON *entry = cJSON_CreateObject();
-        json_add_text(entry, "what", left_out.what);
-        json_add_text(entry, "reason", left_out.reason);
-        cJSON_AddItemToArray(array, entry);
     }
 }
 
@@ -170,10 +171,9 @@ static void add_stages(cJSON *document, const svo_plan *plan)
     }
 }
 
-cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
+void plan_add_json(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     svo_plan_info info = SVO_PLAN_INFO_INIT;
-    cJSON *document = cJSON_CreateObject();
     svo_plan_get_info(plan, &info);
     json_add_count(document, "depth", info.depth);
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info.coverage));
@@ -188,5 +188,4 @@ cJSON *plan_to_json(const svo_plan *plan, bool with_opengl)
     json_add_count(document, "peak_bytes", svo_plan_peak_bytes(plan));
     json_add_count(document, "tree_bytes", svo_plan_tree_bytes(plan));
     add_left_out(document, plan, with_opengl);
-    return document;
 }

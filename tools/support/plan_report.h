@@ -11,8 +11,8 @@
 /* input: its name. with_opengl: OpenGL was requested; the lines about the OpenCL front end are then left out. */
 void plan_print(const svo_plan *plan, const char *input, bool with_opengl);
 
-/* {depth, triangles, refused_triangles, expected_fragments, need[], constant[], stages[], kernels[{name, defines}],
-   buffers[{name, bytes, certainty, persistent}], peak_bytes, tree_bytes, left_out[{what, reason}]} */
-cJSON *plan_to_json(const svo_plan *plan, bool with_opengl);
+/* Adds depth, triangles, refused_triangles, expected_fragments, need[], constant[], stages[], kernels[{name, defines}],
+   buffers[{name, bytes, certainty, persistent}], peak_bytes, tree_bytes, left_out[{what, reason}]. */
+void plan_add_json(cJSON *document, const svo_plan *plan, bool with_opengl);
 
 #endif

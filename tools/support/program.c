@@ -8,15 +8,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/utf8.h"
+
 #define TEXT_BYTES 2048
 
-/* A message stays on one line, whatever file names or drivers put into it. */
+/* A message stays on one line and is UTF-8, whatever file names or drivers put into it. */
 static void print_line(const program *state, const char *kind, const char *text)
 {
     fprintf(stderr, "svocl: %s%s%s", state->command != NULL ? state->command : "", state->command != NULL ? ": " : "",
             kind);
-    for (const char *c = text; *c != '\0'; ++c) {
-        fputc(iscntrl((unsigned char)*c) ? ' ' : *c, stderr);
+    while (*text != '\0') {
+        const size_t length = utf8_length(text);
+        if (length == 0) {
+            fprintf(stderr, "\\x%02x", (unsigned)(unsigned char)*text);
+        } else if (length == 1 && iscntrl((unsigned char)*text)) {
+            fputc(' ', stderr);
+        } else {
+            fwrite(text, 1, length, stderr);
+        }
+        text += length > 0 ? length : 1;
     }
     fputc('\n', stderr);
 }
@@ -54,7 +64,7 @@ int program_fail_library(program *state, const char *message)
 void program_begin_progress(program *state, unsigned step_count)
 {
     progress_destroy(&state->progress);
-    state->progress = progress_create(state->command, step_count);
+    state->progress = state->options.quiet ? NULL : progress_create(state->command, step_count);
 }
 
 void program_log(void *user, svo_log_level level, const char *text)
@@ -63,7 +73,8 @@ void program_log(void *user, svo_log_level level, const char *text)
     if (state->options.verbose) {
         progress_hide(state->progress);
         fprintf(stderr, "%s\n", text);
-    } else if (level == SVO_LOG_WARNING) {
+    }
+    if (level == SVO_LOG_WARNING) {
         if (state->warning_count < PROGRAM_WARNINGS_KEPT) {
             state->warnings[state->warning_count] = strdup(program_words(text));
         }
@@ -75,13 +86,13 @@ void program_end_warnings(program *state, int discard)
 {
     unsigned i = 0;
     for (; i < state->warning_count && i < PROGRAM_WARNINGS_KEPT; ++i) {
-        if (!discard && state->warnings[i] != NULL) {
+        if (!discard && !state->options.verbose && state->warnings[i] != NULL) {
             print_line(state, "warning: ", state->warnings[i]);
         }
         free(state->warnings[i]);
         state->warnings[i] = NULL;
     }
-    if (!discard && state->warning_count > i) {
+    if (!discard && !state->options.verbose && state->warning_count > i) {
         char text[64];
         snprintf(text, sizeof text, "%u more", state->warning_count - i);
         print_line(state, "warning: ", text);

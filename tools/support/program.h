@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * State that every command shares: its options, the progress bar, and the one method to report a failure.
+ * State that every command shares: its options, the progress bar, and the one function that reports a failure.
  *
  * Functions that can fail print their own line through program_fail and return the exit code, 0 for success; callers
  * pass it on.
@@ -8,7 +8,10 @@
 #ifndef SVOCL_TOOLS_SUPPORT_PROGRAM_H
 #define SVOCL_TOOLS_SUPPORT_PROGRAM_H
 
+#include <stdbool.h>
+
 #include "support/options.h"
+#include "support/piped.h"
 #include "support/progress.h"
 #include "svocl/status.h"
 
@@ -18,11 +21,16 @@ enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2 };
 
 typedef struct program {
     const char *command; /* "build", ...; NULL before it is known */
+    const command *commands; /* all of them */
+    size_t command_count;
     options options;
     progress *progress; /* NULL: no bar */
+    piped_input piped; /* INPUT, where it came through a pipe */
+    int file_descriptor; /* what -o - writes to, once output_begin was called for it */
     /* Warnings of the library, printed only after success: a failure is one line. */
     char *warnings[PROGRAM_WARNINGS_KEPT];
     unsigned warning_count; /* all warnings, kept or not */
+    bool reads_mesh; /* so that JSON has the warnings as well */
 } program;
 
 /* Removes the bar, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */

@@ -19,6 +19,8 @@ struct progress {
     const char *what;
     unsigned step_count;
     unsigned steps_begun;
+    const char *stage; /* of the current step; NULL: it has not said */
+    double part; /* of the current step that is done, 0 .. 1 */
     double started_s;
     bool shown;
     bool held;
@@ -41,15 +43,18 @@ static void draw(progress *bar)
     if (elapsed_s < QUIET_SECONDS || bar->steps_begun == 0) {
         return;
     }
-    const unsigned steps_done = bar->steps_begun - 1;
-    const unsigned filled = steps_done < bar->step_count ? BAR_CELLS * steps_done / bar->step_count : BAR_CELLS;
+    const double done = (bar->steps_begun - 1 + bar->part) / bar->step_count;
+    const unsigned filled = done < 1.0 ? (unsigned)(BAR_CELLS * done) : BAR_CELLS;
     char cells[BAR_CELLS + 1];
     for (unsigned i = 0; i < BAR_CELLS; ++i) {
         cells[i] = i < filled ? '=' : '.';
     }
     cells[BAR_CELLS] = '\0';
-    fprintf(stderr, "\r\033[K%s [%s] %u/%u %s, %.1f s", bar->title, cells, bar->steps_begun, bar->step_count, bar->what,
-            elapsed_s);
+    fprintf(stderr, "\r\033[K%s [%s] %u/%u %s", bar->title, cells, bar->steps_begun, bar->step_count, bar->what);
+    if (bar->stage != NULL) {
+        fprintf(stderr, ": %s, %.0f %%", bar->stage, bar->part * 100.0);
+    }
+    fprintf(stderr, ", %.1f s", elapsed_s);
     fflush(stderr);
     bar->shown = true;
 }
@@ -115,8 +120,23 @@ void progress_step(progress *bar, const char *what)
     pthread_mutex_lock(&bar->lock);
     if (!bar->held) {
         bar->what = what;
+        bar->stage = NULL;
+        bar->part = 0.0;
         ++bar->steps_begun;
         draw(bar);
+    }
+    pthread_mutex_unlock(&bar->lock);
+}
+
+void progress_part(progress *bar, const char *stage, double fraction)
+{
+    if (bar == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&bar->lock);
+    if (!bar->held) { /* the thread draws it */
+        bar->stage = stage;
+        bar->part = fraction;
     }
     pthread_mutex_unlock(&bar->lock);
 }

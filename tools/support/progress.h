@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A progress bar on standard error: a step counter with a running clock. It is drawn only on a terminal, and only after
- * half a second of work. A separate thread keeps the clock running during long calls.
+ * A progress bar on standard error: steps, how far the current one is where it says so, and a running clock. It is
+ * drawn only on a terminal, and only after half a second of work. A separate thread keeps the clock running during long
+ * calls.
  *
  * Every function accepts NULL, the bar of a program without a terminal, and then does nothing.
  */
@@ -17,6 +18,9 @@ progress *progress_create(const char *title, unsigned step_count);
 
 /* The next step begins. what: a static string, "reading the mesh". */
 void progress_step(progress *bar, const char *what);
+
+/* How far the current step is, 0 .. 1, and what it is doing: a static string. */
+void progress_part(progress *bar, const char *stage, double fraction);
 
 /* While held, new steps are part of the current one. */
 void progress_hold(progress *bar, bool held);

@@ -100,12 +100,19 @@ static int read_lines(program *state, const char *path, FILE *file, ray_table *o
 int ray_table_read(program *state, const char *path, ray_table *out)
 {
     *out = (ray_table){0};
-    FILE *file = fopen(path, "r");
+    const bool standard = piped_is_standard_input(path);
+    const char *name = standard ? "standard input" : path;
+    FILE *file = standard ? stdin : fopen(path, "r");
     if (file == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "%s: %s", path, strerror(errno));
+        return program_fail(state, PROGRAM_FAILED, "%s: %s", name, strerror(errno));
     }
-    const int exit_code = read_lines(state, path, file, out);
-    fclose(file);
+    int exit_code = read_lines(state, name, file, out);
+    if (!standard) {
+        fclose(file);
+    }
+    if (exit_code == PROGRAM_DONE && out->count == 0) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%s: no ray; a line is ox,oy,oz,dx,dy,dz", name);
+    }
     if (exit_code != PROGRAM_DONE) {
         ray_table_free(out);
     }
@@ -151,31 +158,25 @@ static void normalize(double vector[3])
     }
 }
 
-/* A camera without a line of sight gives NaN rays, which hit nothing. */
-static svo_ray pixel_ray(const svo_camera *camera, double across, double upwards)
+camera_axes ray_table_axes(const svo_camera *camera)
 {
-    double forward[3];
+    camera_axes axes;
     double up[3];
-    double right[3];
-    svo_ray ray = {.t_min = 0, .t_max = INFINITY};
     for (int axis = 0; axis < 3; ++axis) {
-        forward[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
+        axes.forward[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
         up[axis] = (double)camera->up[axis];
     }
-    normalize(forward);
-    cross(forward, up, right);
-    normalize(right);
-    cross(right, forward, up);
-    for (int axis = 0; axis < 3; ++axis) {
-        ray.origin[axis] = camera->eye[axis];
-        ray.direction[axis] = (float)(forward[axis] + across * right[axis] + upwards * up[axis]);
-    }
-    return ray;
+    normalize(axes.forward);
+    cross(axes.forward, up, axes.right);
+    normalize(axes.right);
+    cross(axes.right, axes.forward, axes.up);
+    return axes;
 }
 
 int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out)
 {
     const double tangent = tan(0.5 * (double)camera->vertical_fov);
+    const camera_axes axes = ray_table_axes(camera);
     *out = (ray_table){.count = (size_t)width * height};
     out->rays = calloc(out->count, sizeof *out->rays);
     if (out->rays == NULL) {
@@ -184,7 +185,12 @@ int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t wid
     for (size_t i = 0; i < out->count; ++i) {
         const double across = (2.0 * ((double)(i % width) + 0.5) / width - 1.0) * tangent * width / height;
         const double upwards = (1.0 - 2.0 * ((double)(i / width) + 0.5) / height) * tangent; /* NOLINT: a row */
-        out->rays[i] = pixel_ray(camera, across, upwards);
+        out->rays[i] = (svo_ray){.t_min = 0, .t_max = INFINITY};
+        for (int axis = 0; axis < 3; ++axis) {
+            out->rays[i].origin[axis] = camera->eye[axis];
+            out->rays[i].direction[axis] =
+                (float)(axes.forward[axis] + across * axes.right[axis] + upwards * axes.up[axis]);
+        }
     }
     return PROGRAM_DONE;
 }

@@ -15,6 +15,12 @@ typedef struct ray_table {
    other line is an error that names it. Returns the exit code. */
 int ray_table_read(program *state, const char *path, ray_table *out);
 
+/* Unit vectors at right angles. NaN for a camera without a line of sight; rays from them hit nothing. */
+typedef struct camera_axes {
+    double forward[3], right[3], up[3];
+} camera_axes;
+camera_axes ray_table_axes(const svo_camera *camera);
+
 /* One ray through the center of each pixel, row by row from the upper left corner. Returns the exit code. */
 int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out);
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens devices by the options, and chooses front ends. */
 #include "support/session.h"
-#include "support/options_parse.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "support/options_parse.h"
 
 /* The drivers read their thread counts once, at their first call, so the counts are set before it. */
 static int set_threads(program *state)
@@ -41,6 +42,15 @@ static int open_queue(program *state, session *opened)
     return PROGRAM_DONE;
 }
 
+/* --kernels. What the folder lacks is compiled. */
+static int load_kernels(program *state, svo_device *device)
+{
+    const char *folder = state->options.kernels_path;
+    return folder == NULL || svo_device_load_kernels(device, folder, NULL) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, svo_device_message(device));
+}
+
 int session_open_device(program *state, session *opened)
 {
     *opened = (session){0};
@@ -54,6 +64,9 @@ int session_open_device(program *state, session *opened)
         return program_fail_library(state, message.text);
     }
     result = open_queue(state, opened);
+    if (result == PROGRAM_DONE) {
+        result = load_kernels(state, opened->device);
+    }
     if (result != PROGRAM_DONE) {
         session_close(opened);
     }
@@ -84,7 +97,8 @@ static int join_opengl(program *state, session *opened)
     opened->queue = NULL;
     svo_device_destroy(&opened->device);
     opened->device = joined;
-    return open_queue(state, opened);
+    const int result = open_queue(state, opened);
+    return result == PROGRAM_DONE ? load_kernels(state, joined) : result;
 }
 
 /* OpenGL was requested: if it does not work, that is an error. */

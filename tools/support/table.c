@@ -11,9 +11,11 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "support/utf8.h"
 #include "svocl/plan.h"
 
 #define CELL_BYTES 512
+#define LINE_BYTES 8192
 
 struct table {
     char alignment[TABLE_COLUMNS_MAX + 1];
@@ -21,6 +23,7 @@ struct table {
     char **cells;
     size_t cell_count;
     size_t cell_capacity;
+    size_t line_width; /* in columns: where the last cell of a row wraps */
 };
 
 table *table_create(const char *alignment)
@@ -52,7 +55,7 @@ void table_cell(table *rows, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    char *cell = strdup(text);
+    char *cell = utf8_escape(text);
     if (cell != NULL) {
         rows->cells[rows->cell_count++] = cell;
     }
@@ -92,7 +95,7 @@ static void measure(const table *rows, size_t widths[TABLE_COLUMNS_MAX])
 }
 
 /* Columns of the terminal; no limit if standard output is not a terminal. */
-static size_t line_width(void)
+static size_t terminal_width(void)
 {
     struct winsize window = {0};
     if (!isatty(STDOUT_FILENO)) {
@@ -119,10 +122,9 @@ static size_t fitting_length(const char *text, size_t width)
 }
 
 /* The last cell of a row; continuation lines are indented to its start. */
-static void print_wrapped(const char *text, size_t indent)
+static void print_wrapped(const char *text, size_t line_width, size_t indent)
 {
-    const size_t width = line_width();
-    const size_t room = width > indent + 20 ? width - indent : 20;
+    const size_t room = line_width > indent + 20 ? line_width - indent : 20;
     size_t length = fitting_length(text, room);
     printf("%.*s\n", (int)length, text);
     for (text += length; *text != '\0'; text += length) {
@@ -147,16 +149,23 @@ static void print_cell(const table *rows, size_t index, const size_t widths[TABL
             indent += widths[i] + 2;
         }
         fputs("  ", stdout);
-        print_wrapped(text, indent);
+        print_wrapped(text, rows->line_width, indent);
     }
 }
 
 void table_print(table *rows)
 {
+    table_print_wrapped(rows, SIZE_MAX);
+}
+
+void table_print_wrapped(table *rows, size_t line_width)
+{
     if (rows == NULL) {
         return;
     }
     size_t widths[TABLE_COLUMNS_MAX];
+    const size_t screen_width = terminal_width();
+    rows->line_width = line_width < screen_width ? line_width : screen_width;
     measure(rows, widths);
     for (size_t i = 0; i < rows->cell_count; ++i) {
         print_cell(rows, i, widths);
@@ -181,13 +190,22 @@ void table_gap(void)
     putchar('\n');
 }
 
+static void print_text(const char *format, va_list arguments)
+{
+    char text[LINE_BYTES];
+    vsnprintf(text, sizeof text, format, arguments);
+    char *escaped = utf8_escape(text);
+    fputs(escaped != NULL ? escaped : "", stdout);
+    free(escaped);
+}
+
 void table_heading(const char *format, ...)
 {
     const bool bold = wants_bold();
     va_list arguments;
     va_start(arguments, format);
     fputs(bold ? "\033[1m" : "", stdout);
-    vprintf(format, arguments);
+    print_text(format, arguments);
     fputs(bold ? "\033[0m\n" : "\n", stdout);
     va_end(arguments);
 }
@@ -197,7 +215,7 @@ void table_line(const char *format, ...)
     va_list arguments;
     va_start(arguments, format);
     fputs("  ", stdout);
-    vprintf(format, arguments);
+    print_text(format, arguments);
     putchar('\n');
     va_end(arguments);
 }
@@ -228,7 +246,8 @@ figure figure_bytes(uint64_t bytes)
         ++unit;
     }
     figure result;
-    snprintf(result.text, sizeof result.text, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+    snprintf(result.text, sizeof result.text, unit == 0 ? "%.0f %s" : "%.1f %s", value,
+             bytes == 1 ? "byte" : units[unit]);
     return result;
 }
 

@@ -13,6 +13,7 @@
 typedef struct table table;
 
 #define TABLE_COLUMNS_MAX 24U
+#define TABLE_HELP_WIDTH  80U /* of lines of help */
 
 /* alignment: one letter per column, 'l' or 'r', at most TABLE_COLUMNS_MAX. NULL if memory runs out; the other
    functions accept it. */
@@ -23,6 +24,8 @@ void table_cell(table *rows, const char *format, ...) __attribute__((format(prin
 
 /* Prints the rows to standard output, indented, and releases the table. */
 void table_print(table *rows);
+/* The same with lines of at most so many columns, in a file or a pipe too. */
+void table_print_wrapped(table *rows, size_t line_width);
 
 /* An empty line between tables, a heading, and a line of text below it, to standard output. */
 void table_gap(void);

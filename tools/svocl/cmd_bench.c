@@ -7,6 +7,7 @@
 #include "measure/result_text.h"
 #include "support/json.h"
 #include "support/output.h"
+#include "support/suggest.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 #include "svocl/subjects.h"
@@ -36,7 +37,7 @@ void command_bench_print_subjects(void)
     table_cell(rows, "e1 to e5");
     table_gap();
     table_heading("SUBJECT");
-    table_print(rows);
+    table_print_wrapped(rows, TABLE_HELP_WIDTH);
 }
 
 /* "voxelize, build, ..., all, errors, e1 to e5" */
@@ -60,7 +61,12 @@ static int check_subject(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT is missing, one of %s", known);
     }
     if (!subjects_know(given->subject)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s", given->subject, known);
+        suggestion near = suggestion_begin(given->subject, strlen(given->subject));
+        for (size_t i = 0; subjects[i] != NULL; ++i) {
+            suggestion_offer(&near, subjects[i]->name);
+        }
+        return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s%s", given->subject, known,
+                            suggestion_end(&near).text);
     }
     return PROGRAM_DONE;
 }
@@ -117,7 +123,9 @@ static int show(program *state, const result_set *results)
         return json_print(state, document);
     }
     cJSON_Delete(document);
-    print_tables(results);
+    if (given->output_path == NULL || !given->quiet) {
+        print_tables(results);
+    }
     return PROGRAM_DONE;
 }
 

@@ -7,8 +7,16 @@
 #include "support/table.h"
 #include "svocl/commands.h"
 
+static int write_bytes(void *user, const void *bytes, size_t byte_count)
+{
+    output_file *file = user;
+    output_write(file, bytes, byte_count);
+    return file->error;
+}
+
 static int save(program *state, const svo_tree *tree)
 {
+    output_file file;
     if (state->options.output_path == NULL) {
         return PROGRAM_DONE;
     }
@@ -16,10 +24,16 @@ static int save(program *state, const svo_tree *tree)
     const svo_save_options save_options = {.struct_size = sizeof save_options,
                                            .compress = (uint32_t)state->options.compress};
     progress_step(state->progress, "writing the tree");
-    if (svo_tree_save(tree, state->options.output_path, &save_options, &message) != SVO_OK) {
+    const int exit_code = output_open(state, state->options.output_path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    /* A write that failed is reported by output_commit. */
+    if (svo_tree_write(tree, write_bytes, &file, &save_options, &message) != SVO_OK && file.error == 0) {
+        output_abandon(&file);
         return program_fail_library(state, message.text);
     }
-    return PROGRAM_DONE;
+    return output_commit(state, &file);
 }
 
 /* Prints, or adds to *document, the plan of a source on a device. */
@@ -29,7 +43,7 @@ static int show_plan(program *state, const input *source, svo_device *device, cJ
     svo_plan *plan = NULL;
     const int exit_code = job_plan(state, device, source->mesh, state->options.need, &plan);
     if (exit_code == PROGRAM_DONE && document != NULL) {
-        cJSON_AddItemToObject(document, "plan", plan_to_json(plan, with_opengl));
+        plan_add_json(cJSON_AddObjectToObject(document, "plan"), plan, with_opengl);
     } else if (exit_code == PROGRAM_DONE) {
         plan_print(plan, source->name, with_opengl);
     }
@@ -54,7 +68,8 @@ static int plan_alone(program *state)
         exit_code = job_plan(state, opened.device, source.mesh, state->options.need, &plan);
         progress_destroy(&state->progress);
         if (exit_code == PROGRAM_DONE && state->options.json) {
-            cJSON *document = plan_to_json(plan, with_opengl);
+            cJSON *document = json_document();
+            plan_add_json(document, plan, with_opengl);
             json_add_text(document, "input", source.name);
             exit_code = json_print(state, document);
         } else if (exit_code == PROGRAM_DONE) {
@@ -90,10 +105,12 @@ static int finish(program *state, const job *done)
     if (state->options.json) {
         return json_print(state, document);
     }
-    if (state->options.plan) {
+    if (state->options.plan && !state->options.quiet) {
         table_gap();
     }
-    report_print(state, done, hash);
+    if (!state->options.quiet) {
+        report_print(state, done, hash);
+    }
     return PROGRAM_DONE;
 }
 

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "support/devices.h"
-#include "support/opengl.h"
 #include "support/opengl_devices.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -49,7 +48,6 @@ static const char *device_type_name(cl_device_id device)
                                                       : "other";
 }
 
-/* reason: "" if it works. */
 /* What works without OpenGL. */
 static void add_frontends(cJSON *object, svo_device *device)
 {
@@ -282,7 +280,7 @@ static void print_pairs(const cJSON *document)
 int command_devices(program *state)
 {
     opened_devices opened = {0};
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     gather_platforms(state, document, &opened);
     opengl_describe(document, opened.devices, opened.device_count);
     const bool has_device = opened.device_count > 0;

@@ -19,7 +19,7 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
         puts(state->options.nodes ? nodes : all);
         return PROGRAM_DONE;
     }
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "input", state->options.input);
     json_add_text(document, "hash", state->options.nodes ? nodes : all);
     json_add_text(document, "scope", state->options.nodes ? "nodes" : "all");
@@ -52,7 +52,7 @@ static int hash_tree_file(program *state)
 
 int command_hash(program *state)
 {
-    if (input_is_tree(state->options.input)) {
+    if (input_is_tree(state)) {
         return hash_tree_file(state);
     }
     job done;

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl info: prints what a .svo file contains. Loading checks every length, checksum and index. */
-#include <errno.h>
 #include <inttypes.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "support/input.h"
 #include "support/json.h"
@@ -20,7 +17,7 @@ typedef struct file_facts {
 static cJSON *to_json(const program *state, const file_facts *facts)
 {
     const svo_tree_info *info = &facts->info;
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "file", state->options.input);
     json_add_count(document, "file_bytes", facts->file_bytes);
     cJSON_AddBoolToObject(document, "checksum_ok", 1);
@@ -112,18 +109,15 @@ int command_info(program *state)
     file_facts facts = {0};
     facts.info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &facts.info);
-    struct stat status;
-    if (stat(state->options.input, &status) != 0) {
-        exit_code = program_fail(state, PROGRAM_FAILED, "%s: %s", state->options.input, strerror(errno));
-    } else if (svo_tree_hash(tree, SVO_HASH_ALL, facts.hash) != SVO_OK ||
-               svo_tree_hash(tree, SVO_HASH_NODES, facts.nodes_hash) != SVO_OK) {
+    exit_code = input_measure(state, &facts.file_bytes);
+    if (exit_code == PROGRAM_DONE && (svo_tree_hash(tree, SVO_HASH_ALL, facts.hash) != SVO_OK ||
+                                      svo_tree_hash(tree, SVO_HASH_NODES, facts.nodes_hash) != SVO_OK)) {
         exit_code = program_fail(state, PROGRAM_FAILED, "%s: the tree cannot be hashed", state->options.input);
     }
     svo_tree_destroy(&tree);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    facts.file_bytes = (uint64_t)status.st_size;
     progress_destroy(&state->progress);
     if (state->options.json) {
         return json_print(state, to_json(state, &facts));

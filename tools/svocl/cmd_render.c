@@ -34,7 +34,7 @@ static int report_picture(program *state, const session *opened, const svo_camer
 {
     const options *given = &state->options;
     if (given->json) {
-        cJSON *document = cJSON_CreateObject();
+        cJSON *document = json_document();
         json_add_text(document, "input", given->input);
         json_add_text(document, "file", given->output_path);
         json_add_count(document, "width", given->width);
@@ -45,9 +45,12 @@ static int report_picture(program *state, const session *opened, const svo_camer
         cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(camera->target, 3));
         return json_print(state, document);
     }
+    if (given->quiet) {
+        return PROGRAM_DONE;
+    }
     progress_hide(state->progress);
-    table_line("%s: %ux%u pixels of %s in %s", given->output_path, given->width, given->height, given->input,
-               figure_ms(render_ms).text);
+    table_line("%s: %ux%u pixels of %s in %s", output_name(given->output_path), given->width, given->height,
+               given->input, figure_ms(render_ms).text);
     return PROGRAM_DONE;
 }
 
@@ -80,7 +83,7 @@ static int render(program *state, const session *opened, svo_tree *tree)
 
 static int make_tree(program *state, job *done)
 {
-    if (input_is_tree(state->options.input)) {
+    if (input_is_tree(state)) {
         return job_load(state, 2, done);
     }
     uint32_t need = state->options.need;

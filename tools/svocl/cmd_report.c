@@ -19,57 +19,57 @@
 #include "svocl/subjects.h"
 
 #define PATH_BYTES     4096
-#define FILE_BYTES_MAX ((size_t)64 << 20)
+#define FILE_BYTES_MAX ((size_t)64 << 20) /* 64 MiB */
 
 /* ---- reading or measuring ---- */
 
-/* The text of a file, allocated by malloc; NULL after a failure, which is printed. */
-static char *read_text(program *state, const char *path)
+/* The rest of a file as a text, allocated by malloc; NULL after a failure, which is printed. */
+static char *read_text(program *state, FILE *file, const char *name)
 {
-    FILE *file = fopen(path, "rb");
     char *text = NULL;
+    const char *failure = "longer than 64 MiB";
     size_t used = 0;
-    if (file == NULL) {
-        program_fail(state, PROGRAM_FAILED, "%s: %s", path, strerror(errno));
-        return NULL;
-    }
     for (size_t capacity = 1 << 16; capacity <= FILE_BYTES_MAX; capacity *= 2) {
         char *grown = realloc(text, capacity + 1);
         if (grown == NULL) {
+            failure = "out of memory";
             break;
         }
         text = grown;
         used += fread(text + used, 1, capacity - used, file);
-        if (used < capacity) {
+        if (used < capacity) { /* the end, or an error */
             text[used] = '\0';
-            const bool good = ferror(file) == 0;
-            fclose(file);
-            if (!good) {
-                program_fail(state, PROGRAM_FAILED, "%s: %s", path, strerror(errno));
-                free(text);
-                return NULL;
-            }
-            return text;
+            failure = ferror(file) != 0 ? strerror(errno) : NULL;
+            break;
         }
     }
-    fclose(file);
-    free(text);
-    program_fail(state, PROGRAM_FAILED, "%s: longer than %zu bytes", path, FILE_BYTES_MAX);
-    return NULL;
+    if (failure != NULL) {
+        program_fail(state, PROGRAM_FAILED, "%s: %s", name, failure);
+        free(text);
+        text = NULL;
+    }
+    return text;
 }
 
 static result_set *read_results(program *state, const char *path)
 {
     svo_message message = {""};
-    char *text = read_text(state, path);
-    if (text == NULL) {
+    const bool standard = piped_is_standard_input(path);
+    const char *name = standard ? "standard input" : path;
+    FILE *file = standard ? stdin : fopen(path, "rb");
+    if (file == NULL) {
+        program_fail(state, PROGRAM_FAILED, "%s: %s", name, strerror(errno));
         return NULL;
     }
-    result_set *results = result_parse(text, &message);
-    free(text);
-    if (results == NULL) {
-        program_fail(state, PROGRAM_FAILED, "%s: %s", path, message.text);
+    char *text = read_text(state, file, name);
+    if (!standard) {
+        fclose(file);
     }
+    result_set *results = text != NULL ? result_parse(text, &message) : NULL;
+    if (text != NULL && results == NULL) {
+        program_fail(state, PROGRAM_FAILED, "%s: %s", name, message.text);
+    }
+    free(text);
     return results;
 }
 
@@ -151,9 +151,9 @@ static int write_json(program *state, const page_content *content, const result_
     return PROGRAM_DONE;
 }
 
-/* Writes one file into the folder, completely or not at all. */
+/* Writes one file into the folder, completely or not at all, and adds it to files. */
 static int write_file(program *state, const page_content *content, const result_table *shown, const char *name,
-                      write_part *write)
+                      write_part *write, cJSON *files)
 {
     char path[PATH_BYTES];
     output_file file;
@@ -169,17 +169,21 @@ static int write_file(program *state, const page_content *content, const result_
         output_abandon(&file);
         return exit_code;
     }
-    file.error = ferror(file.stream) != 0 ? EIO : 0;
-    return output_commit(state, &file);
+    const long byte_count = ftell(file.stream);
+    exit_code = output_commit(state, &file);
+    if (exit_code == PROGRAM_DONE) {
+        json_add_file(files, path, byte_count);
+    }
+    return exit_code;
 }
 
-static int write_tables(program *state, const page_content *content)
+static int write_tables(program *state, const page_content *content, cJSON *files)
 {
     for (size_t i = 0; i < content->results->table_count; ++i) {
         char name[128];
         const result_table *shown = content->results->tables[i];
         snprintf(name, sizeof name, "%s.csv", text_make_name(shown->id).text);
-        const int exit_code = write_file(state, content, shown, name, write_csv);
+        const int exit_code = write_file(state, content, shown, name, write_csv, files);
         if (exit_code != PROGRAM_DONE) {
             return exit_code;
         }
@@ -187,22 +191,22 @@ static int write_tables(program *state, const page_content *content)
     return PROGRAM_DONE;
 }
 
-static int write_all(program *state, const page_content *content)
+static int write_all(program *state, const page_content *content, cJSON *files)
 {
     static const struct {
         const char *name;
         write_part *write;
-    } files[] = {{"results.json", write_json}, {"summary.md", write_summary}, {"index.html", write_page}};
-    int exit_code = write_tables(state, content);
-    for (size_t i = 0; i < sizeof files / sizeof files[0] && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = write_file(state, content, NULL, files[i].name, files[i].write);
+    } parts[] = {{"results.json", write_json}, {"summary.md", write_summary}, {"index.html", write_page}};
+    int exit_code = write_tables(state, content, files);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = write_file(state, content, NULL, parts[i].name, parts[i].write, files);
     }
     return exit_code;
 }
 
 /* ---- the command ---- */
 
-static int make_report(program *state, const result_set *results)
+static int make_report(program *state, const result_set *results, cJSON *files)
 {
     const options *given = &state->options;
     pictures drawn;
@@ -216,13 +220,27 @@ static int make_report(program *state, const result_set *results)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = write_all(state, &content);
+    exit_code = write_all(state, &content, files);
     pictures_free(&drawn);
-    if (exit_code == PROGRAM_DONE) {
+    if (exit_code == PROGRAM_DONE && !given->json && !given->quiet) {
         progress_hide(state->progress);
         table_line("%s/index.html: %zu tables", given->output_path, results->table_count);
     }
     return exit_code;
+}
+
+/* {version, folder, page, source, tables, files[{file, bytes}], documents[{file, bytes}]}; a folder that was not asked
+   for is null, and documents are there with --docs. */
+static cJSON *describe(const options *given, const result_set *results)
+{
+    char page[PATH_BYTES];
+    cJSON *document = json_document();
+    snprintf(page, sizeof page, "%s/index.html", given->output_path != NULL ? given->output_path : "");
+    json_add_text(document, "folder", given->output_path);
+    json_add_text(document, "page", given->output_path != NULL ? page : NULL);
+    json_add_text(document, "source", given->from);
+    json_add_count(document, "tables", results->table_count);
+    return document;
 }
 
 int command_report(program *state)
@@ -242,12 +260,18 @@ int command_report(program *state)
     if (results == NULL) {
         return PROGRAM_FAILED;
     }
+    cJSON *document = describe(given, results);
+    cJSON *files = cJSON_AddArrayToObject(document, "files");
     if (given->output_path != NULL) {
-        exit_code = make_report(state, results);
+        exit_code = make_report(state, results, files);
     }
     if (exit_code == PROGRAM_DONE && given->docs != NULL) {
-        exit_code = docs_tables_write(state, results, given->docs);
+        exit_code = docs_tables_write(state, results, given->docs, cJSON_AddArrayToObject(document, "documents"));
     }
     result_destroy(&results);
+    if (exit_code == PROGRAM_DONE && given->json) {
+        return json_print(state, document);
+    }
+    cJSON_Delete(document);
     return exit_code;
 }

@@ -6,6 +6,7 @@
 
 #include "scenes/scenes.h"
 #include "support/json.h"
+#include "support/mesh_output.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -13,7 +14,7 @@
 static int list_scenes(program *state)
 {
     if (state->options.json) {
-        cJSON *document = cJSON_CreateObject();
+        cJSON *document = json_document();
         cJSON *array = cJSON_AddArrayToObject(document, "scenes");
         for (size_t i = 0; scene_describe(i) != NULL; ++i) {
             cJSON *one = cJSON_CreateObject();
@@ -40,7 +41,7 @@ static int list_scenes(program *state)
 static void write_spec(const options *given, char *spec, size_t spec_bytes)
 {
     uint64_t triangles = given->triangles;
-    for (size_t i = 0; !given->has_triangles && scene_describe(i) != NULL; ++i) {
+    for (size_t i = 0; triangles == 0 && scene_describe(i) != NULL; ++i) {
         if (strcmp(scene_describe(i)->name, given->input) == 0) {
             triangles = scene_describe(i)->default_triangles;
         }
@@ -55,7 +56,7 @@ static void write_spec(const options *given, char *spec, size_t spec_bytes)
 static int report_scene(program *state, const svo_mesh *mesh)
 {
     if (state->options.json) {
-        cJSON *document = cJSON_CreateObject();
+        cJSON *document = json_document();
         json_add_text(document, "scene", state->options.input);
         json_add_count(document, "seed", state->options.seed);
         json_add_count(document, "triangles", mesh->triangle_count);
@@ -63,9 +64,12 @@ static int report_scene(program *state, const svo_mesh *mesh)
         json_add_text(document, "file", state->options.output_path);
         return json_print(state, document);
     }
+    if (state->options.quiet) {
+        return PROGRAM_DONE;
+    }
     progress_hide(state->progress);
-    table_line("%s: %s triangles, %s vertices", state->options.output_path, figure_count(mesh->triangle_count).text,
-               figure_count(mesh->vertex_count).text);
+    table_line("%s: %s triangles, %s vertices", output_name(state->options.output_path),
+               figure_count(mesh->triangle_count).text, figure_count(mesh->vertex_count).text);
     return PROGRAM_DONE;
 }
 
@@ -77,7 +81,7 @@ int command_scene(program *state)
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    int exit_code = output_check(state, state->options.output_path);
+    int exit_code = mesh_output_check(state, state->options.output_path);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -87,14 +91,15 @@ int command_scene(program *state)
     progress_step(state->progress, "generating the scene");
     scene *made = NULL;
     svo_message message = {""};
-    svo_status status = scene_create(spec, &made, &message);
+    const svo_status status = scene_create(spec, &made, &message);
     if (status != SVO_OK) {
         return program_fail_scene(state, status, message.text);
     }
     progress_step(state->progress, "writing the mesh");
-    status = scene_write(scene_mesh(made), state->options.output_path, &message);
-    exit_code =
-        status != SVO_OK ? program_fail_scene(state, status, message.text) : report_scene(state, scene_mesh(made));
+    exit_code = mesh_output_write(state, scene_mesh(made), state->options.output_path);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = report_scene(state, scene_mesh(made));
+    }
     scene_destroy(&made);
     return exit_code;
 }

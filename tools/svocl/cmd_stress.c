@@ -76,7 +76,7 @@ static void print_cases(const stress *run)
 
 static cJSON *to_json(const stress *run)
 {
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "device", svo_device_name(run->opened.device));
     json_add_text(document, "renderer", session_renderer(&run->opened));
     json_add_text(document, "frontend", svo_frontend_name(run->opened.frontend));
@@ -114,7 +114,7 @@ static int report(program *state, const stress *run)
     int exit_code = PROGRAM_DONE;
     if (state->options.json) {
         exit_code = json_print(state, to_json(run));
-    } else {
+    } else if (!state->options.quiet) {
         print_cases(run);
     }
     const size_t failed = count_failed(run);

@@ -30,7 +30,7 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
         met += hits[i].triangle != SVO_NO_TRIANGLE;
     }
     if (state->options.json) {
-        cJSON *document = cJSON_CreateObject();
+        cJSON *document = json_document();
         json_add_text(document, "input", state->options.input);
         json_add_text(document, "file", state->options.output_path);
         json_add_count(document, "rays", count);
@@ -40,9 +40,13 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
         json_add_text(document, "device", svo_device_name(opened->device));
         return json_print(state, document);
     }
+    if (state->options.quiet) {
+        return PROGRAM_DONE;
+    }
     progress_hide(state->progress);
-    table_line("%s: %s of %s rays hit %s at depth %u, in %s", state->options.output_path, figure_count(met).text,
-               figure_count(count).text, state->options.input, info.depth, figure_ms(trace_ms).text);
+    table_line("%s: %s of %s rays hit %s at depth %u, in %s", output_name(state->options.output_path),
+               figure_count(met).text, figure_count(count).text, state->options.input, info.depth,
+               figure_ms(trace_ms).text);
     return PROGRAM_DONE;
 }
 
@@ -95,7 +99,7 @@ static int trace(program *state, const session *opened, svo_tree *tree)
 
 static int make_tree(program *state, job *done)
 {
-    if (input_is_tree(state->options.input)) {
+    if (input_is_tree(state)) {
         return job_load(state, 2, done);
     }
     state->options.depth_for_rays = !state->options.has_depth;
@@ -109,6 +113,9 @@ int command_trace(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE,
                             "exactly one of --rays FILE and --camera VIEW is required, got %s",
                             given->camera != NULL ? "both" : "neither");
+    }
+    if (given->rays_path != NULL && state->piped.name != NULL && piped_is_standard_input(given->rays_path)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "INPUT and --rays both read standard input");
     }
     if (given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");

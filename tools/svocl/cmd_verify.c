@@ -52,7 +52,7 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
 
 static cJSON *to_json(const program *state, const svo_tree_info *info, const verdict *found, const job *done)
 {
-    cJSON *document = cJSON_CreateObject();
+    cJSON *document = json_document();
     json_add_text(document, "input", state->options.input);
     json_add_count(document, "missed_voxels", found->tree.difference.missed_voxels);
     json_add_count(document, "surplus_voxels", found->tree.difference.surplus_voxels);
@@ -83,7 +83,7 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
         if (exit_code != PROGRAM_DONE) {
             return exit_code;
         }
-    } else {
+    } else if (!state->options.quiet) {
         print_verdict(state, info, found);
         if (done != NULL) {
             report_print_refused(done);
@@ -146,7 +146,7 @@ static int verify_tree_file(program *state)
 
 int command_verify(program *state)
 {
-    if (input_is_tree(state->options.input)) {
+    if (input_is_tree(state)) {
         return verify_tree_file(state);
     }
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;

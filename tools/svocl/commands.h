@@ -9,6 +9,7 @@ int command_devices(program *state);
 int command_scene(program *state);
 int command_build(program *state);
 int command_info(program *state);
+int command_kernels(program *state);
 int command_hash(program *state);
 int command_verify(program *state);
 int command_render(program *state);
@@ -16,6 +17,8 @@ int command_trace(program *state);
 int command_stress(program *state);
 int command_bench(program *state);
 int command_report(program *state);
+int command_completion(program *state);
+int command_man(program *state);
 void command_bench_print_subjects(void);
 
 #endif

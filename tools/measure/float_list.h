@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Input and output of the float32 methods: a triangle in world coordinates, and a list of pairs. */
-#ifndef SVOCL_TOOLS_STRESS_FLOAT_LIST_H
-#define SVOCL_TOOLS_STRESS_FLOAT_LIST_H
+#ifndef SVOCL_TOOLS_MEASURE_FLOAT_LIST_H
+#define SVOCL_TOOLS_MEASURE_FLOAT_LIST_H
 
 #include "reference/oracle.h"
 

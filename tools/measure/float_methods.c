@@ -6,11 +6,12 @@
  * meets the plane and its three projections meet the projected triangle. Akenine-Moller, "Fast 3D Triangle-Box Overlap
  * Testing", 2001: thirteen separating axes after moving the box's center to the origin.
  */
-#include "stress/float_methods.h"
-#include "stress/float_raster.h"
+#include "measure/float_methods.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#include "measure/float_raster.h"
 
 const char *float_method_name(float_method method)
 {
@@ -156,7 +157,7 @@ static bool centered_meets(const float_triangle *t, const float corner[3])
     return !is_apart(local, normal, half);
 }
 
-static void ask_bvh(float_method method, const float_triangle *t, float_list *list)
+static void test_voxels(float_method method, const float_triangle *t, float_list *list)
 {
     float normal[3];
     normal_of(t, normal);
@@ -215,7 +216,7 @@ void float_method_list(float_method method, const svo_tree_info *info, const svo
         float_triangle triangle;
         fetch(info, arrays, i, &triangle);
         if (method == FLOAT_PLANES || method == FLOAT_CENTERED) {
-            ask_bvh(method, &triangle, list);
+            test_voxels(method, &triangle, list);
         } else {
             float_raster(method, &triangle, list);
         }

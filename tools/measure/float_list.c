@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A list of pairs that grows. */
-#include "stress/float_list.h"
+#include "measure/float_list.h"
 
 #include <stdlib.h>
 

@@ -4,10 +4,10 @@
  * coordinates and rounded to float. The rasterizing methods apply the rules of the hardware on the host (pixel centers
  * or the standard four samples, positions snapped to 1/256 pixel, top-left rule): the rule is measured, not a GPU.
  */
-#ifndef SVOCL_TOOLS_STRESS_FLOAT_METHODS_H
-#define SVOCL_TOOLS_STRESS_FLOAT_METHODS_H
+#ifndef SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H
+#define SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H
 
-#include "stress/float_list.h"
+#include "measure/float_list.h"
 #include "svocl/tree.h"
 
 const char *float_method_name(float_method method); /* static string */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The float32 methods that rasterize, by the rules of drivers. */
-#ifndef SVOCL_TOOLS_STRESS_FLOAT_RASTER_H
-#define SVOCL_TOOLS_STRESS_FLOAT_RASTER_H
+#ifndef SVOCL_TOOLS_MEASURE_FLOAT_RASTER_H
+#define SVOCL_TOOLS_MEASURE_FLOAT_RASTER_H
 
-#include "stress/float_list.h"
+#include "measure/float_list.h"
 
 /* Appends the voxels that the method finds for one triangle. */
 void float_raster(float_method method, const float_triangle *triangle, float_list *list);

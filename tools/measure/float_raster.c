@@ -5,9 +5,9 @@
  * expanded (Hasselgren, Akenine-Moller and Ohlsson, "Conservative Rasterization", 2005), every voxel between the least
  * and the largest depth.
  */
-#include <math.h>
+#include "measure/float_raster.h"
 
-#include "stress/float_raster.h"
+#include <math.h>
 
 #define SUBPIXELS 256
 

@@ -1,0 +1,33 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+#
+# `tools/dev deb`: the Debian packages, and whether they install and run in a clean Debian 12. `tools/dev oldest_cmake`:
+# whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and settings.
+# shellcheck disable=SC2154
+
+readonly build_deb=build-deb
+readonly build_cmake=build-cmake
+
+deb()
+{
+    local folder=${1:-$build_deb/debian} mirror=${2:-}
+    setup
+    configure_preset deb
+    quietly "$build_deb/build.log" cmake --build "$build_deb" -j "$jobs"
+    rm -rf "$build_deb/packages"
+    quietly "$build_deb/cpack.log" cpack --config "$build_deb/CPackConfig.cmake" -B "$root/$build_deb/packages"
+    rm -rf "$build_deb/packages/_CPack_Packages"
+    ls -s --block-size=K "$build_deb"/packages/*.deb
+    prepare_run_time
+    if ((EUID == 0)) || command -v sudo >/dev/null; then
+        command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2
+    fi
+    tests/install/debian_root.sh "$build_deb/packages" "$build_deb/bin/svocl" "$folder" ${mirror:+"$mirror"}
+}
+
+oldest_cmake()
+{
+    setup
+    prepare_run_time
+    tests/install/oldest_cmake.sh "$build_cmake"
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl kernels: compiles what builds of INPUT need and saves it, for --kernels of later runs. */
+#include "support/job.h"
+#include "support/json.h"
+#include "support/table.h"
+#include "svocl/commands.h"
+
+static int print(program *state, const input *source, const session *opened, const svo_plan *plan, size_t saved)
+{
+    progress_destroy(&state->progress);
+    cJSON *document = state->options.json ? json_document() : NULL;
+    cJSON *array = document != NULL ? cJSON_AddArrayToObject(document, "kernels") : NULL;
+    table *rows = document == NULL && !state->options.quiet ? table_create("ll") : NULL;
+    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+        svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
+        svo_plan_get_kernels(plan, i, &kernels);
+        const char *defines = kernels.defines[0] == ' ' ? kernels.defines + 1 : kernels.defines;
+        table_cell(rows, "%s", kernels.name);
+        table_cell(rows, "%s", defines);
+        if (array != NULL) {
+            cJSON *entry = cJSON_CreateObject();
+            json_add_text(entry, "name", kernels.name);
+            json_add_text(entry, "defines", defines);
+            cJSON_AddItemToArray(array, entry);
+        }
+    }
+    if (document != NULL) {
+        json_add_text(document, "input", source->name);
+        json_add_text(document, "device", svo_device_name(opened->device));
+        json_add_text(document, "folder", state->options.kernels_path);
+        json_add_count(document, "saved", saved);
+        return json_print(state, document);
+    }
+    if (rows == NULL) {
+        return PROGRAM_DONE;
+    }
+    table_heading("kernels for builds of %s in %s: %zu programs saved", source->name, state->options.kernels_path,
+                  saved);
+    table_print(rows);
+    return PROGRAM_DONE;
+}
+
+/* Compiles and saves. The session has loaded what the folder had. */
+static int make_kernels(program *state, const input *source, const session *opened)
+{
+    svo_plan *plan = NULL;
+    size_t saved = 0;
+    progress_step(state->progress, "planning");
+    int exit_code = job_plan(state, opened->device, source->mesh, state->options.need, &plan);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    progress_step(state->progress, "compiling");
+    svo_status status = svo_device_warm(opened->device, plan);
+    progress_step(state->progress, "saving");
+    if (status == SVO_OK) {
+        status = svo_device_save_kernels(opened->device, state->options.kernels_path, &saved);
+    }
+    exit_code = status == SVO_OK ? print(state, source, opened, plan, saved)
+                                 : program_fail_library(state, svo_device_message(opened->device));
+    svo_plan_destroy(&plan);
+    return exit_code;
+}
+
+int command_kernels(program *state)
+{
+    input source = {0};
+    session opened = {0};
+    if (state->options.kernels_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--kernels DIR is missing: the folder to save them in");
+    }
+    program_begin_progress(state, 4);
+    int exit_code = input_open(state, &source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, &opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_kernels(state, &source, &opened);
+    }
+    session_close(&opened);
+    input_close(&source);
+    return exit_code;
+}
