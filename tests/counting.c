@@ -222,6 +222,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
         ++notes.figures.failed_launches;
         return CL_INVALID_KERNEL_ARGS;
     }
+    notes.figures.launched_items += dimensions == 1 ? global[0] : 0;
     return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */

@@ -1,21 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# The tables of README.md and docs/ are what the checked-in results say: written anew into copies, the documents stay the
-# same, byte for byte. Markers that are wrong are one line each, and then no document changes. Links lead to files.
+# The tables of README.md and docs/ match docs/results.json: written again into copies, the documents are the same, byte
+# for byte. A wrong marker is reported in one line, and then no document changes. Relative links lead to files.
 #
 # usage: docs.sh PROGRAM SOURCE_DIR
 set -euo pipefail
 
 readonly program=$1 source=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-complain()
-{
-    echo "$*"
-    failed=1
-}
+# shellcheck source=tests/complain.sh
+source "${BASH_SOURCE[0]%/*}/complain.sh"
 
 copy_documents()
 {
@@ -53,40 +47,41 @@ write_tables
 expect_same 'not what docs/results.json says; run svocl report --from docs/results.json --docs .'
 grep -q '<!-- svocl:table' "$work/copy/docs/performance.md" || complain "no tables in docs/performance.md"
 
+# As JSON: which documents were written.
+"$program" report --from "$source/docs/results.json" --docs "$work/copy" --json >"$work/written.json"
+grep -q "\"$work/copy/docs/performance.md\"" "$work/written.json" ||
+    complain "performance.md is not among what was written"
+grep -q '"page":[[:space:]]*null' "$work/written.json" || complain "a page that was not asked for"
+
 # What stands between markers, and nothing else, is replaced.
 sed -i '/^<!-- svocl:table /a something else' "$work"/copy/README.md "$work"/copy/docs/*.md
 write_tables
 expect_same 'text between markers was not replaced'
 
 # Lines to append to a document, and words of the one line that is printed about them.
-expect_failure()
+expect_refused()
 {
-    local lines=$1 words=$2 code=0
+    local lines=$1 words=$2
     copy_documents
     printf '%b' "$lines" >>"$work/copy/docs/performance.md"
     cp -r "$work/copy" "$work/before"
     sed -i '/^<!-- svocl:table /a something else' "$work/copy/README.md" "$work/before/README.md"
-    write_tables >"$work/out" 2>"$work/err" || code=$?
-    ((code == 1)) || complain "exit code $code of: $lines"
-    if (($(wc -l <"$work/err") != 1)) || ! grep -q -- "$words" "$work/err"; then
-        complain "not one line with '$words': $(cat "$work/err")"
-    fi
+    expect_failure 1 "$words" write_tables
     diff -r "$work/before" "$work/copy" || complain "documents changed in spite of: $lines"
     rm -rf "$work/before"
 }
-expect_failure '<!-- svocl:table nothing -->\n<!-- svocl:end -->\n' 'performance.md:[0-9]*: .* nothing$'
-expect_failure '<!-- svocl:table rays -->\n' 'performance.md:[0-9]*: this table has no svocl:end'
-expect_failure '<!-- svocl:table rays -->\n<!-- svocl:table e1 -->\n<!-- svocl:end -->\n' 'this table has no svocl:end'
-expect_failure '<!-- svocl:end -->\n' 'svocl:end without a svocl:table'
-expect_failure '<!-- svocl:tables rays -->\n' 'neither <!-- svocl:table ID --> nor'
+expect_refused '<!-- svocl:table nothing -->\n<!-- svocl:end -->\n' 'performance.md:[0-9]*: .* nothing$'
+expect_refused '<!-- svocl:table rays -->\n' 'performance.md:[0-9]*: this table has no svocl:end'
+expect_refused '<!-- svocl:table rays -->\n<!-- svocl:table e1 -->\n<!-- svocl:end -->\n' 'this table has no svocl:end'
+expect_refused '<!-- svocl:end -->\n' 'svocl:end without a svocl:table'
+expect_refused '<!-- svocl:tables rays -->\n' 'neither <!-- svocl:table ID --> nor'
 
 # Results that lack a table.
 copy_documents
-printf '{"machine": {"device": "d", "driver": "1", "platform": "p", "renderer": "none", "cpu_threads": 1, "svocl": "0"}, "tables": []}' \
-    >"$work/empty.json"
-if "$program" report --from "$work/empty.json" --docs "$work/copy" 2>"$work/err"; then
-    complain "documents were written from results without tables"
-fi
-grep -q 'the results lack' "$work/err" || complain "$(cat "$work/err")"
+cat >"$work/empty.json" <<'END'
+{"machine": {"device": "d", "driver": "1", "platform": "p", "renderer": "none", "cpu_threads": 1, "svocl": "0"},
+ "tables": []}
+END
+expect_failure 1 'the results lack' "$program" report --from "$work/empty.json" --docs "$work/copy"
 expect_same 'changed by results without tables'
 exit "$failed"

@@ -8,14 +8,8 @@
 set -euo pipefail
 
 readonly program=$1 results=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-complain()
-{
-    echo "$*"
-    failed=1
-}
+# shellcheck source=tests/complain.sh
+source "${BASH_SOURCE[0]%/*}/complain.sh"
 expect()
 {
     grep -q -- "$1" "$2" || complain "no '$1' in ${2##*/}"
@@ -46,6 +40,7 @@ expect 'href="summary.md"' "$page"
 # Nothing from outside.
 sed 's/base64,[^"]*//g' "$page" >"$work/without_pictures.html"
 expect_none 'https?:|//[a-z]|<link|<iframe|@import|url\(|xlink|file:/|fetch\(|import'
+# shellcheck disable=SC2016 # a dollar sign in the page's scripts
 expect_none '(src|href)=["'\''][^#"'\''$s]'
 # The other files.
 expect '"tables"' "$work/page/results.json"
@@ -58,17 +53,19 @@ for file in "$work"/page/*.csv "$work/page/summary.md" "$work/page/results.json"
     cmp "$file" "$work/again/${file##*/}" || complain "${file##*/} differs when read again"
 done
 
+# What was written, as JSON: every file of the folder with its length.
+"$program" report --quick --from - -o "$work/piped" --json <"$results" >"$work/written.json"
+expect '"version":' "$work/written.json"
+expect "\"page\":[[:space:]]*\"$work/piped/index.html\"" "$work/written.json"
+for file in "$work"/piped/*; do
+    grep -A 1 -F "\"$file\"" "$work/written.json" |
+        grep -q -x "[[:space:]]*\"bytes\":[[:space:]]*$(stat -c %s "$file")" ||
+        complain "${file##*/} is not among what was written, or with another length"
+done
+(($(grep -c '"file":' "$work/written.json") == $(find "$work/piped" -type f | wc -l))) ||
+    complain "other files were listed"
+
 # One line each.
-expect_failure()
-{
-    local code=0 wanted=$1 words=$2
-    shift 2
-    "$@" >"$work/out" 2>"$work/err" || code=$?
-    ((code == wanted)) || complain "exit code $code of: $*"
-    if (($(wc -l <"$work/err") != 1)) || ! grep -q -- "$words" "$work/err"; then
-        complain "not one line with '$words': $(cat "$work/err")"
-    fi
-}
 expect_failure 2 '-o DIR is missing' "$program" report --quick
 expect_failure 1 'nowhere.json' "$program" report --from "$work/nowhere.json" -o "$work/other"
 expect_failure 1 'summary.md' "$program" report --from "$work/page/summary.md" -o "$work/other"

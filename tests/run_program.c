@@ -176,7 +176,8 @@ int enter_folder(void **state)
 {
     char *folder = strdup("/tmp/svocl_test_program_XXXXXX");
     *state = folder;
-    return setenv("SVOCL", SVOCL_PROGRAM, 1) != 0 || folder == NULL || mkdtemp(folder) == NULL || chdir(folder) != 0;
+    return setenv("SVOCL", SVOCL_PROGRAM, 1) != 0 || setenv("SHIM", SVOCL_SIGNAL_SHIM, 1) != 0 || folder == NULL ||
+           mkdtemp(folder) == NULL || chdir(folder) != 0;
 }
 
 int leave_folder(void **state)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Shared by tests of the whole program. Every test runs the built program through the shell in a new folder of its own;
- * $SVOCL is its path. Tests that need a device or a GL context probe for it with `svocl devices` and skip visibly if
- * the machine has none. A check that fails ends the test.
+ * $SVOCL is its path, and $SHIM that of signal_shim.c. Tests that need a device or a GL context probe for it with
+ * `svocl devices` and skip visibly if the machine has none. A check that fails ends the test.
  */
 #ifndef SVOCL_TESTS_RUN_PROGRAM_H
 #define SVOCL_TESTS_RUN_PROGRAM_H

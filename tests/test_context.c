@@ -77,8 +77,10 @@ static void check_kind(svo_gl_context_kind kind)
     assert_true(gl->limits.fragment_storage_blocks >= 8);
     assert_true(gl->limits.framebuffer_width >= 16384);
     assert_true(gl->limits.viewport_width >= 1024);
-    assert_true(gl->limits.subpixel_bits >= 4);
+    GLint subpixel_bits = 0;
     make_current(context);
+    gl->GetIntegerv(GL_SUBPIXEL_BITS, &subpixel_bits);
+    assert_true(subpixel_bits >= 4); /* the margin of shaders/raster.vert covers such a grid */
     assert_true(buffer_works(context, 7));
     svo_i_gl_context_release_current(context);
     assert_false(context->platform->is_current(context->native));
@@ -460,9 +462,10 @@ static void optional_functions_need_a_promise(void **state)
     assert_null(gl.BufferStorage);
     svo_i_gl_unload(&gl);
 
-    loader = (changed_loader){context, "glSubpixelPrecisionBiasNV", (svo_i_function)report_old_version};
+    loader = (changed_loader){context, "glConservativeRasterParameteriNV", (svo_i_function)report_old_version};
     assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_OK);
-    assert_int_equal(gl.SubpixelPrecisionBiasNV != NULL, svo_i_gl_has_extension(&gl, "GL_NV_conservative_raster"));
+    assert_int_equal(gl.ConservativeRasterParameteriNV != NULL,
+                     svo_i_gl_has_extension(&gl, "GL_NV_conservative_raster_pre_snap_triangles"));
     svo_i_gl_unload(&gl);
     svo_i_gl_context_release_current(context);
     svo_gl_context_destroy(&context);
@@ -490,26 +493,11 @@ typedef struct pair {
     cl_command_queue queue;
 } pair;
 
-static svo_device *device_or_skip(void)
-{
-    svo_message message = {""};
-    svo_device *device = NULL;
-    svo_status status = svo_device_create_default(NULL, &device, &message);
-    if (status == SVO_NO_DEVICE) {
-        print_message("skipped: %s\n", message.text);
-        skip();
-    }
-    if (status != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return device;
-}
-
 static void pair_make(pair *out, svo_gl_context_kind kind)
 {
     cl_int error = CL_SUCCESS;
     out->context = context_or_skip(kind);
-    out->device = device_or_skip();
+    out->device = machine_device_or_skip();
     out->queue = clCreateCommandQueue(out->device->context, out->device->device, 0, &error);
     assert_int_equal(error, CL_SUCCESS);
 }

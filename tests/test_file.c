@@ -3,7 +3,7 @@
  * A saved .svo file loads as the same tree. Every flipped byte, truncation and broken structure is refused with a
  * message that names it. A failed save leaves no file behind.
  */
-#define _XOPEN_SOURCE 700
+#define _GNU_SOURCE /* O_TMPFILE */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,12 +13,14 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
@@ -443,6 +445,7 @@ static void test_broken_headers_are_named(void **unused)
     expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
+    expect_word_refused(bytes, byte_count, 40, 15, "snap_bits 15");
     expect_word_refused(bytes, byte_count, 44, 3, "coverage 3 is not known");
     expect_word_refused(bytes, byte_count, 48, 32, "unknown bits");
     expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_COLOR,
@@ -540,13 +543,49 @@ static void test_save_fails_cleanly(void **unused)
     (void)unused;
     svo_tree *tree = make_small_tree(NEED_ALL);
     expect_save_fails(tree, path_of("no/such/place.svo"), "cannot be written: No such file or directory");
-    expect_save_fails(tree, directory, "not a regular file");
-    expect_save_fails(tree, "/dev/full", "not a regular file");
+    expect_save_fails(tree, directory, "Is a directory");
+    if (access("/dev/full", W_OK) == 0) {
+        expect_save_fails(tree, "/dev/full", strerror(ENOSPC));
+    }
     const bool downloaded = tree->downloaded;
     tree->downloaded = false;
     assert_int_equal(svo_tree_save(tree, path_of("none.svo"), NULL, NULL), SVO_INVALID_ARGUMENT);
     tree->downloaded = downloaded;
     assert_int_not_equal(access(path_of("none.svo"), F_OK), 0);
+    svo_tree_destroy(&tree);
+}
+
+/* Bytes that a function received. */
+typedef struct received {
+    uint8_t *bytes;
+    size_t byte_count, limit;
+} received;
+
+static int receive(void *user, const void *bytes, size_t byte_count)
+{
+    received *to = user;
+    if (byte_count > to->limit - to->byte_count) {
+        return 1;
+    }
+    memcpy(to->bytes + to->byte_count, bytes, byte_count);
+    to->byte_count += byte_count;
+    return 0;
+}
+
+/* Even if its old arrays were still there. */
+static void test_trees_in_flight_are_not_saved(void **unused)
+{
+    (void)unused;
+    svo_message message = {""};
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    tree->content = SVO_I_TREE_IN_FLIGHT;
+    assert_int_equal(svo_tree_save(tree, path_of("none.svo"), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "in flight"));
+    assert_int_not_equal(access(path_of("none.svo"), F_OK), 0);
+    received got = {0};
+    assert_int_equal(svo_tree_write(tree, receive, &got, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "svo_tree_write: "));
+    assert_non_null(strstr(message.text, "in flight"));
     svo_tree_destroy(&tree);
 }
 
@@ -576,6 +615,119 @@ static void test_disk_full_keeps_the_old_file(void **unused)
     svo_tree_destroy(&tree);
 }
 
+/* The link stays, whether it leads to a file or to nothing yet. */
+static void test_what_a_link_leads_to_is_written(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    char link[2 * PATH_BYTES];
+    struct stat entry;
+    (void)snprintf(link, sizeof link, "%s", path_of("link.svo"));
+    assert_int_equal(symlink("round.svo", link), 0);
+    for (int i = 0; i < 2; ++i) {
+        svo_tree *loaded = NULL;
+        (void)unlink(path_of("round.svo"));
+        if (i == 1) {
+            write_file(path_of("round.svo"), "old", 3);
+        }
+        assert_int_equal(svo_tree_save(tree, link, NULL, NULL), SVO_OK);
+        assert_int_equal(lstat(link, &entry), 0);
+        assert_true(S_ISLNK(entry.st_mode));
+        assert_int_equal(svo_tree_load(path_of("round.svo"), &loaded, NULL), SVO_OK);
+        assert_same_tree(tree, loaded);
+        svo_tree_destroy(&loaded);
+    }
+    svo_tree_destroy(&tree);
+}
+
+static void test_a_pipe_gets_the_bytes_of_the_file(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    uint8_t *through = allocate(1 << 16);
+    char path[2 * PATH_BYTES];
+    (void)snprintf(path, sizeof path, "%s", path_of("stream.svo"));
+    assert_int_equal(mkfifo(path, 0600), 0);
+    const int reading = open(path, O_RDONLY | O_NONBLOCK); /* the bytes fit into the pipe */
+    assert_true(reading >= 0);
+    assert_int_equal(svo_tree_save(tree, path, NULL, NULL), SVO_OK);
+    assert_int_equal(read(reading, through, 1 << 16), byte_count);
+    assert_memory_equal(through, bytes, byte_count);
+    assert_int_equal(close(reading), 0);
+    /* Nobody reads: an error, and no SIGPIPE, which would end this test. */
+    int ends[2];
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(close(ends[0]), 0);
+    (void)snprintf(path, sizeof path, "/dev/fd/%d", ends[1]);
+    expect_save_fails(tree, path, strerror(EPIPE));
+    assert_int_equal(close(ends[1]), 0);
+    free(through);
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+static void test_a_function_receives_the_bytes_of_the_file(void **unused)
+{
+    (void)unused;
+    uint32_t codes[512];
+    for (uint32_t i = 0; i < 512; ++i) {
+        codes[i] = i;
+    }
+    svo_tree *tree = make_tree(codes, 512, NEED_ALL);
+    for (uint32_t compress = 0; compress < 2; ++compress) {
+        const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
+        svo_message message = {""};
+        size_t byte_count = 0;
+        uint8_t *bytes = save_to_memory(tree, compress, &byte_count);
+        received got = {.bytes = allocate(byte_count), .limit = byte_count};
+        assert_int_equal(svo_tree_write(tree, receive, &got, &options, &message), SVO_OK);
+        assert_int_equal(got.byte_count, byte_count);
+        assert_memory_equal(got.bytes, bytes, byte_count);
+        got.byte_count = 0;
+        got.limit = byte_count - 1;
+        assert_int_equal(svo_tree_write(tree, receive, &got, &options, &message), SVO_FILE_ERROR);
+        assert_non_null(strstr(message.text, "svo_tree_write: "));
+        free(got.bytes);
+        free(bytes);
+    }
+    svo_message message = {""};
+    assert_int_equal(svo_tree_write(tree, NULL, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "write is NULL"));
+    assert_int_equal(svo_tree_write(NULL, receive, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&tree);
+}
+
+/* The limit on file sizes ends the process by SIGXFSZ after 600 bytes. */
+static void test_a_process_that_ends_while_saving_leaves_nothing(void **unused)
+{
+    (void)unused;
+    const int probe = open(directory, O_TMPFILE | O_WRONLY, 0600);
+    if (probe < 0) {
+        print_message("skipped: this file system has no O_TMPFILE\n");
+        skip();
+    }
+    assert_int_equal(close(probe), 0);
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    const char *path = path_of("none.svo");
+    const pid_t child = fork();
+    if (child == 0) {
+        const struct rlimit core = {0};
+        const struct rlimit tight = {.rlim_cur = 600, .rlim_max = 600};
+        (void)setrlimit(RLIMIT_CORE, &core);
+        (void)setrlimit(RLIMIT_FSIZE, &tight);
+        (void)signal(SIGXFSZ, SIG_DFL);
+        (void)svo_tree_save(tree, path, NULL, NULL);
+        _exit(0);
+    }
+    int ended = 0;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGXFSZ);
+    assert_no_temporary_left();
+    svo_tree_destroy(&tree);
+}
+
 static int make_directory(void **unused)
 {
     (void)unused;
@@ -587,7 +739,8 @@ static int make_directory(void **unused)
 static int remove_directory(void **unused)
 {
     (void)unused;
-    static const char *const names[] = {"memory.svo", "round.svo", "empty.svo", "pipe.svo", "old.svo"};
+    static const char *const names[] = {"memory.svo", "round.svo", "empty.svo", "pipe.svo",
+                                        "old.svo",    "link.svo",  "stream.svo"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         (void)unlink(path_of(names[i]));
     }
@@ -610,7 +763,12 @@ int main(void)
         cmocka_unit_test(test_damaged_chunks_are_named),
         cmocka_unit_test(test_broken_structure_is_named),
         cmocka_unit_test(test_save_fails_cleanly),
+        cmocka_unit_test(test_trees_in_flight_are_not_saved),
         cmocka_unit_test(test_disk_full_keeps_the_old_file),
+        cmocka_unit_test(test_what_a_link_leads_to_is_written),
+        cmocka_unit_test(test_a_pipe_gets_the_bytes_of_the_file),
+        cmocka_unit_test(test_a_function_receives_the_bytes_of_the_file),
+        cmocka_unit_test(test_a_process_that_ends_while_saving_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

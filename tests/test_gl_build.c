@@ -203,7 +203,7 @@ static void meshes_of_nothing_give_a_root(void **state)
     assert_same_tree(opened, &mesh, 6, &everything, NULL);
 }
 
-/* An out-of-order queue without profiling. Stages name their clock. */
+/* An out-of-order queue without profiling, and the device's own queue. Stages name their clock. */
 static void any_queue_will_do(void **state)
 {
     (void)state;
@@ -219,6 +219,9 @@ static void any_queue_will_do(void **state)
     assert_string_equal(report.stage_times[SVO_STAGE_SUBDIVIDE].clock, clock);
     assert_string_equal(report.stage_times[SVO_STAGE_PACK].clock, clock);
     assert_null(report.stage_times[SVO_STAGE_FILTER].clock);
+    fixture without_queue = opened;
+    without_queue.queue = NULL;
+    assert_same_tree(&without_queue, scene_mesh(made), 6, &(svo_plan_options){.need = SVO_NEED_RAYS}, NULL);
     scene_destroy(&made);
     fixture_close(&opened);
 }
@@ -254,6 +257,25 @@ static void without_64_bit_integers_payload_is_refused(void **state)
     fixture_close(&opened);
 }
 
+/* All shaders use binding 15, those for nodes alone too. */
+static void too_few_bindings_are_refused(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    svo_i_gl_limits *limits = &opened->context->functions.limits;
+    const svo_i_gl_limits honest = *limits;
+    scene *made = fixture_scene("cube");
+    assert_string_equal(svo_gl_build_reason(opened->gl, 0), "");
+    limits->storage_bindings = 8; /* the minimum of OpenGL 4.3 */
+    assert_non_null(strstr(svo_gl_build_reason(opened->gl, 0), "has 8 bindings of storage blocks, below 16"));
+    assert_refused(opened, scene_mesh(made), 4, SVO_NEED_NONE, "has 8 bindings of storage blocks");
+    *limits = honest;
+    limits->compute_storage_blocks = 8;
+    assert_string_equal(svo_gl_build_reason(opened->gl, SVO_NEED_RAYS), "");
+    assert_non_null(strstr(svo_gl_build_reason(opened->gl, SVO_NEED_FILL), "below the 16 of payload"));
+    *limits = honest;
+    scene_destroy(&made);
+}
+
 /* A wall at depth 15 has a billion pairs: no storage block holds the lists, and nothing is drawn. */
 static void what_does_not_fit_a_storage_block_is_refused(void **state)
 {
@@ -276,6 +298,14 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_string_equal(svo_device_message(opened->device), "svo_gl_build: out is NULL");
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, &report), SVO_INVALID_ARGUMENT);
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_context other = clCreateContext(NULL, 1, &device, NULL, NULL, NULL);
+    cl_command_queue foreign = clCreateCommandQueue(other, device, 0, NULL);
+    assert_int_equal(svo_gl_build(opened->gl, plan, foreign, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened->device),
+                        "svo_gl_build: queue is of another context than the device");
+    clReleaseCommandQueue(foreign);
+    clReleaseContext(other);
     assert_null(tree);
     svo_plan_destroy(&plan);
     scene_destroy(&made);
@@ -296,6 +326,7 @@ int main(void)
         cmocka_unit_test(meshes_of_nothing_give_a_root),
         cmocka_unit_test(any_queue_will_do),
         cmocka_unit_test(without_64_bit_integers_payload_is_refused),
+        cmocka_unit_test(too_few_bindings_are_refused),
         cmocka_unit_test(what_does_not_fit_a_storage_block_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),
     };

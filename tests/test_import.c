@@ -24,6 +24,8 @@
 
 #include <stb/stb_image_write.h>
 
+#include "work_folder.h"
+
 #include "io/import_process.h"
 #include "io/import_stream.h"
 #include "svocl/io.h"
@@ -31,56 +33,19 @@
 /* Defined in the library, but not declared in its header. The result is released by free. */
 unsigned char *stbi_write_png_to_mem(const unsigned char *pixels, int stride_bytes, int x, int y, int n, int *out_len);
 
-#define PATH_BYTES  512
 #define TEXT_BYTES  16384
+#define SELF        "/proc/self/exe" /* as the child program */
 #define MISBEHAVIOR "SVOCL_TEST_MISBEHAVIOR" /* how this program misbehaves when it is started as a child */
 
-static char directory[PATH_BYTES];
-static char made_files[64][64];
-static size_t made_file_count;
 static char last_warning[SVO_MESSAGE_BYTES];
 
 /* 2 x 2: red and green in the upper row, blue and white in the lower. */
 static const uint8_t picture[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
 
-static const char *path_of(const char *name)
-{
-    static char path[2 * PATH_BYTES];
-    const int length = snprintf(path, sizeof path, "%s/%s", directory, name);
-    assert_true(length > 0 && (size_t)length < sizeof path);
-    return path;
-}
-
-static void remember(const char *name)
-{
-    for (size_t i = 0; i < made_file_count; ++i) {
-        if (strcmp(made_files[i], name) == 0) {
-            return;
-        }
-    }
-    assert_true(made_file_count < sizeof made_files / sizeof made_files[0]);
-    assert_true(strlen(name) < sizeof made_files[0]);
-    memcpy(made_files[made_file_count++], name, strlen(name) + 1);
-}
-
-static void write_bytes(const char *name, const void *bytes, size_t byte_count)
-{
-    FILE *file = fopen(path_of(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, byte_count, file), byte_count);
-    assert_int_equal(fclose(file), 0);
-    remember(name);
-}
-
-static void write_text(const char *name, const char *text)
-{
-    write_bytes(name, text, strlen(text));
-}
-
 static void write_picture(const char *name)
 {
     assert_int_not_equal(stbi_write_png(path_of(name), 2, 2, 4, picture, 8), 0);
-    remember(name);
+    work_folder_remember(name);
 }
 
 static void keep_warning(void *user, svo_log_level level, const char *text)
@@ -456,9 +421,9 @@ static void test_unreadable_files(void **unused)
 {
     (void)unused;
     expect_failure(path_of("missing.obj"), NULL, SVO_FILE_ERROR, strerror(ENOENT));
-    expect_failure(directory, NULL, SVO_FILE_ERROR, strerror(EISDIR));
+    expect_failure(work_folder(), NULL, SVO_FILE_ERROR, strerror(EISDIR));
     assert_int_equal(mkfifo(path_of("pipe.obj"), 0600), 0);
-    remember("pipe.obj");
+    work_folder_remember("pipe.obj");
     expect_failure(path_of("pipe.obj"), NULL, SVO_FILE_ERROR, "not a regular file");
     svo_message message = {""};
     svo_import *import = NULL;
@@ -498,16 +463,57 @@ static void expect_misbehavior(const char *kind, const svo_import_options *optio
 static void test_children_that_misbehave(void **unused)
 {
     (void)unused;
-    const svo_import_options second = {.struct_size = sizeof second, .time_limit_seconds = 1};
-    const svo_import_options small = {.struct_size = sizeof small, .memory_limit_bytes = 3 << 20};
-    expect_misbehavior("crash", NULL, "the reader crashed (signal 11)");
-    expect_misbehavior("silence", NULL, "the reader ended without an answer, exit code 3");
-    expect_misbehavior("nonsense", NULL, "the reader's answer is damaged: it is not from an import child");
-    expect_misbehavior("half", NULL, "the reader's answer is damaged: it ends too early");
+    const svo_import_options self = {.struct_size = sizeof self, .child_program = SELF};
+    const svo_import_options second = {.struct_size = sizeof second, .time_limit_seconds = 1, .child_program = SELF};
+    const svo_import_options small = {
+        .struct_size = sizeof small, .memory_limit_bytes = 3 << 20, .child_program = SELF};
+    expect_misbehavior("crash", &self, "the reader crashed (signal 11)");
+    expect_misbehavior("silence", &self, "the reader ended without an answer, exit code 3");
+    expect_misbehavior("nonsense", &self, "the reader's answer is damaged: it is not from an import child");
+    expect_misbehavior("half", &self, "the reader's answer is damaged: it ends too early");
     expect_misbehavior("flood", &small, "the mesh needs more than 3145728 bytes");
     expect_misbehavior("hang", &second, "reading took longer than 1 s");
     expect_misbehavior("hang deaf", &second, "reading took longer than 1 s");
-    expect_misbehavior("again", NULL, "svo_import_child_main must come first");
+    expect_misbehavior("again", &self, "svo_import_child_main must come first");
+}
+
+/* 5 s, and 1 s for each 10^6 bytes of the file. A child repeats the limit that it was given. */
+static void test_the_time_limit_grows_with_the_file(void **unused)
+{
+    (void)unused;
+    const svo_import_options self = {.struct_size = sizeof self, .child_program = SELF};
+    const size_t byte_count = 3000000;
+    uint8_t *bytes = calloc(byte_count, 1);
+    assert_non_null(bytes);
+    expect_misbehavior("tell limit", &self, "limit 5");
+    assert_int_equal(setenv(MISBEHAVIOR, "tell limit", 1), 0);
+    write_bytes("long.obj", bytes, byte_count);
+    expect_failure(path_of("long.obj"), &self, SVO_IMPORT_FAILED, "limit 8");
+    write_bytes("long.obj", bytes, byte_count - 1);
+    expect_failure(path_of("long.obj"), &self, SVO_IMPORT_FAILED, "limit 7");
+    const svo_import_options given = {.struct_size = sizeof given, .time_limit_seconds = 77, .child_program = SELF};
+    expect_failure(path_of("long.obj"), &given, SVO_IMPORT_FAILED, "limit 77");
+    assert_int_equal(unsetenv(MISBEHAVIOR), 0);
+    free(bytes);
+}
+
+/* Without a child program the helper reads, and not the calling program, which may lack svo_import_child_main. */
+static void test_the_helper_reads_by_default(void **unused)
+{
+    (void)unused;
+    char helper[4096];
+    svo_message message = {""};
+    write_plain();
+    assert_int_equal(setenv(MISBEHAVIOR, "crash", 1), 0);
+    svo_import *import = import_file("child.obj");
+    assert_int_equal(unsetenv(MISBEHAVIOR), 0);
+    assert_int_equal(svo_import_mesh(import)->triangle_count, 1);
+    svo_import_destroy(&import);
+    assert_int_equal(svo_import_helper(helper, sizeof helper, &message), SVO_OK);
+    assert_non_null(strstr(helper, "/libexec/svocl/svocl-import"));
+    assert_int_equal(svo_import_helper(helper, 4, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "svocl-import"));
+    assert_int_equal(svo_import_helper(NULL, 0, &message), SVO_INVALID_ARGUMENT);
 }
 
 static void test_a_child_that_cannot_start(void **unused)
@@ -561,7 +567,7 @@ static void test_damaged_answers(void **unused)
         svo_import part = {.bytes = malloc(i + 1), .byte_count = i};
         assert_non_null(part.bytes);
         memcpy(part.bytes, good->bytes, i);
-        assert_int_equal(svo_i_stream_parse(&part, "name", NULL, NULL, NULL), SVO_IMPORT_FAILED);
+        assert_int_equal(svo_i_stream_parse(&part, "name", false, NULL, NULL, NULL), SVO_IMPORT_FAILED);
         free(part.textures);
         free(part.bytes);
     }
@@ -572,7 +578,7 @@ static void test_damaged_answers(void **unused)
         memcpy(flipped.bytes, good->bytes, good->byte_count);
         flipped.bytes[i / 8] ^= (uint8_t)(1u << (i % 8));
         svo_message message = {""};
-        if (svo_i_stream_parse(&flipped, "name", NULL, NULL, &message) != SVO_OK) {
+        if (svo_i_stream_parse(&flipped, "name", false, NULL, NULL, &message) != SVO_OK) {
             assert_true(strncmp(message.text, "name: ", 6) == 0);
             ++refused;
         }
@@ -583,23 +589,6 @@ static void test_damaged_answers(void **unused)
     svo_import_destroy(&good);
 }
 
-static int make_directory(void **unused)
-{
-    (void)unused;
-    const char *parent = getenv("TMPDIR");
-    (void)snprintf(directory, sizeof directory, "%s/svocl-import-XXXXXX", parent != NULL ? parent : "/tmp");
-    return mkdtemp(directory) != NULL ? 0 : -1;
-}
-
-static int remove_directory(void **unused)
-{
-    (void)unused;
-    for (size_t i = 0; i < made_file_count; ++i) {
-        (void)unlink(path_of(made_files[i]));
-    }
-    return rmdir(directory);
-}
-
 static void answer(const void *bytes, size_t byte_count)
 {
     if (write(IMPORT_CHILD_STREAM, bytes, byte_count) < 0) {
@@ -608,7 +597,7 @@ static void answer(const void *bytes, size_t byte_count)
 }
 
 /* Runs this program as a child that misbehaves in the given way. */
-static int misbehave(const char *kind, const char *path)
+static int misbehave(const char *kind, const char *path, const char *seconds)
 {
     if (strcmp(kind, "crash") == 0) {
         (void)signal(SIGSEGV, SIG_DFL);
@@ -627,6 +616,9 @@ static int misbehave(const char *kind, const char *path)
             close(IMPORT_CHILD_STREAM);
         }
         pause();
+    } else if (strcmp(kind, "tell limit") == 0) {
+        answer(STREAM_GREETING, STREAM_GREETING_BYTES);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "limit %s", seconds);
     } else if (strcmp(kind, "again") == 0) {
         /* Emulates a program without svo_import_child_main: it imports, and its child would do the same. */
         svo_message message = {""};
@@ -642,7 +634,7 @@ int main(int argc, char **argv)
 {
     const char *misbehavior = getenv(MISBEHAVIOR);
     if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
-        return misbehave(misbehavior, argv[2]);
+        return misbehave(misbehavior, argv[2], argv[4]);
     }
     int exit_code = 0;
     if (svo_import_child_main(argc, argv, &exit_code)) {
@@ -664,10 +656,12 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_unreadable_files),
         cmocka_unit_test(test_files_without_a_mesh),
         cmocka_unit_test(test_children_that_misbehave),
+        cmocka_unit_test(test_the_time_limit_grows_with_the_file),
+        cmocka_unit_test(test_the_helper_reads_by_default),
         cmocka_unit_test(test_a_child_that_cannot_start),
         cmocka_unit_test(test_a_child_out_of_memory),
         cmocka_unit_test(test_ignored_child_signals),
         cmocka_unit_test(test_damaged_answers),
     };
-    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
 }

@@ -28,10 +28,12 @@
 #define DEPTH         5
 
 /* Made by cmake/embed.cmake. */
-extern const char svo_i_source_build[];
-extern const char svo_i_source_cast[];
-extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_subdivide[];
 extern const char svo_i_source_sort[];
+extern const char svo_i_source_pack[];
+extern const char svo_i_source_filter[];
+extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 
@@ -343,8 +345,8 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_build, svo_i_source_sort,  svo_i_source_voxelize,
-                                   svo_i_source_cast,  svo_i_source_trace, svo_i_source_view};
+    const char *const sources[] = {svo_i_source_subdivide, svo_i_source_sort, svo_i_source_pack,  svo_i_source_filter,
+                                   svo_i_source_voxelize,  svo_i_source_cast, svo_i_source_trace, svo_i_source_view};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -683,9 +683,40 @@ static void levels_without_payload_in_files(void **state)
     scene_destroy(&made);
 }
 
+/* On a device that has built trees, another payload compiles the filter's kernels alone, another build of the same
+   needs none. Without the warm-up, scans of a small tree launch about as many work-items as it has fragments and
+   nodes. */
+static void kernels_and_launches_that_a_build_does_not_need(void **state)
+{
+    (void)state;
+    static const uint32_t needs[] = {SVO_NEED_COLOR, SVO_NEED_COLOR | SVO_NEED_NORMAL, SVO_NEED_COLOR};
+    static const uint64_t programs[] = {3, 1, 0};
+    struct scene *made = fixture_scene("knot:300");
+    fixture opened;
+    fixture_open_cl(&(fixture_options){0}, &opened);
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        const svo_plan_options options = {.need = needs[i]};
+        built actual;
+        counting_begin();
+        fixture_build(&opened, scene_mesh(made), 4, &options, &actual);
+        assert_int_equal(counting_read().builds, programs[i]);
+        if (i == 1) {
+            assert_non_null(strstr(counting_options(0), "SVO_NORMAL"));
+            assert_null(strstr(counting_kernels(0), "svo_k_descend"));
+        }
+        if (i == 2) { /* 256 groups per scan were 131,072 items for the four levels */
+            assert_in_range(counting_read().launched_items, 1, 40000);
+        }
+        built_destroy(&actual);
+    }
+    fixture_close(&opened);
+    scene_destroy(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_and_launches_that_a_build_does_not_need),
         cmocka_unit_test(stages_that_do_not_run),
         cmocka_unit_test(lists_and_their_packing),
         cmocka_unit_test(the_packing_copy_of_sorted_lists),

@@ -279,12 +279,11 @@ static void t12_rays_from_far_away_at_edges(void **state)
     build_for_rays(opened, mesh, 7, NULL, 0, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         const uint32_t *corners = mesh->indices + (size_t)random_below(&random, (uint32_t)mesh->triangle_count) * 3;
-        double method[3];
         for (int axis = 0; axis < 3; ++axis) {
             const double a = (double)mesh->positions[(size_t)corners[i % 3] * 3 + (size_t)axis];
             const double b = (double)mesh->positions[(size_t)corners[(i + 1) % 3] * 3 + (size_t)axis];
-            method[axis] = (random_unit(&random) - 0.5) * 2e4 * tree.info.edge;
-            rays[i].origin[axis] = (float)((a + b) / 2 - method[axis]);
+            const double offset = (random_unit(&random) - 0.5) * 2e4 * tree.info.edge;
+            rays[i].origin[axis] = (float)((a + b) / 2 - offset);
             rays[i].direction[axis] = (float)(((a + b) / 2 - (double)rays[i].origin[axis]) * 8);
         }
         rays[i].t_min = 0;

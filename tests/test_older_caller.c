@@ -256,6 +256,19 @@ static svo_status use_mesh_buffers(const void *from, svo_message *message)
     return status;
 }
 
+#ifdef HAVE_GL
+static svo_status use_gl_options(const void *from, svo_message *message)
+{
+    svo_gl_context *context = NULL;
+    svo_gl *made = NULL;
+    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
+    const svo_status status = svo_gl_create(device, context, from, &made);
+    svo_gl_destroy(&made);
+    svo_gl_context_destroy(&context);
+    return with_message(status, message);
+}
+#endif
+
 #ifdef HAVE_IO
 static svo_status use_save_options(const void *from, svo_message *message)
 {
@@ -281,6 +294,9 @@ static const svo_device_options device_options = SVO_DEVICE_OPTIONS_INIT;
 static const svo_plan_options plan_options = SVO_PLAN_OPTIONS_INIT;
 static const svo_workspace_options workspace_options = SVO_WORKSPACE_OPTIONS_INIT;
 static const svo_mesh_buffers mesh_buffers = SVO_MESH_BUFFERS_INIT;
+#ifdef HAVE_GL
+static const svo_gl_options gl_options = SVO_GL_OPTIONS_INIT;
+#endif
 #ifdef HAVE_IO
 static const svo_save_options save_options = SVO_SAVE_OPTIONS_INIT;
 static const svo_import_options import_options = SVO_IMPORT_OPTIONS_INIT;
@@ -302,6 +318,9 @@ static const input_case inputs[] = {
     {"options", use_workspace_options, &workspace_options, sizeof workspace_options, 16, SVO_OK},
     {"options", use_render_options, &picture, sizeof picture, 56, SVO_OK},
     {"buffers", use_mesh_buffers, &mesh_buffers, sizeof mesh_buffers, 88, SVO_OK},
+#ifdef HAVE_GL
+    {"options", use_gl_options, &gl_options, sizeof gl_options, 16, SVO_OK},
+#endif
 #ifdef HAVE_IO
     {"options", use_save_options, &save_options, sizeof save_options, 8, SVO_OK},
     {"options", use_import_options, &import_options, sizeof import_options, 24, SVO_OK},

@@ -519,7 +519,9 @@ static void arguments_of_a_build_are_checked(void **state)
     assert_int_equal(svo_device_create_default(NULL, &other, NULL), SVO_OK);
     assert_int_equal(svo_plan_create(other, &small_mesh, 5, NULL, &plan), SVO_OK);
     assert_int_equal(svo_build(plan, frontend, opened->queue, &tree, NULL), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(svo_device_message(other), "another device"));
+    assert_non_null(strstr(svo_device_message(other), "queue is of another context"));
+    assert_int_equal(svo_build(plan, frontend, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(other), "frontend is of another device"));
     assert_null(tree);
     svo_plan_destroy(&plan);
     svo_device_destroy(&other);

@@ -48,12 +48,33 @@ static void names_without_meaning_are_refused(void **state)
     run_badly("$SVOCL build scene:cube --coverage thick", 2, "--coverage");
 }
 
+/* Help fits a terminal of 80 columns. */
+static void expect_narrow(const char *text)
+{
+    while (*text != '\0') {
+        const size_t width = strcspn(text, "\n");
+        if (width > 80) {
+            fail_msg("%zu columns: %.*s", width, (int)width, text);
+        }
+        text += width + strspn(text + width, "\n");
+    }
+}
+
 static void help_goes_to_standard_output(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"--help",      "help",         "devices --help", "scene --help",  "help build",
-                                        "info --help", "hash --help",  "verify --help",  "render --help", "--version",
-                                        "scene",       "scene --json", "build -h",       "bench --help"};
+    static const char *const lines[] = {"--help",          "help",
+                                        "devices --help",  "scene --help",
+                                        "help build",      "info --help",
+                                        "hash --help",     "verify --help",
+                                        "render --help",   "trace --help",
+                                        "stress --help",   "report --help",
+                                        "kernels --help",  "man --help",
+                                        "--version",       "scene",
+                                        "scene --json",    "build -h",
+                                        "bench --help",    "man",
+                                        "man build",       "completion --help",
+                                        "completion bash", "completion zsh"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[64];
         snprintf(line, sizeof line, "$SVOCL %s", lines[i]);
@@ -61,6 +82,9 @@ static void help_goes_to_standard_output(void **state)
         assert_string_equal(last.errors, "");
         assert_true(strlen(last.output) > 5);
         assert_null(strchr(last.output, '\033'));
+        if (strstr(lines[i], "-h") != NULL || strstr(lines[i], "help") != NULL) {
+            expect_narrow(last.output);
+        }
     }
 }
 
@@ -154,6 +178,25 @@ static void missing_drivers_are_one_line(void **state)
               "no EGL device matches \"no-such-renderer\"");
 }
 
+/* PoCL has no device when it cannot write to its cache folder. */
+static void a_platform_without_a_device_is_named(void **state)
+{
+    (void)state;
+    need_builds();
+#define WITHOUT_CACHE "env -u POCL_CACHE_DIR -u XDG_CACHE_HOME HOME=/proc $SVOCL "
+    run(WITHOUT_CACHE "build scene:cube -d 2");
+    if (last.exit_code == 0) {
+        print_message("skipped: a platform finds a device without a cache folder\n");
+        skip();
+    }
+    run_badly(WITHOUT_CACHE "build scene:cube -d 2", 1, "no OpenCL device; without any device: platform \"");
+    run_badly(WITHOUT_CACHE "build scene:cube -d 2", 1, "its cache folder cannot be written");
+    run_badly(WITHOUT_CACHE "build scene:cube -d 2 --device nothing", 1,
+              "no OpenCL device matches \"nothing\"; without");
+#undef WITHOUT_CACHE
+    run_badly("$SVOCL build scene:cube -d 2 --device nothing", 1, "no OpenCL device matches \"nothing\"");
+}
+
 static void a_forced_choice_that_does_not_work_fails(void **state)
 {
     (void)state;
@@ -185,6 +228,239 @@ static void failed_writes_leave_nothing(void **state)
     run_badly("ulimit -f 16; $SVOCL scene terrain --triangles 2000 -o a.ply", 1, "a.ply");
     run_badly("ulimit -f 16; $SVOCL scene cornell --triangles 2000 -o a.obj", 1, "a.obj");
     expect_files(expected, 1);
+}
+
+/* Every command that writes a file, through a link that leads to a file, and one that leads nowhere yet. */
+static void links_stay_and_their_targets_are_written(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const lines[] = {"build scene:cube -d 3 -o", "render scene:cube -d 3 --size 8x6 -o",
+                                        "trace scene:cube -d 3 --camera auto --size 4x4 -o",
+                                        "scene cube --triangles 12 -o"};
+    static const char *const suffixes[] = {"svo", "png", "csv", "obj"};
+    run_well("mkdir data");
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "ln -s data/f.%s l.%s && $SVOCL %s l.%s && test -L l.%s && test -s data/f.%s",
+                 suffixes[i], suffixes[i], lines[i], suffixes[i], suffixes[i], suffixes[i]);
+        run_well(line);
+        snprintf(line, sizeof line, "echo old >data/f.%s; $SVOCL %s l.%s && test -L l.%s && ! grep -x old data/f.%s",
+                 suffixes[i], lines[i], suffixes[i], suffixes[i], suffixes[i]);
+        run_well(line);
+    }
+    run_well("$SVOCL scene cube --triangles 12 -o a.ply; ln -s a.ply b.ply; $SVOCL scene knot -o b.ply; test -L b.ply");
+    run_well("mkdir taken.ply");
+    run_badly("$SVOCL scene cube -o taken.ply", 1, "taken.ply: Is a directory");
+}
+
+/* A link to standard output, as /dev/stdout is one: the bytes go to it from where it stands. */
+static void standard_output_is_a_file(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL render scene:cube -d 3 --size 8x6 -o a.png");
+    run_well("ln -s /proc/self/fd/1 out; $SVOCL render scene:cube -d 3 --size 8x6 -o out >b.png");
+    run_well("test -L out && cmp a.png b.png");
+    run_well("$SVOCL render scene:cube -d 3 --size 8x6 -o - >c.png && cmp a.png c.png");
+    run_well("$SVOCL render scene:cube -d 3 --size 8x6 -o /dev/stdout | cmp a.png -");
+    run_well("(printf before; $SVOCL scene cube --triangles 12 -o -; printf after) >d; "
+             "$SVOCL scene cube --triangles 12 -o d.ply; (printf before; cat d.ply; printf after) | cmp d -");
+    run_well("$SVOCL build scene:cube -d 3 -o a.svo && $SVOCL build scene:cube -d 3 -o - | cmp a.svo -");
+    run_well("$SVOCL trace scene:cube -d 3 --camera auto --size 4x4 -o a.csv -q && "
+             "$SVOCL trace scene:cube -d 3 --camera auto --size 4x4 -o - --quiet");
+    assert_int_equal(strncmp(last.output, "ray,t,triangle,u,v\n", 19), 0);
+    assert_string_equal(last.errors, "");
+    run_well("$SVOCL build scene:cube -d 3 -o - >b.svo"); /* what is printed goes to standard error */
+    assert_non_null(strstr(last.errors, "hash"));
+    run_well("$SVOCL info b.svo --json");
+    run_badly("$SVOCL build scene:cube -d 3 --json -o -", 2, "--json and -o -");
+    run_badly("$SVOCL report --quick -o -", 2, "a folder is needed");
+    run("$SVOCL build scene:cube -d 3 -o c.svo >&-"); /* the file does not take the place of what is closed */
+    run_well("cmp a.svo c.svo");
+    run_well("rm -f out *.png *.svo *.csv d d.ply");
+    expect_files(NULL, 0);
+}
+
+static void meshes_and_trees_come_through_pipes(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL hash scene:cube -d 4");
+    char hash[64];
+    snprintf(hash, sizeof hash, "%.32s", last.output);
+    static const char *const lines[] = {
+        "$SVOCL scene cube -o - | $SVOCL hash - -d 4",
+        "$SVOCL scene cube -o - | $SVOCL hash /dev/stdin -d 4",
+        "$SVOCL scene cube -o cube.ply -q; $SVOCL hash - -d 4 <cube.ply",
+        "$SVOCL scene cube -o cube.ply -q; mkfifo p.ply; cat cube.ply >p.ply & $SVOCL hash p.ply -d 4",
+        "$SVOCL build scene:cube -d 4 -o - | $SVOCL hash -",
+    };
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        run_well(lines[i]);
+        if (strncmp(last.output, hash, 32) != 0) {
+            fail_msg("%s: %s instead of %s", lines[i], last.output, hash);
+        }
+    }
+    write_text("one.obj", "# a triangle\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text("one.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    write_text("one.stl", "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                          "endloop\nendfacet\nendsolid one\n");
+    static const char *const suffixes[] = {"obj", "off", "stl"};
+    for (size_t i = 0; i < 3; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "cat one.%s | $SVOCL verify - -d 3 --json", suffixes[i]);
+        cJSON *document = run_json(line);
+        assert_int_equal((int)number_of(document, "expected_voxels") > 0, 1);
+        assert_string_equal(text_of(document, "input"), "standard input");
+        cJSON_Delete(document);
+    }
+    cJSON *info = run_json("$SVOCL build scene:cube -d 3 -o - | $SVOCL info - --json");
+    assert_true(number_of(info, "file_bytes") > 200);
+    cJSON_Delete(info);
+    run_well("printf '0.5,0.4,-1,0,0,2\\n' | $SVOCL trace scene:cube --rays - -o hits.csv && grep '^0,0.5,' hits.csv");
+    run_badly("printf 'mtllib a.mtl\\nv 0 0 0\\n' | $SVOCL build -", 1, "standard input: OBJ with a file of materials");
+    run_badly("printf '{\"asset\": {}}' | $SVOCL build -", 1, "standard input: glTF in several files");
+    run_badly("printf 'no mesh' | $SVOCL build -", 1, "standard input: this format");
+    run_badly("$SVOCL build - </dev/null", 1, "standard input: nothing came in");
+    run_badly("$SVOCL build /dev/null", 1, "/dev/null: nothing came in");
+    run_badly("printf 'ply\\nformat' | $SVOCL build -", 1, "standard input: ");
+    run_badly("$SVOCL build scene:cube -d 3 -o - --quiet | $SVOCL build -", 2, "standard input is a finished tree");
+    run_badly("$SVOCL trace - --rays - -o a.csv <one.stl", 2, "both read standard input");
+}
+
+/* A signal when all bytes of a file are written, and one when they have a temporary name: the old file is there, or in
+   the second case the new one. */
+static void a_signal_while_writing_leaves_nothing(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const expected[] = {"old.svo", "old.png", "old.csv", "old.ply", "old.obj"};
+    static const char *const lines[] = {
+        "scene cube -o old.obj", "scene cube -o old.ply", "build scene:cube -d 3 -o old.svo",
+        "render scene:cube -d 3 --size 8x6 -o old.png", "trace scene:cube -d 3 --camera auto --size 4x4 -o old.csv"};
+    static const int signals[] = {1, 2, 15}; /* SIGHUP, SIGINT, SIGTERM */
+    static const struct {
+        const char *settings;
+        int replaced; /* files that are not old any more */
+    } ways[] = {{"SHIM_AT=fsync", 0},
+                {"SHIM_AT=rename", 1},
+                {"SHIM_AT=fsync SHIM_NO_TMPFILE=1", 0},
+                {"SHIM_AT=rename SHIM_NO_TMPFILE=1", 1}};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        for (size_t way = 0; way < sizeof ways / sizeof ways[0]; ++way) {
+            const int number = signals[(i + way) % 3];
+            char line[512];
+            run_well("for f in svo png csv ply obj; do echo old >old.$f; done");
+            snprintf(line, sizeof line,
+                     "LD_PRELOAD=$SHIM SHIM_SIGNAL=%d %s ASAN_OPTIONS=verify_asan_link_order=0 "
+                     "env --default-signal $SVOCL %s; echo $? $(grep -L -x old old.* | wc -l) $(ls -A | grep -c tmp)",
+                     number, ways[way].settings, lines[i]);
+            run(line);
+            char wanted[32];
+            snprintf(wanted, sizeof wanted, "%d %d 0\n", 128 + number, ways[way].replaced);
+            if (strcmp(last.output, wanted) != 0) {
+                fail_msg("%s: exit code, replaced files and temporary files are %s, not %s", line, last.output, wanted);
+            }
+            expect_files(expected, sizeof expected / sizeof expected[0]);
+        }
+    }
+    run_well("LD_PRELOAD=$SHIM SHIM_NO_TMPFILE=1 ASAN_OPTIONS=verify_asan_link_order=0 "
+             "$SVOCL scene cube -o old.ply && ! grep -q -x old old.ply && ! ls -A | grep tmp");
+    /* Ignored signals, as nohup sets SIGHUP, stay ignored. */
+    run_well("trap '' HUP; LD_PRELOAD=$SHIM SHIM_SIGNAL=1 SHIM_AT=fsync ASAN_OPTIONS=verify_asan_link_order=0 "
+             "$SVOCL scene cube -o old.obj");
+}
+
+static void names_that_are_near_are_suggested(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL biuld scene:cube", 2, "unknown command 'biuld', did you mean 'build'?");
+    run_badly("$SVOCL help ren", 2, "did you mean 'render'?");
+    run_badly("$SVOCL build scene:cube --dept 3", 2, "unknown option '--dept', did you mean '--depth'?");
+    run_badly("$SVOCL build scene:cube --fronted=cl", 2, "did you mean '--frontend'?");
+    run_badly("$SVOCL build scene:cube --coverage half-opened", 2, "did you mean 'half-open'?");
+    run_badly("$SVOCL build scene:cube --need color,normals", 2, "did you mean 'normal'?");
+    run_badly("$SVOCL bench voxelise", 2, "did you mean 'voxelize'?");
+    run("$SVOCL quark");
+    assert_null(strstr(last.errors, "did you mean"));
+}
+
+/* The report of what was done is left out; what was asked for is not. */
+static void quiet_prints_results_and_errors_alone(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const silent[] = {"build scene:cube -d 3 -o a.svo",
+                                         "build scene:cube -d 3",
+                                         "verify scene:cube -d 3",
+                                         "render a.svo --size 8x6 -o a.png",
+                                         "trace scene:cube -d 3 --camera auto --size 4x4 -o a.csv",
+                                         "scene cube -o a.obj"};
+    static const char *const loud[] = {"info a.svo", "hash a.svo", "scene", "build scene:cube -d 3 --json",
+                                       "build scene:cube -d 3 --plan-only"};
+    char line[256];
+    for (size_t i = 0; i < sizeof silent / sizeof silent[0]; ++i) {
+        snprintf(line, sizeof line, "$SVOCL %s --quiet", silent[i]);
+        run_well(line);
+        assert_string_equal(last.output, "");
+        assert_string_equal(last.errors, "");
+    }
+    for (size_t i = 0; i < sizeof loud / sizeof loud[0]; ++i) {
+        snprintf(line, sizeof line, "$SVOCL %s -q", loud[i]);
+        run_well(line);
+        assert_true(strlen(last.output) > 20);
+    }
+    run_badly("$SVOCL hash missing.svo -q", 1, "missing.svo");
+    run_badly("$SVOCL hash a.svo -q -v", 2, "--quiet and --verbose");
+}
+
+/* Each JSON text begins with the program's version. */
+static void every_json_has_a_version(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL --version");
+    char version[32] = "";
+    assert_int_equal(sscanf(last.output, "svocl %31s", version), 1);
+    static const char *const lines[] = {"build scene:cube -d 3 --plan -o a.svo",
+                                        "build scene:cube -d 3 --plan-only",
+                                        "info a.svo",
+                                        "hash a.svo",
+                                        "hash scene:cube -d 3",
+                                        "verify scene:cube -d 3",
+                                        "render a.svo --size 8x6 -o a.png",
+                                        "trace scene:cube -d 3 --camera auto --size 4x4 -o a.csv",
+                                        "scene",
+                                        "scene cube -o a.obj",
+                                        "devices",
+                                        "stress --count 0 --frontend cl",
+                                        "bench rays scene:cube --ray-count 10 --repeat 1 -o b.json",
+                                        "bench memory --scenes cube --depths 3 --repeat 1 -o c.json"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "$SVOCL %s --json", lines[i]);
+        cJSON *document = run_json(line);
+        assert_string_equal(text_of(document, "version"), version);
+        assert_string_equal(document->child->string, "version");
+        cJSON_Delete(document);
+    }
+    run_well("head -n 2 b.json c.json | grep -c '\"version\"' | grep -x 2");
+}
+
+/* File names are bytes: those that are not UTF-8 are escaped in JSON, in tables and in messages. */
+static void names_that_are_not_utf8_are_escaped(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cube -d 3 -o \"$(printf 'caf\\351 \\303\\251.svo')\"");
+    cJSON *info = run_json("$SVOCL info caf* --json");
+    assert_string_equal(text_of(info, "file"), "caf\\xe9 \xc3\xa9.svo");
+    cJSON_Delete(info);
+    run_well("$SVOCL info caf*");
+    assert_non_null(strstr(last.output, "caf\\xe9 \xc3\xa9.svo"));
+    run_badly("$SVOCL info \"$(printf 'no\\377\\300\\200\\355\\240\\200.svo')\"", 1,
+              "no\\xff\\xc0\\x80\\xed\\xa0\\x80.svo");
 }
 
 static void a_full_standard_output_is_an_error(void **state)
@@ -556,10 +832,15 @@ static void rays_from_a_file_become_hits(void **state)
     write_text("bad.csv", "0,0,0,1,0,0\n1,2,3,4,5\n");
     run_badly("$SVOCL trace scene:cube --rays bad.csv -o none.csv", 1, "bad.csv:2");
     run_badly("$SVOCL trace scene:cube --rays nowhere.csv -o none.csv", 1, "nowhere.csv");
+    write_text("empty.csv", "");
+    run_badly("$SVOCL trace scene:cube --rays empty.csv -o none.csv", 1, "empty.csv: no ray");
+    write_text("heading.csv", "ox,oy,oz,dx,dy,dz\n\n");
+    run_badly("$SVOCL trace scene:cube --rays heading.csv -o none.csv", 1, "heading.csv: no ray");
     run_badly("$SVOCL trace scene:cube -o none.csv", 2, "--rays");
     run_badly("$SVOCL trace scene:cube --rays rays.csv", 2, "-o");
     run_badly("$SVOCL trace scene:cube --camera 1,2 -o none.csv", 2, "'1,2'");
-    static const char *const kept[] = {"rays.csv", "hits.csv", "cube.svo", "again.csv", "seen.csv", "bad.csv"};
+    static const char *const kept[] = {"rays.csv", "hits.csv", "cube.svo",  "again.csv",
+                                       "seen.csv", "bad.csv",  "empty.csv", "heading.csv"};
     expect_files(kept, sizeof kept / sizeof kept[0]);
 }
 
@@ -625,6 +906,104 @@ static void a_picture_is_written(void **state)
     assert_int_equal(header[23], 30);
 }
 
+/* What a mesh file holds and the mesh does not is a warning in text and JSON, and an error where that is asked for. */
+static void a_mesh_that_is_not_read_whole_is_named(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("part.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nl 1 2\n");
+    run_well("$SVOCL build part.obj -d 3");
+    assert_non_null(strstr(last.errors, "warning: part.obj: 1 of 4 vertices belong to no face\n"));
+    assert_non_null(strstr(last.errors, "warning: part.obj: 1 lines and 0 points are left out\n"));
+    cJSON *document = run_json("$SVOCL build part.obj -d 3 --json");
+    assert_int_equal(number_of(document, "warning_count"), 2);
+    const cJSON *warnings = array_of(document, "warnings");
+    assert_int_equal(cJSON_GetArraySize(warnings), 2);
+    assert_string_equal(cJSON_GetArrayItem(warnings, 1)->valuestring, "part.obj: 1 of 4 vertices belong to no face");
+    const cJSON *import = cJSON_GetObjectItem(document, "import");
+    assert_string_equal(text_of(import, "reader"), "obj");
+    assert_int_equal(number_of(import, "declared_vertices"), 4);
+    assert_int_equal(number_of(import, "used_vertices"), 3);
+    cJSON_Delete(document);
+    run_badly("$SVOCL build part.obj -d 3 --strict", 1, "part.obj: 1 lines and 0 points are left out");
+    run_badly("$SVOCL hash part.obj -d 3 --strict", 1, "part.obj: ");
+    document = run_json("cat part.obj | $SVOCL build - -d 3 --json");
+    assert_string_equal(cJSON_GetArrayItem(array_of(document, "warnings"), 1)->valuestring,
+                        "standard input: 1 of 4 vertices belong to no face");
+    cJSON_Delete(document);
+    run_badly("cat part.obj | $SVOCL build - -d 3 --strict", 1, "standard input: 1 lines and 0 points are left out");
+    run_badly("printf 'v 0 0 x\\n' | $SVOCL build - -d 3", 1, "standard input: line 1");
+    run_badly("$SVOCL build part.obj --import-seconds 0", 2, "import-seconds 0 is below 1");
+    write_text("whole.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    document = run_json("$SVOCL build whole.obj -d 3 --json --strict --import-seconds 7");
+    assert_int_equal(number_of(document, "warning_count"), 0);
+    assert_int_equal(cJSON_GetArraySize(array_of(document, "warnings")), 0);
+    cJSON_Delete(document);
+}
+
+/* The program alone, copied out of its installation, reads mesh files itself. */
+static void the_program_alone_reads_meshes(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    run_well("cp \"$SVOCL\" alone && ./alone hash one.obj -d 3");
+}
+
+/* On a terminal, with nothing compiled: the bar shows different parts of the same step. */
+static void the_bar_moves_inside_a_build(void **state)
+{
+    (void)state;
+    need_builds();
+    run("command -v script");
+    if (last.exit_code != 0) {
+        print_message("skipped: the program script, which makes a terminal, is not installed\n");
+        skip();
+    }
+    run_well("mkdir cache && POCL_CACHE_DIR=$PWD/cache script -qec \"$SVOCL build scene:knot -d 6 --frontend cl\" "
+             "/dev/null");
+    unsigned parts = 0;
+    double previous = 0.0;
+    static const char step[] = "building the tree: ";
+    for (const char *at = strstr(last.output, step); at != NULL; at = strstr(at + 1, step)) {
+        const char *comma = strchr(at, ',');
+        assert_non_null(comma);
+        const double percent = strtod(comma + 1, NULL);
+        assert_true(percent >= previous && percent <= 100.0);
+        parts += percent > previous && percent < 100.0;
+        previous = percent;
+    }
+    if (parts < 2) {
+        fail_msg("the bar shows %u parts of the build: %s", parts, last.output);
+    }
+    run_well("rm -r cache");
+}
+
+/* Kernels saved by one command are loaded by another; one that is damaged is a warning. */
+static void kernels_are_saved_and_loaded(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("$SVOCL kernels scene:cube -d 5", 2, "--kernels");
+    cJSON *document = run_json("$SVOCL kernels scene:cube -d 5 --kernels kept --json");
+    const int count = cJSON_GetArraySize(array_of(document, "kernels"));
+    assert_true(count > 0);
+    assert_int_equal((int)number_of(document, "saved"), count);
+    cJSON_Delete(document);
+    run_well("$SVOCL kernels scene:cube -d 5 --kernels kept");
+    assert_non_null(strstr(last.output, " 0 programs saved"));
+    assert_non_null(strstr(last.output, "voxelize"));
+    run_well("$SVOCL hash scene:cube -d 5 --frontend cl > plain.txt");
+    run_well("$SVOCL hash scene:cube -d 5 --frontend cl --kernels kept > loaded.txt && cmp plain.txt loaded.txt");
+    assert_string_equal(last.errors, "");
+    run_well("for f in kept/*; do printf x >> $f; break; done");
+    run_well("$SVOCL hash scene:cube -d 5 --frontend cl --kernels kept > loaded.txt && cmp plain.txt loaded.txt");
+    assert_non_null(strstr(last.errors, "warning: kept/"));
+    assert_non_null(strstr(last.errors, "is damaged"));
+    run_badly("$SVOCL hash scene:cube -d 5 --kernels plain.txt", 1, "plain.txt");
+    run_well("rm -r kept");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {IN_FOLDER(usage_errors_exit_with_code_2),
@@ -634,9 +1013,20 @@ int main(void)
                                        IN_FOLDER(bad_meshes_are_one_line),
                                        IN_FOLDER(triangles_that_are_not_finite_are_counted),
                                        IN_FOLDER(indices_out_of_range_are_named),
+                                       IN_FOLDER(a_mesh_that_is_not_read_whole_is_named),
+                                       IN_FOLDER(the_program_alone_reads_meshes),
                                        IN_FOLDER(missing_drivers_are_one_line),
+                                       IN_FOLDER(a_platform_without_a_device_is_named),
                                        IN_FOLDER(a_forced_choice_that_does_not_work_fails),
                                        IN_FOLDER(failed_writes_leave_nothing),
+                                       IN_FOLDER(links_stay_and_their_targets_are_written),
+                                       IN_FOLDER(standard_output_is_a_file),
+                                       IN_FOLDER(meshes_and_trees_come_through_pipes),
+                                       IN_FOLDER(a_signal_while_writing_leaves_nothing),
+                                       IN_FOLDER(names_that_are_near_are_suggested),
+                                       IN_FOLDER(quiet_prints_results_and_errors_alone),
+                                       IN_FOLDER(every_json_has_a_version),
+                                       IN_FOLDER(names_that_are_not_utf8_are_escaped),
                                        IN_FOLDER(a_full_standard_output_is_an_error),
                                        IN_FOLDER(build_has_its_json_names),
                                        IN_FOLDER(plans_have_their_json_names),
@@ -652,6 +1042,8 @@ int main(void)
                                        IN_FOLDER(a_picture_is_written),
                                        IN_FOLDER(rays_from_a_file_become_hits),
                                        IN_FOLDER(rays_are_compared_with_embree),
-                                       IN_FOLDER(every_view_is_a_picture)};
+                                       IN_FOLDER(every_view_is_a_picture),
+                                       IN_FOLDER(the_bar_moves_inside_a_build),
+                                       IN_FOLDER(kernels_are_saved_and_loaded)};
     return cmocka_run_group_tests_name("program", tests, NULL, NULL);
 }

@@ -68,8 +68,8 @@ static void hardware_method_follows_from_extensions(void **state)
         const svo_i_conservative method = svo_i_raster_hardware(&gl, &reason);
         if (method != cases[i].method || (cases[i].reason[0] == '\0') != (reason[0] == '\0') ||
             strstr(reason, cases[i].reason) == NULL) {
-            fail_msg("'%s': way %d, reason '%s', not %d, '%s'", extensions, (int)method, reason, (int)cases[i].method,
-                     cases[i].reason);
+            fail_msg("'%s': method %d, reason '%s', not %d, '%s'", extensions, (int)method, reason,
+                     (int)cases[i].method, cases[i].reason);
         }
     }
 }
@@ -355,7 +355,7 @@ static void check_shaders_compile(svo_gl_context *context, svo_plan *plan, svo_i
     svo_i_gl_context_release_current(context);
     svo_i_raster_destroy(&raster);
     if (status != SVO_OK) {
-        fail_msg("way %d, no_int64 %d: %s", (int)method, no_int64, svo_device_message(plan->device));
+        fail_msg("method %d, no_int64 %d: %s", (int)method, no_int64, svo_device_message(plan->device));
     }
 }
 

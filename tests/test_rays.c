@@ -307,6 +307,9 @@ static void the_bvh_is_built_on_request(void **state)
 static void the_bvh_is_refused_for_trees_without_lists(void **state)
 {
     const fixture *opened = fixture_of_group(state);
+    static uint8_t picture[8 * 8 * 4];
+    const svo_render_options triangles = {
+        sizeof triangles, 8, 8, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}, SVO_VIEW_TRIANGLES};
     scene *made = make_scene("cube");
     built plain;
     built thin;
@@ -317,6 +320,11 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
     assert_int_equal(svo_tree_prepare_rays(plain.tree, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
     assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened->device), "thin"));
+    assert_int_equal(svo_tree_render(opened->device, plain.tree, &triangles, opened->queue, picture),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_render(opened->device, thin.tree, &triangles, opened->queue, picture),
+                     SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
     assert_int_equal(svo_tree_ray_bytes(plain.tree), 0);
     built_destroy(&thin);

@@ -389,6 +389,12 @@ static void insufficient_node_capacity_is_reported(void **state)
     succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was large enough */
+    svo_build_state outcome;
+    assert_int_equal(clEnqueueReadBuffer(opened.queue, svo_tree_get_build_state(tree), CL_TRUE, 0, sizeof outcome,
+                                         &outcome, 0, NULL, NULL),
+                     CL_SUCCESS);
+    assert_in_range(outcome.overflow, 1, 7); /* the level that did not fit */
+    assert_int_equal(outcome.fragments_low, report.fragments);
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
     svo_plan_destroy(&plan);
@@ -514,11 +520,333 @@ static void wrong_arguments_are_refused(void **state)
     tree = make_tree(&opened, workspace); /* destroyed with its build in flight */
     succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
     svo_tree_destroy(&tree);
+    tree = make_tree(&opened, workspace); /* its workspace is destroyed with its build in flight */
+    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
     svo_workspace_destroy(&workspace);
+    assert_int_equal(svo_tree_finish(tree, opened.queue, 1, NULL), SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
     svo_workspace_destroy(NULL);
     svo_plan_destroy(&sorted);
     svo_plan_destroy(&plan);
+    scene_destroy(&made);
+}
+
+/* ---- trees without content ---- */
+
+/* A kernel with SVO_TREE_PARAMETERS, as far as svo_tree_set_args can tell. */
+static cl_kernel make_plain_kernel(const fixture *opened)
+{
+    const char *source =
+        "typedef struct { float words[16]; } params;\n"
+        "__kernel void plain(__global uchar *a, __global uint *b, __global uint *c, __global int4 *d,\n"
+        "                    params e)\n"
+        "{\n"
+        "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
+        "}\n";
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 1, &source, NULL, NULL);
+    assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "plain", NULL);
+    clReleaseProgram(program);
+    assert_non_null(kernel);
+    return kernel;
+}
+
+static void expect_refusal(const fixture *opened, svo_status status, const char *function, const char *words)
+{
+    const char *message = svo_device_message(opened->device);
+    if (status != SVO_INVALID_ARGUMENT || strncmp(message, function, strlen(function)) != 0 ||
+        strstr(message, words) == NULL) {
+        fail_msg("%s: %s, '%s' instead of '%s'", function, svo_status_name(status), message, words);
+    }
+}
+
+/* Every function that reads a tree refuses one without content. words: of the reason. */
+static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kernel kernel, const char *words)
+{
+    const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    const svo_query_point point = {.max_distance = 1};
+    const double corner[3] = {0, 0, 0};
+    const uint32_t cell[3] = {0, 0, 0};
+    cl_mem memory =
+        clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, sizeof(svo_hit), NULL, NULL);
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
+    uint8_t picture[8 * 8 * 4];
+    double box[2][3];
+    svo_hit hit;
+    svo_nearest nearest;
+    svo_grid grid;
+    svo_node node;
+    svo_camera_frame(tree, 1.0F, &options.camera);
+#define EXPECT(function, ...) expect_refusal(opened, function(__VA_ARGS__), #function, words)
+    EXPECT(svo_tree_get_info, tree, &info);
+    EXPECT(svo_tree_get_arrays, tree, &arrays);
+    EXPECT(svo_tree_get_grid, tree, &grid);
+    EXPECT(svo_tree_download, tree, opened->queue);
+    EXPECT(svo_tree_upload, tree, opened->device, opened->queue);
+    EXPECT(svo_tree_hash, tree, SVO_HASH_ALL, hash);
+    EXPECT(svo_tree_find_cell, tree, 0, cell, &node);
+    EXPECT(svo_tree_find_point, tree, corner, &node);
+    EXPECT(svo_tree_find_node, tree, 0, &node);
+    EXPECT(svo_tree_node_box, tree, 0, box[0], box[1]);
+    EXPECT(svo_tree_set_args, tree, kernel, 0);
+    EXPECT(svo_tree_prepare_rays, tree, opened->queue);
+    EXPECT(svo_tree_trace, tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue);
+    EXPECT(svo_tree_trace_enqueue, tree, memory, memory, 1, SVO_TRACE_CLOSEST, opened->queue, 0, NULL, NULL);
+    EXPECT(svo_tree_nearest, tree, &point, &nearest, 1, opened->queue);
+    EXPECT(svo_tree_nearest_enqueue, tree, memory, memory, 1, opened->queue, 0, NULL, NULL);
+    for (svo_render_view view = SVO_VIEW_SHADED; view <= SVO_VIEW_TRIANGLES; ++view) {
+        options.view = view;
+        EXPECT(svo_tree_render, opened->device, tree, &options, opened->queue, picture);
+    }
+#undef EXPECT
+    assert_int_equal(svo_tree_ray_bytes(tree), 0);
+    clReleaseMemObject(memory);
+}
+
+/* Neither before the first build, nor in flight, nor after a build that failed; afterwards all is as if no one had
+   asked. */
+static void trees_without_content_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    svo_plan_options options = {.need = SVO_NEED_ALL};
+    const svo_ray ray = {.origin = {1.5F, 0.3F, -9.0F}, .direction = {0, 0, 1}, .t_max = 100};
+    svo_hit hits[2];
+    char hash[SVO_HASH_TEXT_BYTES];
+    cl_kernel kernel = make_plain_kernel(&opened);
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
+    succeed(&opened, svo_tree_trace(expected.tree, &ray, &hits[0], 1, SVO_TRACE_COUNT, opened.queue));
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, options);
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *tree = make_tree(&opened, workspace);
+    expect_all_to_refuse(&opened, tree, kernel, "nothing was built");
+
+    cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    for (int round = 0; round < 2; ++round) { /* the second time over the content of the first */
+        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL));
+        expect_all_to_refuse(&opened, tree, kernel, "in flight; call svo_tree_finish");
+        clSetUserEventStatus(gate, CL_COMPLETE);
+        expect_all_to_refuse(&opened, tree, kernel, "in flight; call svo_tree_finish");
+        succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
+        hash_of(&opened, tree, hash);
+        assert_string_equal(hash, expected.hash);
+        succeed(&opened, svo_tree_set_args(tree, kernel, 0));
+        succeed(&opened, svo_tree_trace(tree, &ray, &hits[1], 1, SVO_TRACE_COUNT, opened.queue));
+        assert_memory_equal(&hits[1], &hits[0], sizeof hits[0]);
+        clReleaseEvent(gate);
+        gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    }
+    clReleaseEvent(gate);
+    counting_begin();
+    counting_fail_launch(3);
+    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
+    expect_all_to_refuse(&opened, tree, kernel, "last build failed");
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+
+    options.fragment_capacity = 10;
+    plan = make_plan(&opened, scene_mesh(made), 5, options);
+    workspace = make_workspace(&opened, plan);
+    tree = make_tree(&opened, workspace);
+    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    assert_int_equal(svo_tree_finish(tree, opened.queue, 1, NULL), SVO_CAPACITY_EXCEEDED);
+    expect_all_to_refuse(&opened, tree, kernel, "last build failed");
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    clReleaseKernel(kernel);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* A tree whose build was in flight cannot be finished any more; one that was finished before lives on. Front end and
+   plan may be gone by then, too. */
+static void finishing_after_the_workspace_is_a_status(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    const svo_plan_options options = {.need = SVO_NEED_ALL};
+    cl_kernel kernel = make_plain_kernel(&opened);
+    built expected;
+    fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
+    svo_frontend *frontend = NULL;
+    succeed(&opened, svo_frontend_create_cl(opened.device, &frontend));
+    svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, options);
+    svo_workspace *workspace = NULL;
+    succeed(&opened, svo_workspace_create(plan, frontend, opened.queue, NULL, &workspace));
+    svo_tree *trees[3] = {make_tree(&opened, workspace), make_tree(&opened, workspace), make_tree(&opened, workspace)};
+    for (int i = 0; i < 2; ++i) {
+        succeed(&opened, svo_build_enqueue(workspace, trees[i], opened.queue, 0, NULL, NULL));
+    }
+    succeed(&opened, svo_tree_finish(trees[0], opened.queue, 0, NULL));
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    svo_frontend_destroy(&frontend);
+    svo_build_report report = SVO_BUILD_REPORT_INIT;
+    for (int trim = 0; trim < 2; ++trim) {
+        expect_refusal(&opened, svo_tree_finish(trees[1], opened.queue, trim, &report), "svo_tree_finish",
+                       "workspace was destroyed");
+        expect_refusal(&opened, svo_tree_finish(trees[2], opened.queue, trim, &report), "svo_tree_finish",
+                       "no build is in flight");
+    }
+    expect_all_to_refuse(&opened, trees[1], kernel, "workspace was destroyed");
+    char hash[SVO_HASH_TEXT_BYTES];
+    hash_of(&opened, trees[0], hash);
+    assert_string_equal(hash, expected.hash);
+    for (int i = 0; i < 3; ++i) {
+        svo_tree_destroy(&trees[i]);
+    }
+    clReleaseKernel(kernel);
+    built_destroy(&expected);
+    scene_destroy(&made);
+}
+
+/* ---- the outcome on the device ---- */
+
+/* What a kernel makes of a build whose counts the host does not know yet. */
+typedef struct seen_outcome {
+    cl_uint overflow, inner_nodes, nodes, leaves, fragments_low, fragments_high;
+} seen_outcome;
+
+static const char outcome_kernel[] = "__kernel void look(__global const svo_build_state *state, uint depth,\n"
+                                     "                   __global uint *seen)\n"
+                                     "{\n"
+                                     "    seen[0] = state->overflow;\n"
+                                     "    seen[1] = state->level_begin[depth];\n"
+                                     "    seen[2] = state->level_begin[depth + 1];\n"
+                                     "    seen[3] = state->level_begin[depth + 1] - state->level_begin[depth];\n"
+                                     "    seen[4] = state->fragments_low;\n"
+                                     "    seen[5] = state->fragments_high;\n"
+                                     "}\n";
+
+static cl_kernel make_outcome_kernel(const fixture *opened)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), outcome_kernel};
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "look", NULL);
+    clReleaseProgram(program);
+    assert_non_null(kernel);
+    return kernel;
+}
+
+/* Enqueues a build behind a closed gate and the kernel behind the build, opens the gate and reads what the kernel saw:
+   the host learns the outcome from it, before svo_tree_finish. Returns what that says. */
+static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel kernel, unsigned depth,
+                                seen_outcome *seen, svo_tree_info *info, svo_build_report *report)
+{
+    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_uint depth_argument = depth;
+    const size_t one = 1;
+    cl_event done = NULL;
+    cl_event looked = NULL;
+    svo_workspace *workspace = make_workspace(opened, plan);
+    svo_tree *tree = make_tree(opened, workspace);
+    const cl_mem outcome = svo_tree_get_build_state(tree);
+    cl_mem memory = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof *seen, NULL, NULL);
+    assert_non_null(outcome);
+    assert_int_equal(clSetKernelArg(kernel, 0, sizeof(cl_mem), &outcome), CL_SUCCESS);
+    assert_int_equal(clSetKernelArg(kernel, 1, sizeof depth_argument, &depth_argument), CL_SUCCESS);
+    assert_int_equal(clSetKernelArg(kernel, 2, sizeof(cl_mem), &memory), CL_SUCCESS);
+    cl_event gate = clCreateUserEvent(context, NULL);
+    if (opened->frontend != opened->cl) { /* a front end of OpenGL waits for the gate on the host */
+        clSetUserEventStatus(gate, CL_COMPLETE);
+    }
+    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 1, &gate, &done));
+    assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+    assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &one, &one, 1, &done, &looked), CL_SUCCESS);
+    if (opened->frontend == opened->cl) {
+        clSetUserEventStatus(gate, CL_COMPLETE);
+    }
+    assert_int_equal(clEnqueueReadBuffer(opened->queue, memory, CL_TRUE, 0, sizeof *seen, seen, 1, &looked, NULL),
+                     CL_SUCCESS);
+    *report = (svo_build_report)SVO_BUILD_REPORT_INIT;
+    *info = (svo_tree_info)SVO_TREE_INFO_INIT;
+    const svo_status status = svo_tree_finish(tree, opened->queue, 1, report);
+    if (status == SVO_OK) {
+        succeed(opened, svo_tree_get_info(tree, info));
+        assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+    }
+    clReleaseEvent(gate);
+    clReleaseEvent(done);
+    clReleaseEvent(looked);
+    clReleaseMemObject(memory);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    return status;
+}
+
+static void look_at_builds(const fixture *opened, const svo_mesh *mesh, cl_kernel kernel)
+{
+    enum { DEPTH = 6 };
+    seen_outcome seen;
+    svo_tree_info info;
+    svo_build_report report;
+    uint64_t exact = 0;
+    for (uint64_t capacity = 0; capacity < 3; ++capacity) { /* enough; far too little */
+        svo_plan *plan = make_plan(opened, mesh, DEPTH,
+                                   (svo_plan_options){.need = SVO_NEED_ALL, .fragment_capacity = capacity * 50});
+        const svo_status status = look_at_build(opened, plan, kernel, DEPTH, &seen, &info, &report);
+        assert_int_equal(status, capacity == 0 ? SVO_OK : SVO_CAPACITY_EXCEEDED);
+        assert_int_equal(seen.overflow, capacity == 0 ? 0 : SVO_SHORT_LIST);
+        assert_int_equal(seen.fragments_high, 0);
+        assert_int_equal(seen.fragments_low, report.fragments);
+        if (capacity == 0) {
+            exact = report.fragments;
+            assert_int_equal(seen.inner_nodes, info.inner_count);
+            assert_int_equal(seen.nodes, info.node_count);
+            assert_int_equal(seen.leaves, info.leaf_count);
+        }
+        assert_int_equal(report.fragments, exact);
+        svo_plan_destroy(&plan);
+    }
+    assert_true(exact > 1000);
+}
+
+/* A kernel behind an enqueued build knows whether it succeeded, and all counts, before the host does. */
+static void kernels_read_the_outcome_of_a_build(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    cl_kernel kernel = make_outcome_kernel(&opened);
+    look_at_builds(&opened, scene_mesh(made), kernel);
+    built blocking;
+    fixture_build(&opened, scene_mesh(made), 4, NULL, &blocking);
+    assert_null(svo_tree_get_build_state(blocking.tree));
+    assert_null(svo_tree_get_build_state(NULL));
+    built_destroy(&blocking);
+
+    /* No triangle: a root without children. */
+    const svo_mesh none = {.struct_size = sizeof none};
+    seen_outcome seen;
+    svo_tree_info info;
+    svo_build_report report;
+    svo_plan *plan = make_plan(&opened, &none, 3, (svo_plan_options){.need = SVO_NEED_RAYS});
+    assert_int_equal(look_at_build(&opened, plan, kernel, 3, &seen, &info, &report), SVO_OK);
+    assert_int_equal(seen.overflow, 0);
+    assert_int_equal(seen.nodes, 1);
+    assert_int_equal(seen.leaves, 0);
+    assert_int_equal(seen.fragments_low, 0);
+    svo_plan_destroy(&plan);
+    clReleaseKernel(kernel);
+    scene_destroy(&made);
+}
+
+static void kernels_read_the_outcome_of_a_build_drawn_by_opengl(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    struct scene *made = fixture_scene("knot:500");
+    cl_kernel kernel = make_outcome_kernel(opened);
+    look_at_builds(opened, scene_mesh(made), kernel);
+    clReleaseKernel(kernel);
     scene_destroy(&made);
 }
 
@@ -538,6 +866,10 @@ int main(void)
         cmocka_unit_test(the_caller_may_provide_scratch),
         cmocka_unit_test(counting_first_makes_the_list_exact),
         cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(trees_without_content_are_refused),
+        cmocka_unit_test(finishing_after_the_workspace_is_a_status),
+        cmocka_unit_test(kernels_read_the_outcome_of_a_build),
+        cmocka_unit_test(kernels_read_the_outcome_of_a_build_drawn_by_opengl),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -1,24 +1,15 @@
 # Installs the build into an empty prefix and uses it like a new user: once through find_package, with the minimal
-# sample and the CMake lines of the README, and once through pkg-config.
+# sample and the CMake lines of the README, and once through pkg-config. Then removes it again.
 # BUILD_DIR, SOURCE_DIR, WORK_DIR, C_COMPILER, GENERATOR and VERSION come from the command line.
+include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(prefix ${WORK_DIR}/prefix)
 file(REMOVE_RECURSE ${WORK_DIR})
-file(MAKE_DIRECTORY ${WORK_DIR}/consumer)
+file(MAKE_DIRECTORY ${WORK_DIR}/consumer ${WORK_DIR}/build)
 
-# Runs a command and stores its standard output in out. If the command fails, fails with its output.
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGV}\nfailed (${result}):\n${out}${err}")
-  endif()
-  set(out "${out}" PARENT_SCOPE)
-endfunction()
-
-run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
+install_to(${prefix} ${WORK_DIR}/build/install_manifest.txt)
 file(GLOB_RECURSE libraries ${prefix}/libsvocl.*)
 list(GET libraries 0 library)
 cmake_path(GET library PARENT_PATH library_dir)
-set(ENV{LD_LIBRARY_PATH} ${library_dir})
 
 # The installed program.
 run(${prefix}/bin/svocl --version)
@@ -50,5 +41,36 @@ endif()
 run(pkg-config ${static} --cflags --libs svocl-io)
 string(STRIP "${out}" flags)
 separate_arguments(flags UNIX_COMMAND "${flags}")
-run(${C_COMPILER} -std=c11 -o ${WORK_DIR}/files ${SOURCE_DIR}/tests/install/files.c ${flags})
-run(${WORK_DIR}/files)
+run(${C_COMPILER} -std=c11 -o ${prefix}/bin/files ${SOURCE_DIR}/tests/install/files.c ${flags})
+set(ENV{LD_LIBRARY_PATH} ${library_dir}) # pkg-config says nothing about where shared libraries lie at run time
+run(${prefix}/bin/files)
+
+# The import helper, which the library finds in the installation that it or its program belongs to.
+file(WRITE ${WORK_DIR}/mesh.obj "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+file(REAL_PATH ${prefix} real_prefix)
+run(${prefix}/bin/files ${WORK_DIR}/mesh.obj ${real_prefix}/libexec/svocl/svocl-import)
+
+# A program in C alone links svocl::io, though one of its files is C++.
+file(MAKE_DIRECTORY ${WORK_DIR}/consumer_io)
+file(COPY ${SOURCE_DIR}/tests/install/files.c DESTINATION ${WORK_DIR}/consumer_io)
+file(WRITE ${WORK_DIR}/consumer_io/CMakeLists.txt
+     "cmake_minimum_required(VERSION 3.22)\nproject(files LANGUAGES C)\nfind_package(svocl 0.1 REQUIRED COMPONENTS io)\n"
+     "add_executable(files files.c)\ntarget_link_libraries(files PRIVATE svocl::io)\n")
+run(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer_io -B ${WORK_DIR}/consumer_io/build -G ${GENERATOR}
+    -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/consumer_io/build)
+run(${WORK_DIR}/consumer_io/build/files)
+
+file(REMOVE ${prefix}/bin/files)
+
+# The script of the target `uninstall`. Files of others stay.
+file(WRITE ${prefix}/include/svocl/other.h "")
+file(WRITE ${prefix}/include/other.h "")
+run(${CMAKE_COMMAND} -DBUILD_DIR=${WORK_DIR}/build -P ${SOURCE_DIR}/cmake/uninstall.cmake)
+file(GLOB_RECURSE left RELATIVE ${prefix} ${prefix}/*)
+if(NOT left STREQUAL "include/other.h;include/svocl/other.h")
+  message(FATAL_ERROR "uninstall left ${left}")
+endif()
+if(EXISTS ${library_dir}/cmake/svocl)
+  message(FATAL_ERROR "uninstall left ${library_dir}/cmake/svocl")
+endif()

@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# debian_root.sh PACKAGES PROGRAM FOLDER [MIRROR]: whether the .deb files in the folder PACKAGES install and run in a
+# clean Debian 12, which debootstrap makes in FOLDER: the program builds an octree with the same hash as PROGRAM does
+# here, a CMake project and a pkg-config command use the libraries, and nothing is left after a purge. Needs a mirror,
+# debootstrap, and root or sudo; without the last two it is skipped (77). FOLDER keeps the downloads and the log.
+set -euo pipefail
+readonly packages=$1 program=$2 mirror=${4:-http://deb.debian.org/debian}
+readonly release=bookworm scene='scene:cube -d 6'
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+mkdir -p "$3/archives"
+folder=$(cd "$3" && pwd)
+readonly here folder base=$folder/$release.tar root=$folder/root log=$folder/log
+
+skip()
+{
+    printf 'skipped: %s\n' "$1"
+    exit 77
+}
+
+if ((EUID != 0)) && ! sudo -n true 2>/dev/null; then
+    skip 'making a Debian root needs root or sudo'
+fi
+PATH=$PATH:/usr/sbin:/sbin
+command -v debootstrap >/dev/null || skip 'debootstrap is not installed'
+
+as_root()
+{
+    if ((EUID == 0)); then
+        "$@"
+    else
+        sudo "$@"
+    fi
+}
+
+fail()
+{
+    tail -n 50 "$log"
+    printf 'debian_root: %s\n' "$1"
+    exit 1
+}
+
+# Runs a shell command in the root, as its user "visitor" or as root, without the environment of this machine. Mounts
+# end with the command.
+enter()
+{
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    as_root unshare --mount --propagation private bash -c '
+        root=$1 archives=$2 user=$3
+        shift 3
+        mount -t proc proc "$root/proc" && mount --rbind /dev "$root/dev" && mount --rbind /sys "$root/sys" &&
+            mount -t tmpfs tmpfs "$root/tmp" && chmod 1777 "$root/tmp" &&
+            mount --bind "$archives" "$root/var/cache/apt/archives" &&
+            exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
+                chroot "$root" su -s /bin/sh "$user" -c "cd && $*"' \
+        enter "$root" "$folder/archives" "$@"
+}
+
+# step WHAT USER COMMAND: prints and logs what the command prints; it must succeed.
+step()
+{
+    printf '\n== %s\n$ %s\n' "$1" "$3" | tee -a "$log"
+    enter "$2" "$3" >"$folder/output" 2>&1 || {
+        cat "$folder/output" >>"$log"
+        fail "failed: $3"
+    }
+    cat "$folder/output" >>"$log"
+    if [[ $2 != root ]]; then
+        cat "$folder/output"
+    fi
+}
+
+# expect EXPRESSION: a line of the last step matches it.
+expect()
+{
+    grep -q -E -- "$1" "$folder/output" || fail "no line of that matches $1"
+}
+
+: >"$log"
+# What a root needs to install packages; made once, then unpacked for each run.
+if [[ ! -e $base ]]; then
+    printf 'making a root of Debian %s\n' "$release"
+    as_root rm -rf --one-file-system "$root"
+    as_root debootstrap --variant=minbase "$release" "$root" "$mirror" >>"$log" 2>&1 || fail 'debootstrap failed'
+    as_root tar -C "$root" --one-file-system --exclude='./var/cache/apt/archives/*.deb' -cf "$base.part" .
+    as_root mv "$base.part" "$base"
+fi
+as_root rm -rf --one-file-system "$root"
+as_root mkdir "$root"
+as_root tar -C "$root" -xf "$base"
+as_root cp /etc/resolv.conf /etc/hosts "$root/etc/"
+apt-config dump Acquire | as_root tee "$root/etc/apt/apt.conf.d/90acquire" >/dev/null
+# The root is thrown away: no file of it needs to reach the disk.
+as_root tee "$root/etc/dpkg/dpkg.cfg.d/90unsafe-io" >/dev/null <<<force-unsafe-io
+as_root mkdir "$root/packages" "$root/consumer"
+as_root cp "$packages"/*.deb "$root/packages/"
+as_root cp "$here/consumer/CMakeLists.txt" "$here/../../samples/01_minimal/main.c" "$root/consumer/"
+
+# The program, as its users install it: with what packages recommend.
+step 'packages' root 'useradd -m visitor && apt-get -q update'
+step 'the program' root 'apt-get -y -q install /packages/libsvocl[0-9]*.deb /packages/svocl_*.deb'
+step 'its version' visitor 'svocl --version'
+step 'an octree' visitor "svocl build $scene"
+step 'its hash' visitor "svocl hash $scene"
+# shellcheck disable=SC2086 # words
+hash=$("$program" hash $scene | grep -oE '[0-9a-f]{32}')
+expect "$hash"
+step 'what it loads' visitor 'ldd /usr/bin/svocl && ! readelf -d /usr/bin/svocl 2>/dev/null | grep -i runpath'
+expect 'libsvocl\.so[.0-9]* => /(usr/)?lib/'
+
+# A project of its own, in CMake and with pkg-config.
+step 'the libraries for programs' root \
+    'apt-get -y -q install --no-install-recommends /packages/libsvocl-dev*.deb cmake make gcc libc6-dev pkg-config'
+step 'a CMake project' visitor \
+    'cp -r /consumer project && cmake -S project -B build && cmake --build build && build/voxels'
+expect '^96776 leaves, 128073 nodes, hash '
+# shellcheck disable=SC2016 # expanded in the root
+step 'pkg-config' visitor \
+    'gcc /consumer/main.c -o voxels $(pkg-config --cflags --libs svocl svocl-gl svocl-io) && ./voxels'
+expect '^96776 leaves, 128073 nodes, hash '
+
+step 'removing it' root "apt-get -y -q purge 'libsvocl*' svocl"
+step 'what is left' root "find / -xdev -iname '*svocl*' -not -path '/packages/*' -not -path '/home/*'"
+[[ ! -s $folder/output ]] || fail 'the purge left files'
+as_root rm -rf --one-file-system "$root"
+printf '\ndebian_root: passed, log in %s\n' "$log"

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# The kernels compile without a warning for processors with narrow and with wide vectors. PoCL prints "10 warnings
+# generated." where the vectors of a kernel are wider than the processor's; code must be generated to see them.
+#
+# usage: kernel_warnings.sh SOURCE_DIR; exit code 77 (skipped) without clang or where it does not know x86-64.
+set -euo pipefail
+cd "$1"
+
+compile()
+{
+    clang -x cl -cl-std=CL1.2 -target x86_64-pc-linux-gnu -Xclang -finclude-default-header -Dcl_khr_fp64 -O0 -S \
+        -emit-llvm -o /dev/null -Iinclude -Ikernels -Werror "$@"
+}
+if ! command -v clang >/dev/null || ! compile - <<<'' 2>/dev/null; then
+    echo "skipped: no clang for x86-64"
+    exit 77
+fi
+
+failed=0
+for processor in x86-64 haswell; do
+    for kernel in stages/scan stages/filter rays/nearest rays/trace rays/view; do
+        compile "-march=$processor" -DSVO_LEVELS -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COLOR -DSVO_NORMAL \
+            -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_RAY_STREAMS "kernels/$kernel.cl" || failed=1
+    done
+done
+exit "$failed"
