@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""svocl: exact sparse voxel octrees of triangle meshes with OpenCL.
+
+    device = svocl.Device()
+    mesh = svocl.Mesh(positions, indices)                    # numpy arrays
+    tree = device.build(mesh, 9, need=svocl.Need.RAYS)
+    hits = tree.trace(svocl.make_rays(origins, directions))  # hits["t"], hits["triangle"], ...
+    tree.save("mesh.svo")
+
+Log messages of the library go to the logger "svocl".
+"""
+
+try:
+    from ._native import lib as _lib
+except ImportError as _problem:
+    if "OpenCL" not in str(_problem):
+        raise
+    raise ImportError(
+        f"{_problem}: svocl needs the system's OpenCL loader (Debian: apt install ocl-icd-libopencl1) and a driver "
+        "(without a GPU: apt install pocl-opencl-icd)"
+    ) from _problem
+
+from ._arrays import NO_TRIANGLE, hit_dtype, nearest_dtype, query_dtype, ray_dtype
+from ._device import Device
+from ._enums import Builder, Certainty, Coverage, Need, Status, TraceMode, TreeBuffer, View, Weights, Wrap
+from ._errors import (
+    CanceledError,
+    CapacityExceededError,
+    CLError,
+    CompileError,
+    Error,
+    FileDamagedError,
+    FileError,
+    GLError,
+    ImportFailedError,
+    InternalError,
+    InvalidArgumentError,
+    NoDeviceError,
+    NoGLError,
+    OutOfDeviceMemoryError,
+    OutOfHostMemoryError,
+    UnsupportedError,
+    text as _text,
+)
+from ._mesh import Material, Mesh, Texture, has_io, read_mesh
+from ._plan import Plan
+from ._structs import BuildReport, ImportInfo, Kernels, LeftOut, PlanBuffer, PlanInfo, StageTime, TreeInfo
+from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
+
+__version__: str = _text(_lib.svo_version_string())
+
+__all__ = [
+    "NO_TRIANGLE",
+    "TREE_ARGUMENTS",
+    "BuildReport",
+    "Builder",
+    "CLError",
+    "Camera",
+    "CanceledError",
+    "CapacityExceededError",
+    "Certainty",
+    "CompileError",
+    "Coverage",
+    "Device",
+    "Error",
+    "FileDamagedError",
+    "FileError",
+    "GLError",
+    "ImportFailedError",
+    "ImportInfo",
+    "InternalError",
+    "InvalidArgumentError",
+    "Kernels",
+    "LeftOut",
+    "Material",
+    "Mesh",
+    "Need",
+    "NoDeviceError",
+    "NoGLError",
+    "OutOfDeviceMemoryError",
+    "OutOfHostMemoryError",
+    "Plan",
+    "PlanBuffer",
+    "PlanInfo",
+    "StageTime",
+    "Status",
+    "Texture",
+    "TraceMode",
+    "Tree",
+    "TreeArrays",
+    "TreeBuffer",
+    "TreeInfo",
+    "UnsupportedError",
+    "View",
+    "Weights",
+    "Wrap",
+    "has_io",
+    "hit_dtype",
+    "kernel_options",
+    "kernel_source",
+    "make_rays",
+    "nearest_dtype",
+    "query_dtype",
+    "ray_dtype",
+    "read_mesh",
+]

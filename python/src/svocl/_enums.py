@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""Enumerations of the public headers, with the values that the library was compiled with."""
+
+from enum import IntEnum, IntFlag
+
+from ._native import lib
+
+
+class Status(IntEnum):
+    """What a call into the library returned (Error.status)."""
+
+    OK = lib.SVO_OK
+    INVALID_ARGUMENT = lib.SVO_INVALID_ARGUMENT
+    OUT_OF_HOST_MEMORY = lib.SVO_OUT_OF_HOST_MEMORY
+    OUT_OF_DEVICE_MEMORY = lib.SVO_OUT_OF_DEVICE_MEMORY
+    NO_DEVICE = lib.SVO_NO_DEVICE
+    NO_GL = lib.SVO_NO_GL
+    UNSUPPORTED = lib.SVO_UNSUPPORTED
+    COMPILE_FAILED = lib.SVO_COMPILE_FAILED
+    CL_ERROR = lib.SVO_CL_ERROR
+    GL_ERROR = lib.SVO_GL_ERROR
+    CAPACITY_EXCEEDED = lib.SVO_CAPACITY_EXCEEDED
+    FILE_ERROR = lib.SVO_FILE_ERROR
+    FILE_DAMAGED = lib.SVO_FILE_DAMAGED
+    IMPORT_FAILED = lib.SVO_IMPORT_FAILED
+    INTERNAL = lib.SVO_INTERNAL
+    CANCELED = lib.SVO_CANCELED
+
+
+class Need(IntFlag):
+    """What a tree holds besides its occupancy; flags that combine with |."""
+
+    DEFAULT = lib.SVO_NEED_DEFAULT
+    """The colors and normals that the mesh has."""
+    COLOR = lib.SVO_NEED_COLOR
+    """RGBA8 per node."""
+    NORMAL = lib.SVO_NEED_NORMAL
+    """3 x int16 per node."""
+    RAYS = lib.SVO_NEED_RAYS
+    """Leaf lists, snapped vertices and indices: for Tree.trace and Tree.nearest."""
+    MATERIAL = lib.SVO_NEED_MATERIAL
+    """The material with the largest weight per node."""
+    FILL = lib.SVO_NEED_FILL
+    """The surface area inside each node, 4096 = a face of the node."""
+    NONE = lib.SVO_NEED_NONE
+    """Occupancy alone."""
+
+
+class Coverage(IntEnum):
+    """Which voxels a triangle occupies."""
+
+    HALF_OPEN = lib.SVO_COVERAGE_HALF_OPEN
+    CLOSED = lib.SVO_COVERAGE_CLOSED
+    THIN = lib.SVO_COVERAGE_THIN
+
+
+class Weights(IntEnum):
+    """The weight of a triangle in the payload of its voxel."""
+
+    AREA = lib.SVO_WEIGHTS_AREA
+    UNIFORM = lib.SVO_WEIGHTS_UNIFORM
+    CENTER = lib.SVO_WEIGHTS_CENTER
+
+
+class Builder(IntEnum):
+    """How nodes are made. The tree is the same, bit for bit."""
+
+    CL = lib.SVO_BUILDER_CL
+    SORTED = lib.SVO_BUILDER_SORTED
+
+
+class Certainty(IntEnum):
+    """How certain the bytes of a buffer are before a build."""
+
+    EXACT = lib.SVO_BYTES_EXACT
+    BOUND = lib.SVO_BYTES_BOUND
+    ESTIMATE = lib.SVO_BYTES_ESTIMATE
+
+
+class TraceMode(IntEnum):
+    """What a batch of rays asks for."""
+
+    CLOSEST = lib.SVO_TRACE_CLOSEST
+    """The first triangle along each ray."""
+    ANY = lib.SVO_TRACE_ANY
+    """Whether there is a hit; the record is that of some triangle."""
+    COUNT = lib.SVO_TRACE_COUNT
+    """The number of triangles hit, in the field "count"."""
+
+
+class View(IntEnum):
+    """What a picture shows."""
+
+    SHADED = lib.SVO_VIEW_SHADED
+    NORMAL = lib.SVO_VIEW_NORMAL
+    DEPTH = lib.SVO_VIEW_DEPTH
+    STEPS = lib.SVO_VIEW_STEPS
+    LEVEL = lib.SVO_VIEW_LEVEL
+    TRIANGLES = lib.SVO_VIEW_TRIANGLES
+
+
+class Wrap(IntEnum):
+    """How texture coordinates outside [0, 1) are mapped into it."""
+
+    REPEAT = lib.SVO_WRAP_REPEAT
+    CLAMP = lib.SVO_WRAP_CLAMP
+    MIRROR = lib.SVO_WRAP_MIRROR
+
+
+class TreeBuffer(IntEnum):
+    """The arrays of a tree; TreeArrays has them by the same names in lower case."""
+
+    CHILD_MASK = lib.SVO_TREE_CHILD_MASK
+    FIRST_CHILD = lib.SVO_TREE_FIRST_CHILD
+    COLORS = lib.SVO_TREE_COLORS
+    NORMALS = lib.SVO_TREE_NORMALS
+    LIST_BEGIN = lib.SVO_TREE_LIST_BEGIN
+    LIST = lib.SVO_TREE_LIST
+    VERTICES = lib.SVO_TREE_VERTICES
+    INDICES = lib.SVO_TREE_INDICES
+    TRIANGLE_IDS = lib.SVO_TREE_TRIANGLE_IDS
+    MATERIALS = lib.SVO_TREE_MATERIALS
+    FILLS = lib.SVO_TREE_FILLS

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: MIT
+"""Triangle meshes as numpy arrays."""
+
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _structs
+from ._callbacks import call
+from ._enums import Status, Wrap
+from ._errors import UnsupportedError, error, text
+from ._handle import Guard, Native, view
+from ._native import ffi, lib
+
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+
+
+class Texture(NamedTuple):
+    """An RGBA8 image, sampled bilinearly."""
+
+    rgba: npt.NDArray[np.uint8]
+    """(height, width, 4), top to bottom; v = 0 is the first row. Each side has 1 .. 16384 texels."""
+    wrap_u: Wrap = Wrap.REPEAT
+    wrap_v: Wrap = Wrap.REPEAT
+
+
+class Material(NamedTuple):
+    """A material. A triangle's color is vertex color * base color * texel."""
+
+    rgba: tuple[int, int, int, int] = (255, 255, 255, 255)
+    """Base color, 0 .. 255."""
+    texture_index: Optional[int] = None
+    """Into Mesh.textures; None: no texture."""
+
+
+class Mesh:
+    """A triangle mesh in host memory.
+
+    Arrays of the types below that are C-contiguous are used without a copy; the library reads them when a plan is made.
+    Float arrays may also be float64; positions then keep their precision, the others are rounded. Integers may have
+    other types. Everything else raises TypeError or ValueError.
+
+    Args:
+        positions: (vertex_count, 3) float32 or float64: x, y, z in any unit.
+        indices: (triangle_count, 3) uint32; None: three consecutive vertices each are a triangle. Results name
+            triangles by their row. Rows with an index out of range are refused by the plan, and counted.
+        normals: (vertex_count, 3) float32, of any length; zero or not finite: the triangle's own.
+        colors: (vertex_count, 4) uint8: RGBA.
+        uvs: (vertex_count, 2) float32.
+        triangle_materials: (triangle_count,) uint16: into materials.
+        materials: at most 65535; none: white.
+        textures: of the materials.
+
+    Attributes: the arguments, as arrays and tuples; import_info, of a mesh from read_mesh.
+    """
+
+    positions: _arrays.Array
+    indices: Optional[npt.NDArray[np.uint32]]
+    normals: Optional[npt.NDArray[np.float32]]
+    colors: Optional[npt.NDArray[np.uint8]]
+    uvs: Optional[npt.NDArray[np.float32]]
+    triangle_materials: Optional[npt.NDArray[np.uint16]]
+    materials: tuple[Material, ...]
+    textures: tuple[Texture, ...]
+    import_info: Optional[_structs.ImportInfo] = None
+
+    def __init__(
+        self,
+        positions: npt.ArrayLike,
+        indices: Optional[npt.ArrayLike] = None,
+        *,
+        normals: Optional[npt.ArrayLike] = None,
+        colors: Optional[npt.ArrayLike] = None,
+        uvs: Optional[npt.ArrayLike] = None,
+        triangle_materials: Optional[npt.ArrayLike] = None,
+        materials: Sequence[Material] = (),
+        textures: Sequence[Texture] = (),
+    ) -> None:
+        self.positions = _arrays.floats("positions", positions, ("vertex_count", 3), double=True)
+        vertices = self.vertex_count
+        self.indices = None
+        if indices is not None:
+            self.indices = _arrays.integers("indices", indices, np.uint32, ("triangle_count", 3))
+        elif vertices % 3 != 0:
+            raise ValueError(f"positions: shape ({vertices}, 3), expected (3 * triangle_count, 3) without indices")
+        self.normals = None if normals is None else _arrays.floats("normals", normals, (vertices, 3))
+        self.colors = None if colors is None else _arrays.integers("colors", colors, np.uint8, (vertices, 4))
+        self.uvs = None if uvs is None else _arrays.floats("uvs", uvs, (vertices, 2))
+        self.triangle_materials = None
+        if triangle_materials is not None:
+            shape = (self.triangle_count,)
+            self.triangle_materials = _arrays.integers("triangle_materials", triangle_materials, np.uint16, shape)
+        self.materials = tuple(materials)
+        self.textures = tuple(_texture(f"textures[{i}]", texture) for i, texture in enumerate(textures))
+
+    @property
+    def vertex_count(self) -> int:
+        return len(self.positions)
+
+    @property
+    def triangle_count(self) -> int:
+        return self.vertex_count // 3 if self.indices is None else len(self.indices)
+
+    def __repr__(self) -> str:
+        return f"<svocl.Mesh: {self.vertex_count} vertices, {self.triangle_count} triangles>"
+
+    def _struct(self) -> tuple[Any, list[Any]]:
+        """The svo_mesh, and what has to live as long as it does."""
+        mesh = _structs.new("svo_mesh")
+        kept: list[Any] = [mesh]
+
+        def keep(pointer: Any) -> Any:
+            kept.append(pointer)
+            return pointer
+
+        if self.positions.dtype == np.float64:
+            mesh.positions_double = keep(_arrays.pointer(self.positions, "double"))
+        else:
+            mesh.positions = keep(_arrays.pointer(self.positions, "float"))
+        mesh.vertex_count = self.vertex_count
+        mesh.indices = keep(_arrays.pointer(self.indices, "uint32_t"))
+        mesh.triangle_count = self.triangle_count
+        mesh.normals = keep(_arrays.pointer(self.normals, "float"))
+        mesh.colors = keep(_arrays.pointer(self.colors, "uint8_t"))
+        mesh.uvs = keep(_arrays.pointer(self.uvs, "float"))
+        mesh.triangle_materials = keep(_arrays.pointer(self.triangle_materials, "uint16_t"))
+        if self.materials:
+            mesh.materials = keep(ffi.new("svo_material[]", [_material(material) for material in self.materials]))
+            mesh.material_count = len(self.materials)
+        if self.textures:
+            mesh.textures = keep(ffi.new("svo_texture[]", len(self.textures)))
+            mesh.texture_count = len(self.textures)
+            for struct, texture in zip(mesh.textures[0 : len(self.textures)], self.textures):
+                struct.rgba = keep(_arrays.pointer(texture.rgba, "uint8_t"))
+                struct.height, struct.width = texture.rgba.shape[:2]
+                struct.wrap_u, struct.wrap_v = int(texture.wrap_u), int(texture.wrap_v)
+        return mesh, kept
+
+
+def _texture(name: str, texture: Texture) -> Texture:
+    rgba = _arrays.integers(f"{name}.rgba", texture.rgba, np.uint8, ("height", "width", 4))
+    return Texture(rgba, Wrap(texture.wrap_u), Wrap(texture.wrap_v))
+
+
+def _material(material: Material) -> tuple[list[int], int]:
+    rgba = _arrays.integers("Material.rgba", material.rgba, np.uint8, (4,))
+    index = material.texture_index
+    return rgba.tolist(), lib.SVO_NO_TEXTURE if index is None else _arrays.integer("Material.texture_index", index)
+
+
+has_io: bool = hasattr(lib, "svo_import_file")
+"""Whether the package was built with svocl::io: .svo files and mesh import."""
+
+
+def need_io(function: str) -> None:
+    if not has_io:
+        raise UnsupportedError(f"{function}: svocl was built without files (SVOCL_IO=OFF)", Status.UNSUPPORTED)
+
+
+def encode(path: Path) -> bytes:
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise ValueError(f"path: {path!r} contains a null byte")
+    return name
+
+
+def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: int = 0, strict: bool = False) -> Mesh:
+    """Reads a mesh file: OBJ with MTL, PLY, STL and OFF by readers of the library's own, other formats by assimp.
+
+    The file is read in a process of its own, so that a reader that crashes or hangs ends in an exception. Warnings go
+    to the logger "svocl"; Mesh.import_info has the counts. The arrays of the mesh are read-only.
+
+    Args:
+        path: of the file.
+        memory_limit_bytes: address space of that process; 0: the library's default.
+        time_limit_seconds: wall clock; 0: 5 s, and 1 s for each 10**6 bytes of the file.
+        strict: what would be a warning is an error.
+
+    Raises:
+        FileError: missing or unreadable.
+        ImportFailedError: not understood, no triangle, a crash, a limit, or a warning where strict.
+    """
+    need_io("read_mesh")
+    options = _structs.new("svo_import_options")
+    options.memory_limit_bytes = _arrays.integer("memory_limit_bytes", memory_limit_bytes, 64)
+    options.time_limit_seconds = _arrays.integer("time_limit_seconds", time_limit_seconds)
+    options.strict = bool(strict)
+    program = ffi.new("char[]", encode(os.path.join(os.path.dirname(os.path.abspath(__file__)), "svocl-import")))
+    options.child_program = program
+    out = ffi.new("svo_import **")
+    message = ffi.new("svo_message *")
+    arguments = (encode(path), options, lib.svocl_python_log, ffi.NULL, out, message)
+    status = call(lib.svo_import_file, *arguments, undo=lambda: lib.svo_import_destroy(out))
+    if status != lib.SVO_OK:
+        raise error(status, text(message.text))
+    return _imported(Native(out[0], _destroy_import, Guard(), None))
+
+
+def _destroy_import(pointer: Any) -> None:
+    lib.svo_import_destroy(ffi.new("svo_import **", pointer))
+
+
+def _imported(native: Native) -> Mesh:
+    """The mesh of an import, whose arrays look into its memory."""
+    hold = native.hold()
+    try:
+        with native.use("import") as pointer:
+            struct = lib.svo_import_mesh(pointer)
+            vertices, triangles = struct.vertex_count, struct.triangle_count
+            mesh = Mesh.__new__(Mesh)
+            double = struct.positions == ffi.NULL
+            positions = struct.positions_double if double else struct.positions
+            found = view(native, positions, np.float64 if double else np.float32, (vertices, 3))
+            mesh.positions = np.empty((0, 3), np.float32) if found is None else found
+            mesh.indices = view(native, struct.indices, np.uint32, (triangles, 3))
+            mesh.normals = view(native, struct.normals, np.float32, (vertices, 3))
+            mesh.colors = view(native, struct.colors, np.uint8, (vertices, 4))
+            mesh.uvs = view(native, struct.uvs, np.float32, (vertices, 2))
+            mesh.triangle_materials = view(native, struct.triangle_materials, np.uint16, (triangles,))
+            mesh.materials = tuple(_read_material(struct.materials[i]) for i in range(struct.material_count))
+            mesh.textures = tuple(_read_texture(native, struct.textures[i]) for i in range(struct.texture_count))
+            info = _structs.new("svo_import_info")
+            lib.svo_import_get_info(pointer, info)
+            mesh.import_info = _structs.read(info, _structs.ImportInfo)
+            return mesh
+    finally:
+        native.drop(hold)
+
+
+def _read_material(struct: Any) -> Material:
+    red, green, blue, alpha = struct.rgba
+    index = struct.texture_index
+    return Material((red, green, blue, alpha), None if index == lib.SVO_NO_TEXTURE else index)
+
+
+def _read_texture(native: Native, struct: Any) -> Texture:
+    rgba = view(native, struct.rgba, np.uint8, (struct.height, struct.width, 4))
+    assert rgba is not None
+    return Texture(rgba, Wrap(struct.wrap_u), Wrap(struct.wrap_v))

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""OpenCL objects of the caller's: those of pyopencl, or addresses.
+
+pyopencl is not imported. Its wheels carry an OpenCL loader of their own, svocl uses the system's; objects of one work
+with the other, since OpenCL's calls go to the driver through the object itself.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from ._native import ffi
+
+# By C type: the class of pyopencl, or a base of it.
+_CLASSES = {
+    "cl_context": "Context",
+    "cl_device_id": "Device",
+    "cl_command_queue": "CommandQueue",
+    "cl_mem": "MemoryObjectHolder",
+    "cl_event": "Event",
+    "cl_kernel": "Kernel",
+}
+
+
+def pointer(kind: str, value: Any, name: str) -> Any:
+    """The C pointer of an OpenCL object; NULL for None.
+
+    Args:
+        kind: "cl_context", ...
+        value: an object of pyopencl, an address (the object's int_ptr), or None.
+        name: of the argument, for messages.
+    """
+    if value is None:
+        return ffi.NULL
+    if isinstance(value, int) and not isinstance(value, bool):
+        address = value
+    elif any(base.__name__ == _CLASSES[kind] for base in type(value).__mro__) and hasattr(value, "int_ptr"):
+        address = value.int_ptr
+    else:
+        raise TypeError(f"{name}: {type(value).__name__}, expected pyopencl.{_CLASSES[kind]} or its int_ptr")
+    if not 0 < address < 2 ** (8 * ffi.sizeof("void *")):
+        raise ValueError(f"{name}: {address} is not the address of an OpenCL object")
+    return ffi.cast(kind, address)
+
+
+def events(wait_for: Iterable[Any]) -> tuple[int, Any]:
+    """The number of events and their C array, NULL for none."""
+    pointers = [pointer("cl_event", event, "wait_for") for event in wait_for]
+    return len(pointers), ffi.new("cl_event[]", pointers) if pointers else ffi.NULL

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""Plans: what a build of one mesh will do, decided before anything is allocated on the device."""
+
+from typing import Any, Optional, TypeVar
+
+from . import _opencl, _progress, _structs
+from ._errors import error
+from ._handle import Handle, Native
+from ._native import ffi, lib
+from ._tree import Tree
+
+_T = TypeVar("_T")
+
+
+class Plan(Handle):
+    """A plan for one mesh on one device, made by Device.plan. str() lists its buffers and what it leaves out."""
+
+    def __init__(self, pointer: Any, device: Native, progress: Optional[_progress.Progress] = None) -> None:
+        self._progress = progress
+        self._open(Native(pointer, _destroy_plan, device.guard, device))
+
+    @property
+    def info(self) -> _structs.PlanInfo:
+        """What the plan found out."""
+        struct = _structs.new("svo_plan_info")
+        self._call(lib.svo_plan_get_info, struct)
+        return _structs.read(struct, _structs.PlanInfo)
+
+    @property
+    def buffers(self) -> tuple[_structs.PlanBuffer, ...]:
+        """The buffers that a build allocates, in order. After a build: exactly those that it allocated."""
+        return self._entries("buffer_count", "get_buffer", "svo_buffer_info", _structs.PlanBuffer)
+
+    @property
+    def kernels(self) -> tuple[_structs.Kernels, ...]:
+        """The programs of kernels that a build compiles."""
+        return self._entries("kernels_count", "get_kernels", "svo_kernels_info", _structs.Kernels)
+
+    @property
+    def left_out(self) -> tuple[_structs.LeftOut, ...]:
+        """What a build does without, and why. The result is the same, bit for bit, as if nothing were left out."""
+        return self._entries("left_out_count", "get_left_out", "svo_left_out", _structs.LeftOut)
+
+    @property
+    def peak_bytes(self) -> int:
+        """The most device memory that is allocated at one time."""
+        with self._use() as pointer:
+            return int(lib.svo_plan_peak_bytes(pointer))
+
+    @property
+    def tree_bytes(self) -> int:
+        """The device memory of the finished tree."""
+        with self._use() as pointer:
+            return int(lib.svo_plan_tree_bytes(pointer))
+
+    @property
+    def ray_depth(self) -> int:
+        """The depth that suits rays against the mesh's triangles, 1 .. 12, whatever the plan's own depth."""
+        with self._use() as pointer:
+            return int(lib.svo_plan_ray_depth(pointer))
+
+    def count(self, *, queue: Any = None, progress: Optional[_progress.Progress] = None) -> int:
+        """Counts the fragments without keeping them; their number becomes the plan's capacity. Costs about a
+        voxelization.
+
+        Args:
+            queue, progress: see Plan.build.
+
+        Returns:
+            The exact number of fragments.
+        """
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        with _progress.opened(self._progress if progress is None else progress) as function:
+            self._call(_progress.reporting(lib.svo_plan_count, function), ffi.NULL, cl_queue)
+        return self.info.fragments
+
+    def build(self, *, queue: Any = None, progress: Optional[_progress.Progress] = None) -> Tree:
+        """Builds the tree and waits for it, with the front end of OpenCL alone.
+
+        Args:
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr. Stage times are those of events if
+                it has profiling enabled, else of the wall clock. None: the device's own.
+            progress: see Device.plan. None: what Device.plan was given; False: nothing. A build that reports waits for
+                its launches as it goes, and divides large ones; the tree is the same.
+
+        Returns:
+            The tree; its report says what the build did.
+
+        Raises:
+            OutOfDeviceMemoryError: the message says how many bytes are needed.
+            CanceledError: progress returned True. The plan can be built again.
+            CompileError, CLError, OutOfHostMemoryError
+        """
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out = ffi.new("svo_tree **")
+        report = _structs.new("svo_build_report")
+        arguments = (ffi.NULL, cl_queue, out, report)
+        with _progress.opened(self._progress if progress is None else progress) as function:
+            build = _progress.reporting(lib.svo_build, function)
+            with self._called(build, *arguments, undo=lambda: lib.svo_tree_destroy(out)):
+                return Tree(out[0], self._native.parent, _structs.read_report(report))
+
+    def _entries(self, count: str, get: str, struct_name: str, kind: type[_T]) -> tuple[_T, ...]:
+        entries: list[_T] = []
+        struct = _structs.new(struct_name)
+        with self._use() as pointer:
+            for index in range(getattr(lib, f"svo_plan_{count}")(pointer)):
+                status = getattr(lib, f"svo_plan_{get}")(pointer, index, struct)
+                if status != lib.SVO_OK:
+                    raise error(status, self._native.device_message())
+                entries.append(_structs.read(struct, kind))
+        return tuple(entries)
+
+    def __str__(self) -> str:
+        if self.closed:
+            return repr(self)
+        lines = [f"depth {self.info.depth}, {self.info.triangles:,} triangles, peak {self.peak_bytes:,} bytes"]
+        for buffer in self.buffers:
+            use = "tree" if buffer.persistent else "scratch"
+            lines.append(f"  {buffer.name:<20} {buffer.bytes:>15,} bytes  {buffer.certainty.name.lower():<8}  {use}")
+        lines += [f"  without {entry.what}: {entry.reason}" for entry in self.left_out]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return "<svocl.Plan: closed>" if self.closed else f"<svocl.Plan: depth {self.info.depth}>"
+
+
+def _destroy_plan(pointer: Any) -> None:
+    lib.svo_plan_destroy(ffi.new("svo_plan **", pointer))

@@ -1,0 +1,551 @@
+# SPDX-License-Identifier: MIT
+"""Trees: the octree's arrays, its hash, files, pictures, rays and nearest points."""
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _opencl, _structs
+from ._callbacks import call
+from ._enums import Status, TraceMode, TreeBuffer, View
+from ._errors import InvalidArgumentError, error, text
+from ._handle import Guard, Handle, Native, view
+from ._mesh import Path, encode, need_io
+from ._native import ffi, lib
+
+if TYPE_CHECKING:
+    from ._device import Device
+
+
+class TreeArrays(NamedTuple):
+    """A tree's arrays on the host, read-only and without a copy; None where the tree does not hold them.
+
+    Nodes are stored breadth-first, in Morton order within each level. The child of inner node i in octant
+    o = x | y << 1 | z << 2 exists if bit o of child_mask[i] is set; it is node first_child[i] plus the number of lower
+    bits set. payload_count is node_count - level_begin[payload_level].
+    """
+
+    child_mask: npt.NDArray[np.uint8]
+    """(inner_count,)"""
+    first_child: npt.NDArray[np.uint32]
+    """(inner_count,): into all nodes."""
+    colors: Optional[npt.NDArray[np.uint8]]
+    """(payload_count, 4): RGBA."""
+    normals: Optional[npt.NDArray[np.int16]]
+    """(payload_count, 3): mean normal, 32767 = 1; its length is at most 1."""
+    list_begin: Optional[npt.NDArray[np.uint32]]
+    """(leaf_count + 1,): leaf k has list[list_begin[k]:list_begin[k + 1]]."""
+    list: Optional[npt.NDArray[np.uint32]]
+    """(list_count,): into triangle_ids."""
+    vertices: Optional[npt.NDArray[np.int32]]
+    """(vertex_count, 3): snapped, grid units."""
+    indices: Optional[npt.NDArray[np.uint32]]
+    """(list_triangle_count, 3): into vertices."""
+    triangle_ids: Optional[npt.NDArray[np.uint32]]
+    """(list_triangle_count,): rows of the mesh's indices."""
+    materials: Optional[npt.NDArray[np.uint16]]
+    """(payload_count,): into the mesh's materials."""
+    fills: Optional[npt.NDArray[np.uint16]]
+    """(payload_count,): surface area inside, 4096 = a face of the node; 65535 = that or more."""
+
+
+class Camera(NamedTuple):
+    """A pinhole camera in world coordinates."""
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    """A point in the middle of the picture."""
+    up: tuple[float, float, float]
+    """Not parallel to target - eye."""
+    vertical_fov: float
+    """Radians, above 0 and below pi."""
+
+
+def make_rays(
+    origins: npt.ArrayLike, directions: npt.ArrayLike, t_min: npt.ArrayLike = 0.0, t_max: npt.ArrayLike = np.inf
+) -> _arrays.Array:
+    """Rays for Tree.trace from origins and directions, which are broadcast against each other.
+
+    Args:
+        origins: (..., 3) world coordinates.
+        directions: (..., 3) of any length above 0.
+        t_min, t_max: (...) or numbers: the part of the ray that counts, in lengths of its direction.
+
+    Returns:
+        (...) records of ray_dtype.
+    """
+    parts = [np.asarray(origins), np.asarray(directions), np.asarray(t_min), np.asarray(t_max)]
+    for name, part in zip(("origins", "directions", "t_min", "t_max"), parts):
+        if part.dtype.kind not in "fiu":
+            raise TypeError(f"{name}: dtype {part.dtype}, expected float32")
+    for name, part in zip(("origins", "directions"), parts):
+        if part.ndim < 1 or part.shape[-1] != 3:
+            raise ValueError(f"{name}: shape {part.shape}, expected (..., 3)")
+    shape = np.broadcast_shapes(parts[0].shape[:-1], parts[1].shape[:-1], parts[2].shape, parts[3].shape)
+    rays = np.empty(shape, _arrays.ray_dtype)
+    for name, part in zip(rays.dtype.names or (), parts):
+        rays[name] = part
+    return rays
+
+
+class Tree(Handle):
+    """A sparse voxel octree: on a device after Plan.build, on the host after Tree.load or Tree.download, or both."""
+
+    report: Optional[_structs.BuildReport]
+    """What the build did; None for a tree from a file."""
+
+    def __init__(self, pointer: Any, device: Optional[Native], report: Optional[_structs.BuildReport]) -> None:
+        guard = Guard() if device is None else device.guard
+        self._open(Native(pointer, _destroy_tree, guard, device))
+        self.report = report
+
+    # --- files ------------------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def load(path: Path) -> "Tree":
+        """Reads a .svo file. Lengths, checksums and every index are checked. For rays and pictures, upload it then.
+
+        Raises:
+            FileError: the file cannot be read.
+            FileDamagedError: it is truncated, damaged or of another format.
+        """
+        need_io("Tree.load")
+        name = encode(path)
+        return _loaded(lib.svo_tree_load, name)
+
+    @staticmethod
+    def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes") -> "Tree":
+        """Tree.load from memory.
+
+        Args:
+            content: of a .svo file.
+            name: stands for the path in messages.
+        """
+        need_io("Tree.load_bytes")
+        memory = ffi.from_buffer(content)
+        chars = name.encode()
+        return _loaded(lib.svo_tree_load_memory, memory, len(memory), chars)
+
+    def save(self, path: Path, *, compress: bool = False) -> None:
+        """Writes a .svo file, downloading the tree first if need be. An existing file is replaced at once, or stays.
+
+        Args:
+            path: of the file.
+            compress: zstd for each array that becomes smaller.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        need_io("Tree.save")
+        name = encode(path)
+        options = _structs.new("svo_save_options")
+        options.compress = bool(compress)
+        message = ffi.new("svo_message *")
+        with self._downloaded(None) as pointer:
+            status = call(lib.svo_tree_save, pointer, name, options, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+
+    # --- what it holds ----------------------------------------------------------------------------------------------
+
+    @property
+    def info(self) -> _structs.TreeInfo:
+        """What describes the tree besides its arrays."""
+        struct = _structs.new("svo_tree_info")
+        self._call(lib.svo_tree_get_info, struct)
+        return _structs.read_tree_info(struct)
+
+    @property
+    def on_device(self) -> bool:
+        """Whether the tree is on a device."""
+        return self._native.parent is not None
+
+    def download(self, *, queue: Any = None) -> TreeArrays:
+        """The tree's arrays. The first call copies them from the device and waits; later ones copy nothing. The arrays
+        stay valid when the tree is closed.
+
+        Args:
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+        """
+        struct = _structs.new("svo_tree_arrays")
+        info = self.info
+        payload = info.node_count - info.level_begin[info.payload_level]
+        shapes = {
+            "child_mask": (np.uint8, (info.inner_count,)),
+            "first_child": (np.uint32, (info.inner_count,)),
+            "colors": (np.uint8, (payload, 4)),
+            "normals": (np.int16, (payload, 3)),
+            "list_begin": (np.uint32, (info.leaf_count + 1,)),
+            "list": (np.uint32, (info.list_count,)),
+            "vertices": (np.int32, (info.vertex_count, 3)),
+            "indices": (np.uint32, (info.list_triangle_count, 3)),
+            "triangle_ids": (np.uint32, (info.list_triangle_count,)),
+            "materials": (np.uint16, (payload,)),
+            "fills": (np.uint16, (payload,)),
+        }
+        with self._downloaded(queue) as pointer:
+            status = call(lib.svo_tree_get_arrays, pointer, struct)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+            arrays: Any = {name: view(self._native, getattr(struct, name), *kind) for name, kind in shapes.items()}
+            return TreeArrays(**arrays)
+
+    @property
+    def arrays(self) -> TreeArrays:
+        """download() on the device's own queue."""
+        return self.download()
+
+    def voxels(self, level: Optional[int] = None) -> npt.NDArray[np.uint32]:
+        """The integer coordinates of a level's nodes, in the order of the nodes.
+
+        Args:
+            level: 0 .. depth; None: depth, the leaves.
+
+        Returns:
+            (nodes of the level, 3): x, y, z in 0 .. 2**level - 1.
+        """
+        info = self.info
+        last = info.depth if level is None else level
+        if not 0 <= last <= info.depth:
+            raise ValueError(f"level: {last} is not in 0 .. {info.depth}")
+        masks = self.arrays.child_mask
+        octants = np.arange(8, dtype=np.uint32)
+        corners = np.stack([octants & 1, octants >> 1 & 1, octants >> 2 & 1], axis=1)
+        # The empty tree has a root and nothing below.
+        nodes = np.zeros((1, 3), np.uint32)
+        for above in range(last):
+            mask = masks[info.level_begin[above] : info.level_begin[above + 1]]
+            parent, octant = np.nonzero((mask[:, None] >> octants) & 1)
+            nodes = nodes[parent] * np.uint32(2) + corners[octant]
+        return nodes
+
+    def centers(self, level: Optional[int] = None) -> npt.NDArray[np.float64]:
+        """The world coordinates of the centers of a level's nodes.
+
+        Args:
+            level: 0 .. depth; None: depth, the leaves.
+
+        Returns:
+            (nodes of the level, 3). Nodes are edge / 2**level wide.
+        """
+        info = self.info
+        width = info.edge / 2 ** (info.depth if level is None else level)
+        centers: npt.NDArray[np.float64] = (self.voxels(level) + 0.5) * width + np.array(info.origin)
+        return centers
+
+    def hash(self, *, nodes_only: bool = False) -> str:
+        """32 hexadecimal digits, the same on every device, downloading the tree first if need be.
+
+        Args:
+            nodes_only: leave leaf lists and payload out.
+        """
+        digits = ffi.new("char[]", lib.SVO_HASH_TEXT_BYTES)
+        scope = lib.SVO_HASH_NODES if nodes_only else lib.SVO_HASH_ALL
+        with self._downloaded(None) as pointer:
+            status = call(lib.svo_tree_hash, pointer, scope, digits)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+        return text(digits)
+
+    # --- the device -------------------------------------------------------------------------------------------------
+
+    def upload(self, device: "Device", *, queue: Any = None) -> None:
+        """Copies a tree from a file to a device, for rays and pictures, and waits. On that device already: does
+        nothing.
+
+        Raises:
+            InvalidArgumentError: the tree is on another device.
+            OutOfDeviceMemoryError
+        """
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        if not isinstance(device, Handle):
+            raise TypeError(f"device: {type(device).__name__}, expected svocl.Device")
+        with device._use() as at:
+            if not self.on_device:
+                # The tree's own guard until now; from here on it is the device's.
+                with self._use() as pointer:
+                    status = call(lib.svo_tree_upload, pointer, at, cl_queue)
+                    if status != lib.SVO_OK:
+                        raise error(status, device._native.device_message())
+                    self._native.set_parent(device._native)
+            elif self._native.parent is not device._native:
+                raise InvalidArgumentError("Tree.upload: the tree is on another device", Status.INVALID_ARGUMENT)
+
+    def buffer_int_ptr(self, buffer: TreeBuffer) -> Optional[int]:
+        """The cl_mem of one array: pyopencl.Buffer.from_int_ptr(...) retains it. Elements are those of TreeArrays, but
+        payload that is constant (TreeInfo.constant) has one element.
+
+        Returns:
+            None where the tree does not hold the array or is on no device.
+        """
+        with self._use() as pointer:
+            memory = lib.svo_tree_get_buffer(pointer, TreeBuffer(buffer))
+            return None if memory == ffi.NULL else int(ffi.cast("uintptr_t", memory))
+
+    def set_kernel_args(self, kernel: Any, first_index: int) -> None:
+        """Sets the arguments that SVO_TREE_PARAMETERS declares (kernel_source) in a kernel of the caller's. Launch it
+        with pyopencl.enqueue_nd_range_kernel; the tree must not be closed before it ends.
+
+        Args:
+            kernel: a pyopencl.Kernel, or its int_ptr.
+            first_index: of TREE_ARGUMENTS consecutive arguments.
+        """
+        cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
+        self._device_call(
+            "set_kernel_args", lib.svo_tree_set_args, cl_kernel, _arrays.integer("first_index", first_index)
+        )
+
+    # --- rays -------------------------------------------------------------------------------------------------------
+
+    def prepare_rays(self, *, queue: Any = None) -> None:
+        """Makes the BVH for rays now, rather than with the first batch."""
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        self._device_call("prepare_rays", lib.svo_tree_prepare_rays, cl_queue)
+
+    @property
+    def ray_bytes(self) -> int:
+        """Device memory of the BVH; 0 before it is made."""
+        with self._use() as pointer:
+            return int(lib.svo_tree_ray_bytes(pointer))
+
+    def trace(
+        self,
+        rays: _arrays.Array,
+        *,
+        mode: TraceMode = TraceMode.CLOSEST,
+        out: Optional[_arrays.Array] = None,
+        queue: Any = None,
+    ) -> _arrays.Array:
+        """Traces rays against the mesh's triangles and waits. The tree needs Need.RAYS, and coverage half-open or
+        closed.
+
+        Args:
+            rays: (...) records of ray_dtype, as make_rays makes them, or (..., 8) float32 in the same order. Used
+                without a copy if C-contiguous.
+            mode: what is asked for.
+            out: (...) records of hit_dtype, C-contiguous; receives the result.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (...) records of hit_dtype, in the order of the rays.
+        """
+        records = _arrays.records("rays", rays, _arrays.ray_dtype)
+        hits = _arrays.output("out", out, _arrays.hit_dtype, records.shape)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        asked = TraceMode(mode)
+        source, result = _address("svo_ray *", records), _address("svo_hit *", hits)
+        self._device_call("trace", lib.svo_tree_trace, source, result, records.size, asked, cl_queue)
+        return hits
+
+    def nearest(
+        self,
+        points: npt.ArrayLike,
+        *,
+        max_distance: npt.ArrayLike = np.inf,
+        out: Optional[_arrays.Array] = None,
+        queue: Any = None,
+    ) -> _arrays.Array:
+        """Finds the nearest triangle to each point and waits. The tree needs what Tree.trace needs.
+
+        Args:
+            points: (..., 3) float32 or float64 world coordinates; or records of query_dtype, used without a copy if
+                C-contiguous, which have their own max_distance.
+            max_distance: (...) or a number: triangles farther away are ignored, world units.
+            out: (...) records of nearest_dtype, C-contiguous; receives the result.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (...) records of nearest_dtype, in the order of the points.
+        """
+        if isinstance(points, np.ndarray) and points.dtype == _arrays.query_dtype:
+            records = _arrays.records("points", points, _arrays.query_dtype)
+        else:
+            array = np.asarray(points)
+            if array.dtype.kind not in "fiu":
+                raise TypeError(f"points: dtype {array.dtype}, expected float32, float64 or svocl.query_dtype")
+            if array.ndim < 1 or array.shape[-1] != 3:
+                raise ValueError(f"points: shape {array.shape}, expected (..., 3)")
+            records = np.empty(array.shape[:-1], _arrays.query_dtype)
+            records["position"] = array
+            records["max_distance"] = max_distance
+        found = _arrays.output("out", out, _arrays.nearest_dtype, records.shape)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        source, result = _address("svo_query_point *", records), _address("svo_nearest *", found)
+        self._device_call("nearest", lib.svo_tree_nearest, source, result, records.size, cl_queue)
+        return found
+
+    def trace_enqueue(
+        self,
+        rays: Any,
+        hits: Any,
+        ray_count: int,
+        queue: Any,
+        *,
+        mode: TraceMode = TraceMode.CLOSEST,
+        wait_for: Iterable[Any] = (),
+    ) -> int:
+        """Tree.trace for device buffers; does not wait. Allocates nothing on the device after the first call.
+
+        Args:
+            rays: a pyopencl.Buffer of ray_count records of ray_dtype, or its int_ptr.
+            hits: a pyopencl.Buffer that receives ray_count records of hit_dtype, or its int_ptr.
+            ray_count: at most 2**31 - 1.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr.
+            mode: what is asked for.
+            wait_for: pyopencl.Events to wait for, or their int_ptrs.
+
+        Returns:
+            The cl_event of the batch, which is the caller's to release: pyopencl.Event.from_int_ptr(event, False).
+        """
+        return self._enqueue(
+            "trace_enqueue", lib.svo_tree_trace_enqueue, (rays, hits), ray_count, [TraceMode(mode)], queue, wait_for
+        )
+
+    def nearest_enqueue(
+        self, points: Any, results: Any, point_count: int, queue: Any, *, wait_for: Iterable[Any] = ()
+    ) -> int:
+        """Tree.nearest for device buffers; does not wait.
+
+        Args:
+            points: a pyopencl.Buffer of point_count records of query_dtype, or its int_ptr.
+            results: a pyopencl.Buffer that receives point_count records of nearest_dtype, or its int_ptr.
+            point_count, queue, wait_for: see Tree.trace_enqueue.
+
+        Returns:
+            As Tree.trace_enqueue.
+        """
+        return self._enqueue(
+            "nearest_enqueue", lib.svo_tree_nearest_enqueue, (points, results), point_count, [], queue, wait_for
+        )
+
+    # --- pictures ---------------------------------------------------------------------------------------------------
+
+    def frame(self, aspect: float = 1.0) -> Camera:
+        """A camera that frames the occupied part of the tree from the front, a little from the right and from above.
+
+        Args:
+            aspect: width / height of the picture, above 0.
+        """
+        camera = ffi.new("svo_camera *")
+        with self._downloaded(None) as pointer:
+            call(lib.svo_camera_frame, pointer, aspect, camera)
+        return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
+
+    def render(
+        self,
+        width: int,
+        height: int,
+        *,
+        camera: Optional[Camera] = None,
+        view: View = View.SHADED,
+        queue: Any = None,
+    ) -> npt.NDArray[np.uint8]:
+        """Draws a picture of the tree's voxels and waits.
+
+        Args:
+            width, height: pixels, 1 .. 16384.
+            camera: None: Tree.frame.
+            view: what to show. View.TRIANGLES needs Need.RAYS.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (height, width, 4) uint8: RGBA, top to bottom.
+        """
+        options = _structs.new("svo_render_options")
+        options.width, options.height = _arrays.integer("width", width), _arrays.integer("height", height)
+        options.view = View(view)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        used = self.frame(width / max(height, 1)) if camera is None else camera
+        for name in ("eye", "target", "up"):
+            setattr(options.camera, name, _arrays.three(f"camera.{name}", getattr(used, name)))
+        options.camera.vertical_fov = used.vertical_fov
+        # The library checks the size before it writes; an array of a refused size is not made.
+        fits = 0 < width <= 16384 and 0 < height <= 16384
+        picture = np.empty((height, width, 4) if fits else (1, 1, 4), np.uint8)
+        with self._use() as pointer:
+            device = self._device_pointer("render")
+            rgba = ffi.from_buffer("uint8_t[]", picture)
+            status = call(lib.svo_tree_render, device, pointer, options, cl_queue, rgba)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+        return picture
+
+    # --- shared -----------------------------------------------------------------------------------------------------
+
+    def _device_pointer(self, what: str) -> Any:
+        """The device's pointer, under the guard."""
+        if self._native.parent is None:
+            raise InvalidArgumentError(
+                f"Tree.{what}: the tree is from a file and on no device; call Tree.upload first",
+                Status.INVALID_ARGUMENT,
+            )
+        return self._native.parent._pointer[0]
+
+    def _device_call(self, what: str, function: Any, *arguments: Any) -> None:
+        with self._use() as pointer:
+            self._device_pointer(what)
+            status = call(function, pointer, *arguments)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+
+    @contextlib.contextmanager
+    def _downloaded(self, queue: Any) -> Iterator[Any]:
+        """The pointer, under the guard, of a tree with host arrays."""
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        with self._use() as pointer:
+            status = call(lib.svo_tree_download, pointer, cl_queue) if self.on_device else lib.SVO_OK
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+            yield pointer
+
+    def _enqueue(
+        self, what: str, function: Any, buffers: Any, count: int, flags: Any, queue: Any, wait_for: Iterable[Any]
+    ) -> int:
+        memory = [_opencl.pointer("cl_mem", buffer, "buffer") for buffer in buffers]
+        wait_count, wait = _opencl.events(wait_for)
+        event = ffi.new("cl_event *")
+        number = _arrays.integer("count", count, 64)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        self._device_call(what, function, *memory, number, *flags, cl_queue, wait_count, wait, event)
+        return int(ffi.cast("uintptr_t", event[0]))
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<svocl.Tree: closed>"
+        info = self.info
+        return f"<svocl.Tree: depth {info.depth}, {info.node_count} nodes, {info.leaf_count} leaves>"
+
+
+def _address(kind: str, array: _arrays.Array) -> Any:
+    """The address of an array's records, which cffi's from_buffer does not take; the array must stay alive."""
+    return ffi.cast(kind, array.ctypes.data)
+
+
+def _loaded(load: Any, *arguments: Any) -> Tree:
+    out = ffi.new("svo_tree **")
+    message = ffi.new("svo_message *")
+    status = call(load, *arguments, out, message, undo=lambda: lib.svo_tree_destroy(out))
+    if status != lib.SVO_OK:
+        raise error(status, text(message.text))
+    return Tree(out[0], None, None)
+
+
+def _destroy_tree(pointer: Any) -> None:
+    lib.svo_tree_destroy(ffi.new("svo_tree **", pointer))
+
+
+TREE_ARGUMENTS: int = lib.SVO_TREE_ARGUMENTS
+"""Number of kernel arguments that SVO_TREE_PARAMETERS declares."""
+
+
+def kernel_source() -> str:
+    """OpenCL C to put before the source of a kernel that traces rays itself; trace.h describes what it declares."""
+    return text(lib.svo_tree_kernel_source())
+
+
+def kernel_options() -> str:
+    """Compiler options for kernel_source."""
+    return text(lib.svo_tree_kernel_options())

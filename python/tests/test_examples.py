@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: MIT
+"""The examples run: the script as a program, the notebook cell by cell in a kernel of its own."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import svocl
+
+EXAMPLES = pathlib.Path(__file__).parent.parent / "examples"
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_occlusion(tmp_path):
+    for arguments in ([], ["first.ply", "-o", "second.ply"]):
+        command = [sys.executable, str(EXAMPLES / "occlusion.py"), *arguments, "--rays", "16"]
+        done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == 0, done.stdout
+        written = tmp_path / (arguments[-1] if arguments else "occlusion.ply")
+        assert f"{written.name}: 2304 vertices see " in done.stdout
+        mesh = svocl.read_mesh(written)
+        assert (mesh.vertex_count, mesh.triangle_count) == (2304, 4608)
+        gray = mesh.colors[:, 0].astype(float)
+        outside = np.linalg.norm(mesh.positions - [0.5, 0, 0], axis=1) > 1.75  # the far ends of the linked tori
+        assert gray[outside].mean() > 200 > gray.mean() > 100
+        written.rename(tmp_path / "first.ply")
+
+
+def test_notebook(tmp_path):
+    nbclient = pytest.importorskip("nbclient")
+    nbformat = pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("PIL")
+    notebook = nbformat.read(EXAMPLES / "octree.ipynb", as_version=4)
+    assert all(not cell.get("outputs") for cell in notebook.cells), "stored outputs: clear them before a commit"
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    pictures = [
+        output.data["image/png"]
+        for cell in notebook.cells
+        for output in cell.get("outputs", [])
+        if "image/png" in output.get("data", {})
+    ]
+    assert len(pictures) == 3
+
+
+def test_readme(tmp_path, monkeypatch, capsys):
+    """The Python blocks of README.md run as they stand there, one after the other."""
+    cl = pytest.importorskip("pyopencl")
+    pytest.importorskip("tqdm")
+    blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
+    assert len(blocks) == 3
+    names = {}
+    monkeypatch.chdir(tmp_path)
+    if not svocl.has_io:
+        blocks[0] = blocks[0].replace("    tree.save", "    # tree.save")
+    exec(blocks[0], names)
+    assert names["hits"]["triangle"].tolist() == [0] and names["hits"]["t"] == pytest.approx(1)
+    assert not svocl.has_io or svocl.Tree.load("mesh.svo").hash() == names["tree"].hash()
+    context = cl.create_some_context(interactive=False)
+    monkeypatch.setattr(cl, "create_some_context", lambda: context)
+    rays, hits = svocl.make_rays([[0.2, 0.2, -1]], [0, 0, 1]), np.zeros(1, svocl.hit_dtype)
+    names["rays_buffer"] = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=rays)
+    names["hits_buffer"] = cl.Buffer(context, cl.mem_flags.READ_WRITE, hits.nbytes)
+    names["count"] = 1
+    exec(blocks[1], names)
+    cl.enqueue_copy(names["queue"], hits, names["hits_buffer"], wait_for=[names["event"]])
+    assert np.array_equal(hits, names["hits"])
+    assert names["buffer"].size >= names["tree"].info.inner_count
+    capsys.readouterr()
+    exec(blocks[2], names)
+    printed = capsys.readouterr()
+    assert "100%|" in printed.err and re.search(r"^voxelize: \d+%$", printed.out, re.MULTILINE)
+    names["deadline"] = 0
+    with pytest.raises(svocl.CanceledError):
+        names["device"].build(names["mesh"], 8, progress=names["report"])

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""The package as installed: what it carries, and that the binding has all that the headers have."""
+
+import ctypes
+import importlib.metadata
+import os
+import subprocess
+import sys
+
+import pytest
+
+import svocl
+from svocl import _enums, _native, _structs
+from svocl._native import ffi, lib
+
+
+def test_version():
+    assert svocl.__version__ == importlib.metadata.version("svocl")
+
+
+def test_the_wheel_carries_the_library_and_no_loader():
+    names = [str(path) for path in importlib.metadata.files("svocl")]
+    assert "svocl/py.typed" in names and any(name.endswith("licenses/LICENSE") for name in names)
+    assert not [name for name in names if "OpenCL" in name or name.endswith((".h", ".a", ".cmake", ".pc"))]
+    assert [name for name in names if ".so" in name] == ["svocl/_native.abi3.so"]
+    needed = subprocess.run(["ldd", _native.__file__], check=True, stdout=subprocess.PIPE, text=True).stdout
+    assert "libOpenCL.so.1" in needed and "libsvocl" not in needed
+    if svocl.has_io:
+        assert os.access(os.path.join(os.path.dirname(_native.__file__), "svocl-import"), os.X_OK)
+
+
+def test_without_an_opencl_loader():
+    """The import fails with what to install; other failures keep their own words."""
+    code = """
+import sys
+class Finder:
+    def find_spec(self, name, path, target=None):
+        if name == "svocl._native":
+            raise ImportError(sys.argv[1])
+sys.meta_path.insert(0, Finder())
+import svocl
+"""
+
+    def last_line(words):
+        done = subprocess.run([sys.executable, "-c", code, words], stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 1
+        return done.stderr.splitlines()[-1]
+
+    missing = "libOpenCL.so.1: cannot open shared object file: No such file or directory"
+    assert missing in last_line(missing) and "apt install ocl-icd-libopencl1" in last_line(missing)
+    assert last_line("libm.so.6: cannot open") == "ImportError: libm.so.6: cannot open"
+
+
+def test_the_module_exports_nothing_of_the_library():
+    """Another svocl in the process neither sees nor changes this one."""
+    module = ctypes.CDLL(_native.__file__)
+    assert hasattr(module, "PyInit__native") and not hasattr(module, "svo_build")
+
+
+def test_enumerations_are_complete():
+    """Each enumerator of the headers is in Python, under its name without the prefix."""
+    enumerations = {
+        "svo_status": (_enums.Status, "SVO_"),
+        "svo_need": (_enums.Need, "SVO_NEED_"),
+        "svo_coverage": (_enums.Coverage, "SVO_COVERAGE_"),
+        "svo_weights": (_enums.Weights, "SVO_WEIGHTS_"),
+        "svo_builder": (_enums.Builder, "SVO_BUILDER_"),
+        "svo_certainty": (_enums.Certainty, "SVO_BYTES_"),
+        "svo_trace_flags": (_enums.TraceMode, "SVO_TRACE_"),
+        "svo_render_view": (_enums.View, "SVO_VIEW_"),
+        "svo_wrap": (_enums.Wrap, "SVO_WRAP_"),
+        "svo_tree_buffer": (_enums.TreeBuffer, "SVO_TREE_"),
+    }
+    for name, (kind, prefix) in enumerations.items():
+        expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
+        expected.pop("BUFFER_COUNT", None)
+        assert {member: int(value) for member, value in kind.__members__.items()} == expected, name
+
+
+def test_structs_are_complete():
+    """Each field of the headers' results is in Python, but for those named here."""
+    structs = {
+        "svo_plan_info": (_structs.PlanInfo, set()),
+        "svo_import_info": (_structs.ImportInfo, set()),
+        "svo_buffer_info": (_structs.PlanBuffer, set()),
+        "svo_left_out": (_structs.LeftOut, set()),
+        "svo_kernels_info": (_structs.Kernels, set()),
+        "svo_tree_info": (_structs.TreeInfo, set()),
+        "svo_tree_arrays": (svocl.TreeArrays, set()),
+        "svo_camera": (svocl.Camera, set()),
+        # OpenGL's, and those of enqueued builds; stage_times are stages.
+        "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
+    }
+    for name, (kind, left_out) in structs.items():
+        fields = {field for field, _ in ffi.typeof(name).fields} - {"struct_size"} - left_out
+        assert set(kind._fields) - {"stages"} == fields, name
+
+
+def test_records_have_the_layout_of_the_headers():
+    for name, dtype in {
+        "svo_ray": svocl.ray_dtype,
+        "svo_hit": svocl.hit_dtype,
+        "svo_query_point": svocl.query_dtype,
+        "svo_nearest": svocl.nearest_dtype,
+    }.items():
+        offsets = {field: description.offset for field, description in ffi.typeof(name).fields}
+        assert {field: dtype.fields[field][1] for field in dtype.names} == offsets
+        assert dtype.itemsize == ffi.sizeof(name)
+    assert lib.SVO_TREE_ARGUMENTS == svocl.TREE_ARGUMENTS
+
+
+def test_all_names_exist_and_are_documented():
+    for name in svocl.__all__:
+        value = getattr(svocl, name)
+        assert not callable(value) or value.__doc__, name
+
+
+TYPED = """
+import numpy as np
+import svocl
+
+mesh = svocl.Mesh(np.zeros((3, 3), np.float32))
+with svocl.Device() as device:
+    tree = device.plan(mesh, 3, need=svocl.Need.RAYS, progress=True).build(progress=lambda stage, part: part > 0.5)
+    reveal_type(tree.arrays.child_mask.dtype)
+    tree.trace(svocl.make_rays([0, 0, 0], [0, 0, 1]), mode=%s)
+"""
+
+
+def test_type_hints(tmp_path):
+    """mypy takes the package in its strictest mode, sees its hints from outside (py.typed), and finds a mistake."""
+    pytest.importorskip("mypy")
+    (tmp_path / "right.py").write_text(TYPED % "svocl.TraceMode.ANY")
+    (tmp_path / "wrong.py").write_text(TYPED % '"any"')
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache")]
+    command += ["-m", "right", "-m", "wrong", "-p", "svocl"]
+    done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    assert 'right.py:8: note: Revealed type is "numpy.dtype[numpy.unsignedinteger' in done.stdout, done.stdout
+    errors = [line for line in done.stdout.splitlines() if "error:" in line]
+    assert len(errors) == 1 and errors[0].startswith('wrong.py:9: error: Argument "mode"'), done.stdout
