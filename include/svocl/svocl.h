@@ -10,6 +10,7 @@
  *     svo_tree    the result: buffers, hash        tree.h
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
+ *     svo_scene   many placed trees                scene.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
@@ -20,6 +21,7 @@
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
+#include "svocl/scene.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"

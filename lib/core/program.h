@@ -21,6 +21,9 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_CAST, /* render */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
+    SVO_I_PROGRAM_SCENE_BUILD, /* scan, sort; codes, link, refit of scenes */
+    SVO_I_PROGRAM_SCENE_TRACE, /* trace of scenes */
+    SVO_I_PROGRAM_SCENE_CAST, /* render of scenes */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 

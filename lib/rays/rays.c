@@ -22,7 +22,7 @@ extern const char svo_i_source_rays[];
 typedef struct device_bvh {
     svo_i_attachment attachment;
     cl_mem nodes, leaves;
-    uint64_t bytes; /* of both */
+    uint64_t node_bytes, leaf_bytes;
     float reach; /* the largest coordinate of a vertex */
 } device_bvh;
 
@@ -42,7 +42,7 @@ static void release_bvh(svo_i_attachment *attachment)
 static device_bvh find_bvh(const svo_tree *tree)
 {
     const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
-    return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
+    return found != NULL ? *(const device_bvh *)found : (device_bvh){.node_bytes = 0};
 }
 
 /* The largest absolute coordinate, at least the width of the grid. A file may hold any number for a vertex without a
@@ -115,7 +115,8 @@ static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queu
     SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes));
     SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
     to->attachment.destroy = release_bvh;
-    to->bytes = node_bytes + leaf_bytes;
+    to->node_bytes = node_bytes;
+    to->leaf_bytes = leaf_bytes;
     to->reach = find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
     svo_i_attachment_add(&tree->derived, &to->attachment);
     to = NULL;
@@ -174,7 +175,14 @@ svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
-    return tree != NULL ? find_bvh(tree).bytes : 0;
+    const svo_i_ray_buffers buffers = tree != NULL ? svo_i_rays_buffers(tree) : (svo_i_ray_buffers){.nodes = NULL};
+    return buffers.node_bytes + buffers.leaf_bytes;
+}
+
+svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree)
+{
+    const device_bvh bvh = find_bvh(tree);
+    return (svo_i_ray_buffers){bvh.nodes, bvh.leaves, bvh.node_bytes, bvh.leaf_bytes};
 }
 
 /* ---- kernel arguments ---- */
@@ -192,7 +200,7 @@ static bool split(double value, float parts[3])
     return true;
 }
 
-static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+svo_status svo_i_rays_params(const svo_tree *tree, const char *function, svo_ray_params *params)
 {
     const svo_tree_info *info = &tree->info;
     bool fits = split(info->scale, params->scale);
@@ -256,7 +264,7 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
         SVO_I_TRY(svo_i_rays_check(tree, function));
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
-    SVO_I_TRY(fill_params(tree, function, &params));
+    SVO_I_TRY(svo_i_rays_params(tree, function, &params));
     const device_bvh bvh = find_bvh(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),

@@ -11,6 +11,14 @@
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
 /* Builds the BVH unless the tree has it, and waits for it. queue: NULL for the device's own. */
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);
+/* The tree's BVH; all zero before it is made. */
+typedef struct svo_i_ray_buffers {
+    cl_mem nodes, leaves;
+    uint64_t node_bytes, leaf_bytes;
+} svo_i_ray_buffers;
+svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree);
+/* What the ray kernels know of the tree. SVO_UNSUPPORTED: the grid is beyond the range of floats. */
+svo_status svo_i_rays_params(const svo_tree *tree, const char *function, svo_ray_params *params);
 /* Sets the arguments that SVO_TREE_PARAMETERS declares, from first_index on. Makes the BVH if the tree has one. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
 /* Sets other arguments from first_index on. */

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* The scene's fields, for the files of this room. */
+#ifndef SVO_LIB_SCENE_STATE_H
+#define SVO_LIB_SCENE_STATE_H
+
+#include "core/program.h"
+#include "shared/layout.h"
+#include "svocl/scene.h"
+
+/* The buffers. The first ones are the arguments that SVO_SCENE_PARAMETERS declares, in order. */
+typedef enum svo_i_scene_buffer {
+    SVO_I_SCENE_CHILD_MASK = 0,
+    SVO_I_SCENE_FIRST_CHILD,
+    SVO_I_SCENE_RAY_NODES, /* of triangles; like the leaves, for SVO_NEED_RAYS */
+    SVO_I_SCENE_RAY_LEAVES,
+    SVO_I_SCENE_TREE_PARAMS,
+    SVO_I_SCENE_TREES,
+    SVO_I_SCENE_INSTANCES,
+    SVO_I_SCENE_NODES, /* of the hierarchy; none for one instance */
+    SVO_I_SCENE_ARGUMENT_BUFFERS,
+
+    SVO_I_SCENE_COLORS = SVO_I_SCENE_ARGUMENT_BUFFERS,
+    SVO_I_SCENE_NORMALS,
+    SVO_I_SCENE_PARENTS, /* of instances, in the hierarchy */
+    SVO_I_SCENE_ARRIVALS, /* at its nodes, while they are refit */
+    SVO_I_SCENE_LIST, /* of Morton codes; like the rest, for the sort */
+    SVO_I_SCENE_SPARE,
+    SVO_I_SCENE_COUNTS,
+    SVO_I_SCENE_BEFORE,
+    SVO_I_SCENE_PARTIALS,
+    SVO_I_SCENE_BUFFERS
+} svo_i_scene_buffer;
+
+/* What instances need of a tree on the host: the box of its occupied part, in its world. */
+typedef struct svo_i_scene_box {
+    double low[3], high[3];
+} svo_i_scene_box;
+
+/* The box of an instance in the world. */
+typedef struct svo_i_instance_box {
+    float low[3], high[3];
+} svo_i_instance_box;
+
+struct svo_scene {
+    svo_device *device;
+    svo_scene_info info; /* low and high are kept up to date */
+    cl_mem buffers[SVO_I_SCENE_BUFFERS]; /* owned; NULL where the scene needs none */
+    svo_i_scene_box *tree_boxes; /* tree_count */
+    uint32_t *tree_of; /* instance_count */
+    svo_i_instance_box *boxes; /* instance_count */
+    svo_scene_params params; /* of the last refit */
+    bool lost; /* a command failed halfway: nothing is defined any more */
+};
+
+/* Refuses a scene whose content is lost. */
+svo_status svo_i_scene_check(const svo_scene *scene, const char *function);
+
+/* Sets the arguments that SVO_SCENE_PARAMETERS declares, then others. */
+svo_status svo_i_scene_set_args(const svo_scene *scene, const char *function, cl_kernel kernel,
+                                const svo_scene_params *params, const svo_i_argument *others, cl_uint other_count);
+
+#endif

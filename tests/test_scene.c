@@ -1,0 +1,708 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scenes of placed trees: a tree alone is traced as without a scene, many are traced as every instance in turn, bit for
+ * bit, and as boxes in double say; moved instances as those of a new scene. Random tests print their seed.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/state.h"
+#include "scene_check.h"
+
+#define RAYS 2000
+
+/* Shared by all tests: trees take longer to build than to place. */
+static fixture opened;
+static models shapes;
+static cl_kernel probe; /* svo_trace_voxel of one tree */
+
+static const svo_instance identity = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+
+/* ---- a tree without a scene ---- */
+
+static const char probe_source[] =
+    "__kernel void probe(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits,\n"
+    "                    float footprint)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const svo_ray ray = rays[get_global_id(0)];\n"
+    "    svo_voxel_hit hit;\n"
+    "    svo_trace_voxel(&tree, &ray, footprint, &hit);\n"
+    "    hits[get_global_id(0)] = hit;\n"
+    "}\n";
+
+static void make_probe(void)
+{
+    const char *const sources[] = {svo_tree_kernel_source(), probe_source};
+    cl_int error = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened.device), 2,
+                                                   (const char **)(uintptr_t)sources, NULL, &error);
+    assert_int_equal(error, CL_SUCCESS);
+    const cl_device_id device = svo_device_cl_device(opened.device);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    probe = clCreateKernel(program, "probe", &error);
+    assert_int_equal(error, CL_SUCCESS);
+    clReleaseProgram(program);
+}
+
+static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo_voxel_hit *hits, size_t count)
+{
+    cl_int error = CL_SUCCESS;
+    cl_context context = svo_device_cl_context(opened.device);
+    cl_mem in = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count * sizeof *rays,
+                               (void *)(uintptr_t)rays, &error);
+    assert_int_equal(error, CL_SUCCESS);
+    cl_mem out = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof *hits, NULL, &error);
+    assert_int_equal(error, CL_SUCCESS);
+    assert_int_equal(svo_tree_set_args(tree, probe, 0), SVO_OK);
+    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS, sizeof in, &in), CL_SUCCESS);
+    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS + 1, sizeof out, &out), CL_SUCCESS);
+    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS + 2, sizeof footprint, &footprint), CL_SUCCESS);
+    assert_int_equal(clEnqueueNDRangeKernel(opened.queue, probe, 1, NULL, &count, NULL, 0, NULL, NULL), CL_SUCCESS);
+    assert_int_equal(clEnqueueReadBuffer(opened.queue, out, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL),
+                     CL_SUCCESS);
+    clReleaseMemObject(in);
+    clReleaseMemObject(out);
+}
+
+static int open_all(void **state)
+{
+    (void)state;
+    fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
+    models_make(&opened, &shapes);
+    make_probe();
+    return 0;
+}
+
+static int close_all(void **state)
+{
+    (void)state;
+    clReleaseKernel(probe);
+    models_destroy(&shapes);
+    fixture_close(&opened);
+    return 0;
+}
+
+/* A scene's hit is the tree's own, with its instance; nothing counts steps where nothing is hit. */
+static void assert_same_hit(size_t ray, const svo_scene_hit *hit, const svo_voxel_hit *own)
+{
+    const bool met = own->node != SVO_NO_NODE;
+    svo_voxel_hit expected = *own;
+    expected.steps = met ? own->steps : 0;
+    if (memcmp(hit, &expected, sizeof expected) != 0 || hit->instance != (met ? 0 : SVO_NO_INSTANCE)) {
+        fail_msg("ray %zu: t %a, node %u, level %u, face %u, instance %u; the tree has %a, %u, %u, %u", ray,
+                 (double)hit->t, hit->node, hit->level, hit->face, hit->instance, (double)own->t, own->node, own->level,
+                 own->face);
+    }
+}
+
+/* ---- one instance ---- */
+
+static void an_identity_is_the_tree_itself(void **state)
+{
+    (void)state;
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_voxel_hit own[RAYS];
+    static svo_scene_triangle_hit triangles[RAYS];
+    static svo_hit own_triangles[RAYS];
+    uint64_t random = 1;
+    for (uint32_t tree = 0; tree < MODELS; ++tree) {
+        svo_instance alone = identity;
+        alone.tree = tree;
+        svo_scene *scene = make_placed_scene(&opened, &shapes, &alone, 1, SVO_NEED_RAYS);
+        random_scene_rays(&random, &shapes, &alone, 1, rays, RAYS);
+        for (int k = 0; k < 2; ++k) {
+            const float footprint = k == 0 ? 0.0F : 0.03F;
+            trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+            trace_tree(shapes.handles[tree], rays, footprint, own, RAYS);
+            size_t met = 0;
+            for (size_t i = 0; i < RAYS; ++i) {
+                assert_same_hit(i, &hits[i], &own[i]);
+                met += hits[i].instance == 0;
+            }
+            assert_in_range(met, RAYS / 8, RAYS);
+        }
+        assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue),
+                         SVO_OK);
+        assert_int_equal(
+            svo_tree_trace(shapes.handles[tree], rays, own_triangles, RAYS, SVO_TRACE_CLOSEST, opened.queue), SVO_OK);
+        for (size_t i = 0; i < RAYS; ++i) {
+            const bool met = own_triangles[i].triangle != SVO_NO_TRIANGLE;
+            assert_memory_equal(&triangles[i], &own_triangles[i], offsetof(svo_hit, count));
+            assert_int_equal(triangles[i].instance, met ? 0 : SVO_NO_INSTANCE);
+        }
+        svo_scene_destroy(&scene);
+    }
+}
+
+/* The footprint divides by the longest column: a node is as large in the world as that makes it. */
+static void footprints_divide_by_the_longest_column(void **state)
+{
+    (void)state;
+    static svo_ray rays[RAYS];
+    static svo_ray inside[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_voxel_hit own[RAYS];
+    const svo_instance stretched = {0, {0, 0, 4, 0, 1, 0, 0, 0, 0, 2, 0, 0}};
+    const float footprint = 0.0625F;
+    uint64_t random = 2;
+    size_t larger = 0;
+    svo_scene *scene = make_placed_scene(&opened, &shapes, &stretched, 1, SVO_NEED_NONE);
+    random_scene_rays(&random, &shapes, &stretched, 1, rays, RAYS);
+    trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+    for (size_t i = 0; i < RAYS; ++i) {
+        inside[i] = ray_in_tree(&stretched, &rays[i]);
+        double world = 0;
+        double object = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            world += (double)rays[i].direction[axis] * (double)rays[i].direction[axis];
+            object += (double)inside[i].direction[axis] * (double)inside[i].direction[axis];
+        }
+        trace_tree(shapes.handles[0], &inside[i], (float)((double)footprint * sqrt(world) / (4 * sqrt(object))),
+                   &own[i], 1);
+        larger += own[i].node != SVO_NO_NODE && own[i].level < shapes.trees[0].info.depth;
+        if (i > 200) { /* one call per ray: enough */
+            break;
+        }
+        /* A node of just the size of the pixel may go either way. */
+        if (hits[i].node != own[i].node && hits[i].level == own[i].level) {
+            fail_msg("ray %zu: node %u of level %u, not %u of level %u", i, hits[i].node, hits[i].level, own[i].node,
+                     own[i].level);
+        }
+    }
+    assert_true(larger > 10);
+    svo_scene_destroy(&scene);
+}
+
+/* Normals are those of the faces in the world, whatever the matrix: perpendicular to the images of the axes that the
+   face has, against the ray, unit. */
+static void normals_are_right_when_mirrored_and_scaled(void **state)
+{
+    (void)state;
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_triangle_hit triangles[RAYS];
+    svo_instance placed[16];
+    uint64_t random = 3;
+    size_t met = 0;
+    random_instances(&random, PLACE_SHEARED, 1000, placed, 16);
+    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 16, SVO_NEED_RAYS);
+    random_scene_rays(&random, &shapes, placed, 16, rays, RAYS);
+    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+    assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue), SVO_OK);
+    for (size_t i = 0; i < RAYS; ++i) {
+        if (hits[i].instance == SVO_NO_INSTANCE || hits[i].face == SVO_FACE_NONE) {
+            continue;
+        }
+        const float *matrix = placed[hits[i].instance].transform;
+        const uint32_t axis = hits[i].face >> 1;
+        double length = 0;
+        double along = 0;
+        for (int row = 0; row < 3; ++row) {
+            length += (double)hits[i].normal[row] * (double)hits[i].normal[row];
+            along += (double)hits[i].normal[row] * (double)rays[i].direction[row];
+        }
+        assert_true(fabs(length - 1) < 1e-6);
+        assert_true(along <= 0);
+        for (uint32_t k = 0; k < 3; ++k) {
+            double product = 0;
+            double size = 0;
+            for (int row = 0; row < 3; ++row) {
+                product += (double)hits[i].normal[row] * (double)matrix[4 * row + (int)k];
+                size += (double)matrix[4 * row + (int)k] * (double)matrix[4 * row + (int)k];
+            }
+            if (k == axis) { /* it leads out of the face */
+                assert_true((product > 0) == ((hits[i].face & 1) == 1));
+            } else if (fabs(product) > 1e-6 * sqrt(size)) {
+                fail_msg("ray %zu, instance %u: face %u, its normal is not perpendicular to axis %u", i,
+                         hits[i].instance, hits[i].face, k);
+            }
+        }
+        ++met;
+    }
+    assert_true(met > RAYS / 8);
+    svo_scene_destroy(&scene);
+}
+
+/* ---- many instances ---- */
+
+static void assert_same_hits(const char *what, uint32_t count, const void *hits, const void *expected, size_t bytes)
+{
+    for (size_t i = 0; i < RAYS; ++i) {
+        const unsigned char *a = (const unsigned char *)hits + i * bytes;
+        const unsigned char *b = (const unsigned char *)expected + i * bytes;
+        if (memcmp(a, b, bytes) != 0) {
+            float t[2];
+            memcpy(&t[0], a, sizeof t[0]);
+            memcpy(&t[1], b, sizeof t[1]);
+            fail_msg("%s, %u instances, ray %zu: t %a, not %a, or other numbers", what, count, i, (double)t[0],
+                     (double)t[1]);
+        }
+    }
+}
+
+static void compare_with_every_instance(svo_scene *scene, uint32_t count, const svo_ray *rays)
+{
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit every[RAYS];
+    static svo_scene_triangle_hit triangles[RAYS];
+    static svo_scene_triangle_hit every_triangle[RAYS];
+    for (int k = 0; k < 2; ++k) {
+        const float footprint = k == 0 ? 0.0F : 0.02F;
+        trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+        trace_scene(&opened, scene, rays, every, RAYS, footprint, SVO_SCENE_EVERY_INSTANCE);
+        assert_same_hits("voxels", count, hits, every, sizeof hits[0]);
+    }
+    trace_scene(&opened, scene, rays, every, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_ANY);
+    for (size_t i = 0; i < RAYS; ++i) {
+        assert_int_equal(hits[i].instance == SVO_NO_INSTANCE, every[i].instance == SVO_NO_INSTANCE);
+    }
+    memset(triangles, 0x5a, sizeof triangles);
+    assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue), SVO_OK);
+    assert_int_equal(
+        svo_scene_trace_triangles(scene, rays, every_triangle, RAYS, SVO_SCENE_EVERY_INSTANCE, opened.queue), SVO_OK);
+    assert_same_hits("triangles", count, triangles, every_triangle, sizeof triangles[0]);
+}
+
+static void hits_are_those_of_every_instance_in_turn(void **state)
+{
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 3, 65, 1000, 10000};
+    static svo_instance placed[10000];
+    static svo_ray rays[RAYS];
+    uint64_t random = 4;
+    for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
+        for (int kind = PLACE_MOVED; kind <= PLACE_SHEARED; ++kind) {
+            const double width = kind == PLACE_MOVED ? cbrt(counts[k]) * 2 : 400;
+            random_instances(&random, (placement)kind, width, placed, counts[k]);
+            /* Some in the same place: the smallest index counts. */
+            for (uint32_t i = 8; i < counts[k]; i += 8) {
+                placed[i] = placed[i - 7];
+            }
+            svo_scene *scene = make_placed_scene(&opened, &shapes, placed, counts[k], SVO_NEED_RAYS);
+            random_scene_rays(&random, &shapes, placed, counts[k], rays, RAYS);
+            compare_with_every_instance(scene, counts[k], rays);
+            svo_scene_destroy(&scene);
+        }
+    }
+}
+
+static void hits_agree_with_boxes_in_double(void **state)
+{
+    (void)state;
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    svo_instance placed[40];
+    uint64_t random = 5;
+    size_t wrong = 0;
+    size_t traced = 0;
+    for (int kind = PLACE_MOVED; kind <= PLACE_SHEARED; ++kind) {
+        for (int round = 0; round < 4; ++round) {
+            random_instances(&random, (placement)kind, kind == PLACE_MOVED ? 6 : 400, placed, 40);
+            svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 40, SVO_NEED_NONE);
+            random_scene_rays(&random, &shapes, placed, 40, rays, RAYS);
+            trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+            for (size_t i = 0; i < RAYS; ++i) {
+                const reference_hit expected = reference_closest(&shapes, placed, 40, &rays[i]);
+                const bool both = isfinite(expected.t) && isfinite(hits[i].t);
+                const bool neither = !isfinite(expected.t) && !isfinite(hits[i].t);
+                wrong += !neither && !(both && fabs(expected.t - (double)hits[i].t) <= 1e-4 * (1 + expected.t));
+                ++traced;
+            }
+            svo_scene_destroy(&scene);
+        }
+    }
+    if (wrong * 10000 > traced) {
+        fail_msg("%zu of %zu rays disagree", wrong, traced);
+    }
+}
+
+/* Touching cubes in a lattice, and rays within their faces along each axis, in both directions. */
+static void rays_in_faces_neither_miss_nor_fail(void **state)
+{
+    (void)state;
+    enum { EDGE = 4 };
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit every[RAYS];
+    svo_instance placed[EDGE * EDGE * EDGE];
+    const svo_tree_info *info = &shapes.trees[1].info;
+    const double width = ldexp(1.0, (int)info->snap_bits) / info->scale;
+    for (int i = 0; i < EDGE * EDGE * EDGE; ++i) {
+        const int cell[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        placed[i] = identity;
+        placed[i].tree = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            placed[i].transform[4 * axis + 3] = (float)(width * cell[axis]);
+        }
+    }
+    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, EDGE * EDGE * EDGE, SVO_NEED_NONE);
+    size_t count = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int k = 0; k < 2 * (EDGE + 1) * (EDGE + 1); ++k) {
+            const int plane[2] = {k / 2 % (EDGE + 1), k / 2 / (EDGE + 1)};
+            svo_ray *ray = &rays[count++];
+            *ray = (svo_ray){.t_max = INFINITY};
+            ray->direction[axis] = k % 2 == 0 ? 1.0F : -1.0F;
+            ray->origin[axis] = (float)(info->origin[axis] + (k % 2 == 0 ? -3 * width : (EDGE + 3) * width));
+            for (int side = 0; side < 2; ++side) {
+                const int other = (axis + 1 + side) % 3;
+                ray->origin[other] = (float)(info->origin[other] + width * plane[side]);
+            }
+        }
+    }
+    trace_scene(&opened, scene, rays, hits, count, 0, SVO_SCENE_CLOSEST);
+    trace_scene(&opened, scene, rays, every, count, 0, SVO_SCENE_EVERY_INSTANCE);
+    for (size_t i = 0; i < count; ++i) {
+        assert_memory_equal(&hits[i], &every[i], sizeof hits[i]);
+        if (!(fabs((double)hits[i].t - 3 * width) < 1e-4 * width)) {
+            fail_msg("ray %zu along a face: t %g, not %g", i, (double)hits[i].t, 3 * width);
+        }
+    }
+    svo_scene_destroy(&scene);
+}
+
+static void unsound_rays_hit_nothing(void **state)
+{
+    (void)state;
+    svo_instance placed[5];
+    svo_ray rays[6];
+    svo_scene_hit hits[6];
+    uint64_t random = 6;
+    random_instances(&random, PLACE_MOVED, 2, placed, 5);
+    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 5, SVO_NEED_NONE);
+    random_scene_rays(&random, &shapes, placed, 5, rays, 6);
+    rays[0].origin[1] = NAN;
+    rays[1].direction[0] = INFINITY;
+    rays[2].direction[0] = rays[2].direction[1] = rays[2].direction[2] = 0;
+    rays[3].t_min = 2;
+    rays[3].t_max = 1;
+    rays[4].t_min = NAN;
+    rays[5].origin[0] = -INFINITY;
+    trace_scene(&opened, scene, rays, hits, 6, 0.1F, SVO_SCENE_CLOSEST);
+    for (int i = 0; i < 6; ++i) {
+        assert_int_equal(hits[i].instance, SVO_NO_INSTANCE);
+        assert_int_equal(hits[i].node, SVO_NO_NODE);
+        assert_true(isinf(hits[i].t));
+    }
+    svo_scene_destroy(&scene);
+}
+
+/* ---- the hierarchy ---- */
+
+static svo_scene_node *read_hierarchy(const svo_scene *scene)
+{
+    const size_t bytes = (scene->info.instance_count - 1) * sizeof(svo_scene_node);
+    svo_scene_node *nodes = malloc(bytes);
+    assert_non_null(nodes);
+    assert_int_equal(
+        clEnqueueReadBuffer(opened.queue, scene->buffers[SVO_I_SCENE_NODES], CL_TRUE, 0, bytes, nodes, 0, NULL, NULL),
+        CL_SUCCESS);
+    return nodes;
+}
+
+/* The box below a child; counts its instances. */
+static void check_child(const svo_scene *scene, const svo_scene_node *nodes, uint32_t child, uint32_t depth,
+                        uint32_t *times, float box[6])
+{
+    assert_true(depth <= SVO_SCENE_DEPTH_MAX);
+    if ((child & SVO_SCENE_LEAF) != 0) {
+        const uint32_t instance = child & ~SVO_SCENE_LEAF;
+        assert_in_range(instance, 0, scene->info.instance_count - 1);
+        ++times[instance];
+        memcpy(box, &scene->boxes[instance], sizeof scene->boxes[instance]);
+        return;
+    }
+    const svo_scene_node *node = &nodes[child];
+    for (uint32_t side = 0; side < 2; ++side) {
+        float below[6];
+        check_child(scene, nodes, node->child[side], depth + 1, times, below);
+        assert_memory_equal(below, node->box + (size_t)6 * side, sizeof below);
+        if ((node->child[side] & SVO_SCENE_LEAF) == 0) {
+            assert_int_equal(nodes[node->child[side]].parent, 2 * child + side);
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            box[axis] = side == 0 || below[axis] < box[axis] ? below[axis] : box[axis];
+            box[axis + 3] = side == 0 || below[axis + 3] > box[axis + 3] ? below[axis + 3] : box[axis + 3];
+        }
+    }
+}
+
+static void the_hierarchy_holds_each_instance_once(void **state)
+{
+    (void)state;
+    static const uint32_t counts[] = {2, 3, 64, 129, 3000};
+    static svo_instance placed[3000];
+    uint64_t random = 7;
+    for (size_t k = 0; k < 2 * sizeof counts / sizeof counts[0]; ++k) {
+        const uint32_t count = counts[k / 2];
+        random_instances(&random, PLACE_SCALED, 50, placed, count);
+        for (uint32_t i = 1; i < count && k % 2 == 1; ++i) {
+            placed[i] = placed[0]; /* equal codes: their order decides */
+        }
+        svo_scene *scene = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
+        svo_scene *again = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
+        svo_scene_node *nodes = read_hierarchy(scene);
+        svo_scene_node *same = read_hierarchy(again);
+        uint32_t *times = calloc(count, sizeof *times);
+        float box[6];
+        assert_non_null(times);
+        assert_memory_equal(nodes, same, (count - 1) * sizeof *nodes);
+        check_child(scene, nodes, scene->params.root, 1, times, box);
+        for (uint32_t i = 0; i < count; ++i) {
+            assert_int_equal(times[i], 1);
+        }
+        free(times);
+        free(nodes);
+        free(same);
+        svo_scene_destroy(&scene);
+        svo_scene_destroy(&again);
+    }
+}
+
+/* ---- moving ---- */
+
+static void move_all(svo_instance *placed, uint32_t count, float *transforms, uint32_t step)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        const double angle = 0.01 * (1 + i % 7);
+        float *matrix = placed[i].transform;
+        for (int row = 0; row < 3; ++row) {
+            const float u = matrix[4 * row];
+            const float v = matrix[4 * row + 1];
+            matrix[4 * row] = (float)(cos(angle) * (double)u - sin(angle) * (double)v);
+            matrix[4 * row + 1] = (float)(sin(angle) * (double)u + cos(angle) * (double)v);
+            matrix[4 * row + 3] += 0.01F * (float)((int)((i + step + (uint32_t)row) % 5) - 2);
+        }
+        memcpy(transforms + (size_t)12 * i, matrix, sizeof placed[i].transform);
+    }
+}
+
+static void compare_with_new_scene(svo_scene *scene, const svo_instance *placed, uint32_t count, const svo_ray *rays)
+{
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit expected[RAYS];
+    svo_scene *fresh = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
+    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(&opened, fresh, rays, expected, RAYS, 0, SVO_SCENE_CLOSEST);
+    assert_same_hits("moved", count, hits, expected, sizeof hits[0]);
+    svo_scene_destroy(&fresh);
+}
+
+/* A thousand steps leave nothing behind: hits are those of a new scene, and so is a rebuilt hierarchy, byte by byte. */
+static void a_thousand_moves_are_a_new_scene(void **state)
+{
+    (void)state;
+    enum { COUNT = 150 };
+    static svo_ray rays[RAYS];
+    svo_instance placed[COUNT];
+    float transforms[12 * COUNT];
+    uint64_t random = 8;
+    random_instances(&random, PLACE_MOVED, 10, placed, COUNT);
+    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, COUNT, SVO_NEED_NONE);
+    for (uint32_t step = 0; step < 1000; ++step) {
+        const uint32_t first = step % 10;
+        move_all(placed, COUNT, transforms, step);
+        /* In two parts: the order of the calls does not matter. */
+        assert_int_equal(
+            svo_scene_set_transforms(scene, first, COUNT - first, transforms + (size_t)12 * first, opened.queue),
+            SVO_OK);
+        assert_int_equal(svo_scene_set_transforms(scene, 0, first, transforms, opened.queue), SVO_OK);
+        if (step % 250 == 249) {
+            random_scene_rays(&random, &shapes, placed, COUNT, rays, RAYS);
+            compare_with_new_scene(scene, placed, COUNT, rays);
+        }
+    }
+    assert_int_equal(svo_scene_rebuild(scene, opened.queue), SVO_OK);
+    svo_scene *fresh = make_placed_scene(&opened, &shapes, placed, COUNT, SVO_NEED_NONE);
+    svo_scene_node *nodes = read_hierarchy(scene);
+    svo_scene_node *expected = read_hierarchy(fresh);
+    assert_memory_equal(nodes, expected, (COUNT - 1) * sizeof *nodes);
+    free(nodes);
+    free(expected);
+    svo_scene_destroy(&fresh);
+    svo_scene_destroy(&scene);
+}
+
+/* ---- refusals ---- */
+
+static void expect_words(svo_status status, svo_status expected, const char *words)
+{
+    if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
+        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
+                 svo_status_name(expected), words);
+    }
+}
+
+static void bad_matrices_are_refused_and_named(void **state)
+{
+    (void)state;
+    static const struct {
+        float transform[12];
+        const char *words;
+    } bad[] = {{{NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is not finite"},
+               {{1, 0, 0, INFINITY, 0, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is not finite"},
+               {{0}, "matrix of instance 2 is flat"},
+               {{1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is flat"},
+               {{1, 1, 0, 0, 0, 1e-13F, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is flat"},
+               {{1e35F, 0, 0, 0, 0, 1e35F, 0, 0, 0, 0, 1e35F, 0}, "instance 2 or its inverse leads beyond 2^100"},
+               {{1e-35F, 0, 0, 0, 0, 1e-35F, 0, 0, 0, 0, 1e-35F, 0}, "instance 2 or its inverse leads beyond 2^100"},
+               {{1, 0, 0, 3e38F, 0, 1, 0, 0, 0, 0, 1, 0}, "instance 2 or its inverse leads beyond 2^100"}};
+    static svo_ray rays[RAYS];
+    svo_instance placed[4] = {identity, identity, identity, identity};
+    uint64_t random = 9;
+    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 4, SVO_NEED_NONE);
+    random_scene_rays(&random, &shapes, placed, 4, rays, RAYS);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        float transforms[24] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
+        svo_instance wrong[4] = {identity, identity, identity, identity};
+        svo_scene *none = NULL;
+        const svo_scene_options options = {sizeof options, shapes.handles, wrong, MODELS, 4, SVO_NEED_NONE, 0};
+        memcpy(transforms + 12, bad[i].transform, sizeof bad[i].transform);
+        memcpy(wrong[2].transform, bad[i].transform, sizeof bad[i].transform);
+        expect_words(svo_scene_set_transforms(scene, 1, 2, transforms, opened.queue), SVO_INVALID_ARGUMENT,
+                     bad[i].words);
+        expect_words(svo_scene_create(opened.device, &options, opened.queue, &none), SVO_INVALID_ARGUMENT,
+                     bad[i].words);
+        assert_null(none);
+    }
+    /* Nothing moved. A thin one, far from flat, is accepted. */
+    compare_with_new_scene(scene, placed, 4, rays);
+    const float thin[12] = {1, 1, 0, 0, 0, 1e-3F, 0, 0, 0, 0, -1e3F, 0};
+    assert_int_equal(svo_scene_set_transforms(scene, 3, 1, thin, opened.queue), SVO_OK);
+    svo_scene_destroy(&scene);
+}
+
+static void wrong_options_are_refused(void **state)
+{
+    (void)state;
+    const svo_scene_options good = {sizeof good, shapes.handles, &identity, MODELS, 1, SVO_NEED_NONE, 0};
+    svo_tree *const with_null[MODELS] = {shapes.handles[0], NULL, shapes.handles[2]};
+    const svo_instance elsewhere = {MODELS, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    svo_scene *scene = NULL;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+#define REFUSED(field, value, words)                                                                        \
+    do {                                                                                                    \
+        svo_scene_options wrong = good;                                                                     \
+        wrong.field = (value);                                                                              \
+        expect_words(svo_scene_create(opened.device, &wrong, NULL, &scene), SVO_INVALID_ARGUMENT, (words)); \
+        assert_null(scene);                                                                                 \
+    } while (0)
+    REFUSED(struct_size, 8, "struct_size is 8");
+    REFUSED(trees, NULL, "options.trees is NULL");
+    REFUSED(trees, with_null, "trees[1] is NULL");
+    REFUSED(tree_count, 0, "tree_count 0 is not in 1 .. 65536");
+    REFUSED(tree_count, SVO_SCENE_TREES_MAX + 1, "tree_count 65537");
+    REFUSED(instance_count, 0, "instance_count 0 is not in 1 .. 16777216");
+    REFUSED(instance_count, SVO_SCENE_INSTANCES_MAX + 1, "instance_count 16777217");
+    REFUSED(instances, NULL, "options.instances is NULL");
+    REFUSED(instances, &elsewhere, "the tree of instance 0 is 3, not below 3");
+    REFUSED(need, SVO_NEED_FILL, "options.need 0x10 has bits other than");
+#undef REFUSED
+    assert_int_equal(svo_scene_create(NULL, &good, NULL, &scene), SVO_INVALID_ARGUMENT);
+    expect_words(svo_scene_create(opened.device, NULL, NULL, &scene), SVO_INVALID_ARGUMENT, "options is NULL");
+    expect_words(svo_scene_create(opened.device, &good, NULL, NULL), SVO_INVALID_ARGUMENT, "scene is NULL");
+    expect_words(svo_scene_plan(opened.device, &good, NULL), SVO_INVALID_ARGUMENT, "info is NULL");
+    assert_int_equal(svo_scene_plan(NULL, &good, &info), SVO_INVALID_ARGUMENT);
+    svo_scene_destroy(NULL);
+    svo_scene_destroy(&scene);
+}
+
+static void wrong_arguments_are_refused(void **state)
+{
+    (void)state;
+    svo_scene *scene = make_placed_scene(&opened, &shapes, &identity, 1, SVO_NEED_NONE);
+    svo_ray ray = {.t_max = 1};
+    svo_scene_hit hit;
+    svo_scene_triangle_hit triangle;
+    svo_scene_info info = {.struct_size = 4};
+    expect_words(svo_scene_set_transforms(scene, 1, 1, identity.transform, NULL), SVO_INVALID_ARGUMENT,
+                 "first 1 and count 1 lead beyond the 1 instances");
+    expect_words(svo_scene_set_transforms(scene, 0xffffffffu, 2, identity.transform, NULL), SVO_INVALID_ARGUMENT,
+                 "lead beyond");
+    expect_words(svo_scene_set_transforms(scene, 0, 1, NULL, NULL), SVO_INVALID_ARGUMENT, "transforms is NULL");
+    assert_int_equal(svo_scene_set_transforms(scene, 1, 0, NULL, NULL), SVO_OK);
+    assert_int_equal(svo_scene_set_transforms(NULL, 0, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_scene_rebuild(NULL, NULL), SVO_INVALID_ARGUMENT);
+    expect_words(svo_scene_trace(scene, NULL, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "rays is NULL");
+    expect_words(svo_scene_trace(scene, &ray, NULL, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "hits is NULL");
+    expect_words(svo_scene_trace(scene, &ray, &hit, (size_t)SVO_TRACE_RAYS_MAX + 1, 0, 0, NULL), SVO_INVALID_ARGUMENT,
+                 "are above");
+    expect_words(svo_scene_trace(scene, &ray, &hit, 1, -1, 0, NULL), SVO_INVALID_ARGUMENT, "footprint -1");
+    expect_words(svo_scene_trace(scene, &ray, &hit, 1, NAN, 0, NULL), SVO_INVALID_ARGUMENT, "footprint");
+    expect_words(svo_scene_trace(scene, &ray, &hit, 1, 0, 4, NULL), SVO_INVALID_ARGUMENT, "flags 4 is not in 0 .. 3");
+    expect_words(svo_scene_trace_triangles(scene, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT,
+                 "holds no triangles");
+    expect_words(svo_scene_trace_enqueue(scene, NULL, NULL, 0, 0, 0, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT,
+                 "queue");
+    assert_int_equal(svo_scene_trace(scene, NULL, NULL, 0, 0, 0, NULL), SVO_OK);
+    assert_int_equal(svo_scene_trace(NULL, &ray, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_scene_trace_triangles(NULL, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT);
+    expect_words(svo_scene_get_info(scene, &info), SVO_INVALID_ARGUMENT, "info.struct_size");
+    assert_int_equal(svo_scene_get_info(NULL, &info), SVO_INVALID_ARGUMENT);
+    svo_scene_destroy(&scene);
+}
+
+/* ---- bytes ---- */
+
+static void a_plan_lists_what_is_allocated(void **state)
+{
+    (void)state;
+    svo_instance placed[70];
+    uint64_t random = 10;
+    random_instances(&random, PLACE_MOVED, 10, placed, 70);
+    static const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_DEFAULT,
+                                     (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR};
+    for (size_t k = 0; k < sizeof needs / sizeof needs[0]; ++k) {
+        const svo_scene_options options = {sizeof options, shapes.handles, NULL, MODELS, 70, needs[k], 0};
+        svo_scene_info planned = SVO_SCENE_INFO_INIT;
+        svo_scene_info made = SVO_SCENE_INFO_INIT;
+        assert_int_equal(svo_scene_plan(opened.device, &options, &planned), SVO_OK);
+        svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 70, needs[k]);
+        assert_int_equal(svo_scene_get_info(scene, &made), SVO_OK);
+        uint64_t bytes = 0;
+        for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
+            size_t of_buffer = 0;
+            if (scene->buffers[i] != NULL) {
+                clGetMemObjectInfo(scene->buffers[i], CL_MEM_SIZE, sizeof of_buffer, &of_buffer, NULL);
+            }
+            bytes += of_buffer;
+        }
+        assert_int_equal(made.total_bytes, bytes);
+        assert_int_equal(planned.total_bytes, bytes);
+        assert_int_equal(planned.tree_bytes + planned.instance_bytes + planned.hierarchy_bytes + planned.sort_bytes,
+                         bytes);
+        assert_int_equal(planned.tree_bytes, made.tree_bytes);
+        svo_scene_destroy(&scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_identity_is_the_tree_itself),
+        cmocka_unit_test(footprints_divide_by_the_longest_column),
+        cmocka_unit_test(normals_are_right_when_mirrored_and_scaled),
+        cmocka_unit_test(hits_are_those_of_every_instance_in_turn),
+        cmocka_unit_test(hits_agree_with_boxes_in_double),
+        cmocka_unit_test(rays_in_faces_neither_miss_nor_fail),
+        cmocka_unit_test(unsound_rays_hit_nothing),
+        cmocka_unit_test(the_hierarchy_holds_each_instance_once),
+        cmocka_unit_test(a_thousand_moves_are_a_new_scene),
+        cmocka_unit_test(bad_matrices_are_refused_and_named),
+        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(a_plan_lists_what_is_allocated),
+    };
+    return cmocka_run_group_tests_name("scenes", tests, open_all, close_all);
+}
