@@ -19,9 +19,11 @@ void models_make(const fixture *opened, models *out)
 {
     static const char *const specs[MODELS] = {"knot:1000", "cube", "statue:2000"};
     static const unsigned depths[MODELS] = {6, 3, 5};
-    const svo_plan_options options = {.need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR |
-                                              (uint32_t)SVO_NEED_NORMAL};
+    svo_plan_options options = {.need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL};
     for (int i = 0; i < MODELS; ++i) {
+        /* The cube has a grid of its own, with faces that floats hold: cells of 0.25, of which it fills 2 to 6. */
+        options.edge = i == 1 ? 2.0 : 0.0;
+        options.origin[0] = options.origin[1] = options.origin[2] = i == 1 ? -0.5 : 0.0;
         scene *made = fixture_scene(specs[i]);
         fixture_build(opened, scene_mesh(made), depths[i], &options, &out->trees[i]);
         out->handles[i] = out->trees[i].tree;
@@ -114,7 +116,7 @@ void random_scene_rays(uint64_t *random, const models *of, const svo_instance *i
             size = k % 4 < 3 ? fmax(size, fabs((double)at->transform[k])) : size;
         }
         for (int row = 0; row < 3; ++row) {
-            const float *matrix = at->transform + (size_t)4 * row;
+            const float *matrix = at->transform + (ptrdiff_t)4 * row;
             const double target = (double)matrix[0] * inside[0] + (double)matrix[1] * inside[1] +
                                   (double)matrix[2] * inside[2] + (double)matrix[3];
             out[i].origin[row] = (float)(target + away * size * grid_width(info) * spread(random, -1, 1));
