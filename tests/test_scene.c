@@ -22,55 +22,16 @@
 /* Shared by all tests: trees take longer to build than to place. */
 static fixture opened;
 static models shapes;
-static cl_kernel probe; /* svo_trace_voxel of one tree */
 
 static const svo_instance identity = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
 /* ---- a tree without a scene ---- */
 
-static const char probe_source[] =
-    "__kernel void probe(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_voxel_hit *hits,\n"
-    "                    float footprint)\n"
-    "{\n"
-    "    SVO_TREE_MAKE(tree);\n"
-    "    const svo_ray ray = rays[get_global_id(0)];\n"
-    "    svo_voxel_hit hit;\n"
-    "    svo_trace_voxel(&tree, &ray, footprint, &hit);\n"
-    "    hits[get_global_id(0)] = hit;\n"
-    "}\n";
-
-static void make_probe(void)
-{
-    const char *const sources[] = {svo_tree_kernel_source(), probe_source};
-    cl_int error = CL_SUCCESS;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened.device), 2,
-                                                   (const char **)(uintptr_t)sources, NULL, &error);
-    assert_int_equal(error, CL_SUCCESS);
-    const cl_device_id device = svo_device_cl_device(opened.device);
-    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
-    probe = clCreateKernel(program, "probe", &error);
-    assert_int_equal(error, CL_SUCCESS);
-    clReleaseProgram(program);
-}
-
 static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo_voxel_hit *hits, size_t count)
 {
-    cl_int error = CL_SUCCESS;
-    cl_context context = svo_device_cl_context(opened.device);
-    cl_mem in = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count * sizeof *rays,
-                               (void *)(uintptr_t)rays, &error);
-    assert_int_equal(error, CL_SUCCESS);
-    cl_mem out = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof *hits, NULL, &error);
-    assert_int_equal(error, CL_SUCCESS);
-    assert_int_equal(svo_tree_set_args(tree, probe, 0), SVO_OK);
-    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS, sizeof in, &in), CL_SUCCESS);
-    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS + 1, sizeof out, &out), CL_SUCCESS);
-    assert_int_equal(clSetKernelArg(probe, SVO_TREE_ARGUMENTS + 2, sizeof footprint, &footprint), CL_SUCCESS);
-    assert_int_equal(clEnqueueNDRangeKernel(opened.queue, probe, 1, NULL, &count, NULL, 0, NULL, NULL), CL_SUCCESS);
-    assert_int_equal(clEnqueueReadBuffer(opened.queue, out, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL),
-                     CL_SUCCESS);
-    clReleaseMemObject(in);
-    clReleaseMemObject(out);
+    if (svo_tree_trace_voxels(tree, rays, hits, count, footprint, opened.queue) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened.device));
+    }
 }
 
 static int open_all(void **state)
@@ -78,14 +39,12 @@ static int open_all(void **state)
     (void)state;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     models_make(&opened, &shapes);
-    make_probe();
     return 0;
 }
 
 static int close_all(void **state)
 {
     (void)state;
-    clReleaseKernel(probe);
     models_destroy(&shapes);
     fixture_close(&opened);
     return 0;
@@ -430,9 +389,9 @@ static svo_scene_node *read_hierarchy(const svo_scene *scene)
     const size_t bytes = (scene->info.instance_count - 1) * sizeof(svo_scene_node);
     svo_scene_node *nodes = malloc(bytes);
     assert_non_null(nodes);
-    assert_int_equal(
-        clEnqueueReadBuffer(opened.queue, scene->buffers[SVO_I_SCENE_NODES], CL_TRUE, 0, bytes, nodes, 0, NULL, NULL),
-        CL_SUCCESS);
+    assert_int_equal(clEnqueueReadBuffer(opened.queue, scene->buffers[SVO_I_SCENE_HIERARCHY], CL_TRUE, 0, bytes, nodes,
+                                         0, NULL, NULL),
+                     CL_SUCCESS);
     return nodes;
 }
 
@@ -592,7 +551,7 @@ static void bad_matrices_are_refused_and_named(void **state)
         float transforms[24] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
         svo_instance wrong[4] = {identity, identity, identity, identity};
         svo_scene *none = NULL;
-        const svo_scene_options options = {sizeof options, shapes.handles, wrong, MODELS, 4, SVO_NEED_NONE, 0};
+        const svo_scene_options options = {sizeof options, shapes.handles, NULL, wrong, MODELS, 4, SVO_NEED_NONE, 0};
         memcpy(transforms + 12, bad[i].transform, sizeof bad[i].transform);
         memcpy(wrong[2].transform, bad[i].transform, sizeof bad[i].transform);
         expect_words(svo_scene_set_transforms(scene, 1, 2, transforms, opened.queue), SVO_INVALID_ARGUMENT,
@@ -611,7 +570,7 @@ static void bad_matrices_are_refused_and_named(void **state)
 static void wrong_options_are_refused(void **state)
 {
     (void)state;
-    const svo_scene_options good = {sizeof good, shapes.handles, &identity, MODELS, 1, SVO_NEED_NONE, 0};
+    const svo_scene_options good = {sizeof good, shapes.handles, NULL, &identity, MODELS, 1, SVO_NEED_NONE, 0};
     svo_tree *const with_null[MODELS] = {shapes.handles[0], NULL, shapes.handles[2]};
     const svo_instance elsewhere = {MODELS, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     svo_scene *scene = NULL;
@@ -624,7 +583,7 @@ static void wrong_options_are_refused(void **state)
         assert_null(scene);                                                                                 \
     } while (0)
     REFUSED(struct_size, 8, "struct_size is 8");
-    REFUSED(trees, NULL, "options.trees is NULL");
+    REFUSED(trees, NULL, "options.trees and options.compacts are NULL");
     REFUSED(trees, with_null, "trees[1] is NULL");
     REFUSED(tree_count, 0, "tree_count 0 is not in 1 .. 65536");
     REFUSED(tree_count, SVO_SCENE_TREES_MAX + 1, "tree_count 65537");
@@ -689,7 +648,7 @@ static void a_plan_lists_what_is_allocated(void **state)
     static const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_DEFAULT,
                                      (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR};
     for (size_t k = 0; k < sizeof needs / sizeof needs[0]; ++k) {
-        const svo_scene_options options = {sizeof options, shapes.handles, NULL, MODELS, 70, needs[k], 0};
+        const svo_scene_options options = {sizeof options, shapes.handles, NULL, NULL, MODELS, 70, needs[k], 0};
         svo_scene_info planned = SVO_SCENE_INFO_INIT;
         svo_scene_info made = SVO_SCENE_INFO_INIT;
         assert_int_equal(svo_scene_plan(opened.device, &options, &planned), SVO_OK);

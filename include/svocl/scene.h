@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/compact.h"
 #include "svocl/scene_types.h"
 #include "svocl/trace.h"
 
@@ -39,11 +40,15 @@ typedef struct svo_scene svo_scene;
 typedef struct svo_scene_options {
     size_t struct_size; /**< sizeof(svo_scene_options) */
     svo_tree *const *trees; /**< tree_count trees on the scene's device; the scene copies what it needs of them */
+    /** In place of trees, which is then NULL: compact trees, all of one form, made with the same directory_step_log2,
+     *  and either all or none with payload that differs between nodes. */
+    svo_compact *const *compacts;
     const svo_instance *instances; /**< instance_count */
     uint32_t tree_count; /**< 1 .. SVO_SCENE_TREES_MAX */
     uint32_t instance_count; /**< 1 .. SVO_SCENE_INSTANCES_MAX */
     /** What of the trees to copy besides their nodes, bits of svo_need: SVO_NEED_COLOR and SVO_NEED_NORMAL for pictures,
-     *  of trees that hold them on all levels; SVO_NEED_RAYS for triangles, which every tree must then hold. */
+     *  of those trees that hold them on all levels; SVO_NEED_RAYS for triangles, which every tree must then hold.
+     *  SVO_NEED_DEFAULT: colors and normals. SVO_NEED_NONE: nothing. */
     uint32_t need;
     uint32_t reserved; /**< zero */
 } svo_scene_options;
@@ -133,7 +138,7 @@ typedef enum svo_scene_flags {
 
 /** Traces rays against the voxels of a scene.
  *
- * Each instance's hit is that of svo_trace_voxel (trace.h) for the ray in the tree. A footprint divides by the length
+ * Each instance's hit is that of svo_tree_trace_voxels or svo_compact_trace for the ray in the tree. A footprint divides by the length
  * of the matrix's longest column: nodes are drawn as leaves when the instance shows them smaller than a pixel. The
  * first call of a device handle compiles the kernel; later calls allocate nothing on the device.
  *

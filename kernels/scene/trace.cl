@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rays from a buffer through a scene, hits into a buffer. With -DSVO_SCENE_TRIANGLES the hits are of triangles, else of
- * voxels.
+ * voxels. The options of read.clh select how nodes are read.
  *
  * Launch: one work-item per ray, one dimension, rounded up to whole groups. Reads the scene and the rays; writes one
  * record per ray. No atomics, no local memory.
@@ -51,10 +51,10 @@ static svo_scene_hit svo_scene_record(const svo_scene *scene, const svo_scene_se
 #endif
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scene_trace(SVO_SCENE_PARAMETERS, __global const svo_ray *rays, __global SVO_SCENE_RECORD *hits)
+svo_k_scene_trace(SVO_SCENE_PARAMETERS, __global const svo_ray *rays, __global SVO_SCENE_RECORD *hits, uint ray_count)
 {
     const uint i = (uint)get_global_id(0);
-    if (i >= svo_params.ray_count) {
+    if (i >= ray_count) {
         return;
     }
     SVO_SCENE_MAKE(scene);

@@ -151,6 +151,19 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 reserved[3]; /* 68 */
 };
 
+/* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
+SVO_RECORD(svo_compact_params)
+{
+    SVO_U32 first_node; /* 0: of the launch's nodes */
+    SVO_U32 node_count; /* 4 */
+    SVO_U32 child_begin; /* 8: the first node of the next level */
+    SVO_U32 payload_parents; /* 12: the first inner node whose children have payload */
+    SVO_U32 payload_begin; /* 16: what first_payload has for the first node that has payload */
+    SVO_U32 root_payload; /* 20: 1: the root has payload, else 0 */
+    SVO_U32 element_halves; /* 24: of a payload array, in units of two bytes */
+    SVO_U32 keep_below; /* 28: not 0: the next level is visited too */
+};
+
 /* One material. 32 bytes. */
 SVO_RECORD(svo_material_record)
 {
@@ -236,13 +249,13 @@ SVO_RECORD(svo_ray_node)
 /* Where a tree lies in the scene's buffers. 32 bytes. */
 SVO_RECORD(svo_scene_tree)
 {
-    SVO_U32 inner_begin; /* 0: its first entry of child_mask and first_child, which count from its own root */
-    SVO_U32 color_begin; /* 4: its first color, in colors */
-    SVO_U32 normal_begin; /* 8: its first normal, in normals */
-    SVO_U32 flags; /* 12: SVO_SCENE_TREE_* */
-    SVO_U32 node_begin; /* 16: the root of its BVH */
-    SVO_U32 leaf_begin; /* 20: its BVH's first leaf, in units of 16 bytes */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32
+        begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root; see svo_cast_shift */
+    SVO_U32 color_begin; /* 12: its first color, in colors */
+    SVO_U32 normal_begin; /* 16: its first normal, in normals */
+    SVO_U32 flags; /* 20: SVO_SCENE_TREE_* */
+    SVO_U32 node_begin; /* 24: the root of its BVH */
+    SVO_U32 leaf_begin; /* 28: its BVH's first leaf, in units of 16 bytes */
 };
 #define SVO_SCENE_TREE_COLORS     1u
 #define SVO_SCENE_TREE_ONE_COLOR  2u /* for all nodes */
@@ -271,18 +284,17 @@ SVO_RECORD(svo_scene_node)
     SVO_U32 reserved; /* 60 */
 };
 
-/* Arguments of the scene's kernels. 48 bytes. */
+/* Arguments of the scene's kernels. 40 bytes. */
 SVO_RECORD(svo_scene_params)
 {
     SVO_U32 instance_count; /* 0 */
     SVO_U32 root; /* 4: as svo_scene_node.child */
     SVO_F32 reach; /* 8: no box has a coordinate beyond this */
     SVO_F32 footprint; /* 12: of the rays */
-    SVO_U32 ray_count; /* 16 */
-    SVO_U32 flags; /* 20: svo_scene_flags */
-    SVO_F32 code_low[3]; /* 24: the least center of a box */
-    SVO_F32 code_scale; /* 36: cells of the Morton codes per world unit */
-    SVO_U32 reserved[2]; /* 40 */
+    SVO_U32 flags; /* 16: svo_scene_flags */
+    SVO_F32 code_low[3]; /* 20: the least center of a box */
+    SVO_F32 code_scale; /* 32: cells of the Morton codes per world unit */
+    SVO_U32 reserved; /* 36 */
 };
 
 /* A picture of a scene. World coordinates. 112 bytes. */
@@ -311,6 +323,7 @@ SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 80);
+SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
@@ -318,7 +331,7 @@ SVO_ASSERT_BYTES(svo_ray_node, 128);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);
-SVO_ASSERT_BYTES(svo_scene_params, 48);
+SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 #endif
 

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Cameras: the frame of a view, the box that it shows, the light that goes with it. */
+/* Cameras: their frames, and the camera that frames a tree. */
 #include "rays/camera.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "core/tree.h"
+
+/* The deepest level that is searched for the bounds of the occupied part. */
+#define BOUNDS_LEVEL_MAX 6u
 
 /* ---- vectors ---- */
 
@@ -53,6 +58,56 @@ bool svo_i_view_from_camera(const svo_camera *camera, svo_i_view *out)
 }
 
 /* ---- framing ---- */
+
+/* A box of cells on one level. */
+typedef struct cell_bounds {
+    uint32_t low[3], high[3]; /* high: one past the last cell */
+} cell_bounds;
+
+/* The tree's nodes on the host; NULL where the tree has no host arrays. */
+typedef struct node_arrays {
+    const uint8_t *child_mask;
+    const uint32_t *first_child;
+} node_arrays;
+
+static void extend_bounds(const node_arrays *arrays, uint32_t node, uint32_t levels_left, const uint32_t cell[3],
+                          cell_bounds *bounds)
+{
+    if (levels_left == 0) {
+        for (int axis = 0; axis < 3; ++axis) {
+            bounds->low[axis] = cell[axis] < bounds->low[axis] ? cell[axis] : bounds->low[axis];
+            bounds->high[axis] = cell[axis] >= bounds->high[axis] ? cell[axis] + 1 : bounds->high[axis];
+        }
+        return;
+    }
+    uint32_t child = arrays->first_child[node];
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        if ((arrays->child_mask[node] >> octant & 1) != 0) {
+            const uint32_t inner[3] = {2 * cell[0] + (octant & 1), 2 * cell[1] + (octant >> 1 & 1),
+                                       2 * cell[2] + (octant >> 2)};
+            extend_bounds(arrays, child, levels_left - 1, inner, bounds);
+            ++child;
+        }
+    }
+}
+
+/* The occupied part in world coordinates; the whole grid without host arrays or leaves. */
+static void occupied_bounds(const svo_tree *tree, double low[3], double high[3])
+{
+    const uint32_t level = tree->info.depth < BOUNDS_LEVEL_MAX ? tree->info.depth : BOUNDS_LEVEL_MAX;
+    const uint32_t cells = 1u << level;
+    cell_bounds bounds = {{0, 0, 0}, {cells, cells, cells}};
+    const node_arrays arrays = {tree->host[SVO_TREE_CHILD_MASK], tree->host[SVO_TREE_FIRST_CHILD]};
+    if (arrays.child_mask != NULL && arrays.first_child != NULL && tree->info.leaf_count > 0) {
+        bounds = (cell_bounds){{cells, cells, cells}, {0, 0, 0}};
+        const uint32_t root[3] = {0, 0, 0};
+        extend_bounds(&arrays, 0, level, root, &bounds);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = tree->info.origin[axis] + tree->info.edge * bounds.low[axis] / cells;
+        high[axis] = tree->info.origin[axis] + tree->info.edge * bounds.high[axis] / cells;
+    }
+}
 
 /* A corner of a box as a camera at distance sees it: tangents to the right and upwards, and depth past the target. */
 typedef struct seen_corner {
@@ -133,6 +188,14 @@ void svo_i_camera_frame(const double low[3], const double high[3], float aspect,
         camera->target[axis] = (float)target[axis];
         camera->eye[axis] = (float)(target[axis] - distance * looking.forward[axis]);
     }
+}
+
+void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
+{
+    double low[3];
+    double high[3];
+    occupied_bounds(tree, low, high);
+    svo_i_camera_frame(low, high, aspect, camera);
 }
 
 /* ---- light ---- */

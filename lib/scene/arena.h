@@ -3,19 +3,18 @@
 #ifndef SVO_LIB_SCENE_ARENA_H
 #define SVO_LIB_SCENE_ARENA_H
 
-#include "scene/state.h"
+#include "scene/source.h"
 
 /* Where the trees go, and how much they take. */
 typedef struct svo_i_arena {
-    svo_tree *const *trees;
     uint32_t tree_count;
-    uint32_t need; /* svo_need bits that are copied */
-    svo_scene_tree *places; /* owned */
-    svo_ray_params *params; /* owned */
+    svo_i_scene_source *sources; /* owned, like the next two; tree_count each */
+    svo_scene_tree *places;
+    svo_ray_params *params;
     uint64_t bytes[SVO_I_SCENE_BUFFERS]; /* of the trees' buffers; 0 elsewhere */
 } svo_i_arena;
 
-/* Checks the trees and lays them out. With SVO_NEED_RAYS it makes their BVHs. The caller frees *out in either case. */
+/* Checks the trees and lays them out. The caller frees *out in either case. */
 svo_status svo_i_arena_plan(svo_device *device, const char *function, const svo_scene_options *options,
                             svo_i_arena *out);
 void svo_i_arena_free(svo_i_arena *arena);

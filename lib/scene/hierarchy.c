@@ -22,7 +22,7 @@ void svo_i_hierarchy_plan(uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BU
     if (count < 2) {
         return; /* the instance is the root */
     }
-    bytes[SVO_I_SCENE_NODES] = (count - 1) * sizeof(svo_scene_node);
+    bytes[SVO_I_SCENE_HIERARCHY] = (count - 1) * sizeof(svo_scene_node);
     bytes[SVO_I_SCENE_PARENTS] = count * sizeof(cl_uint);
     bytes[SVO_I_SCENE_ARRIVALS] = (count - 1) * sizeof(cl_uint);
     bytes[SVO_I_SCENE_LIST] = count * SVO_FRAGMENT_WORDS_48 * sizeof(cl_uint);
@@ -194,7 +194,7 @@ static svo_status refit(chain *c)
     const cl_mem *buffers = scene->buffers;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_INSTANCES]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARENTS]),
-                                        SVO_I_ARGUMENT(buffers[SVO_I_SCENE_NODES]),
+                                        SVO_I_ARGUMENT(buffers[SVO_I_SCENE_HIERARCHY]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_ARRIVALS]), SVO_I_ARGUMENT(scene->params)};
     return run(c, "svo_k_scene_refit", SVO_I_ARGUMENTS(arguments), scene->info.instance_count);
 }
@@ -210,7 +210,7 @@ static svo_status build(chain *c)
         SVO_I_TRY(sort_pass(c, shift));
     }
     const svo_i_argument link[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_LIST]),
-                                   SVO_I_ARGUMENT(buffers[SVO_I_SCENE_NODES]),
+                                   SVO_I_ARGUMENT(buffers[SVO_I_SCENE_HIERARCHY]),
                                    SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARENTS]), SVO_I_ARGUMENT(scene->params)};
     SVO_I_TRY(run(c, "svo_k_scene_link", SVO_I_ARGUMENTS(link), scene->info.instance_count - 1));
     return refit(c);

@@ -150,12 +150,14 @@ static svo_status prepare(const svo_scene *scene, const svo_scene_picture *pictu
     SVO_I_TRY(svo_i_device_buffer(device, function_name, "lights", CL_MEM_READ_ONLY,
                                   SVO_SCENE_LIGHTS_MAX * sizeof(svo_scene_light), &out->lights));
     SVO_I_TRY(svo_i_device_buffer(device, function_name, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
-    SVO_I_TRY(svo_i_program_get(device, function_name, SVO_I_PROGRAM_SCENE_CAST, "", &program, NULL));
+    SVO_I_TRY(svo_i_program_get(device, function_name, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(device, function_name, program, "svo_k_scene_render", &out->kernel));
     const svo_i_argument others[] = {SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]),
                                      SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]), SVO_I_ARGUMENT(out->picture),
                                      SVO_I_ARGUMENT(out->lights), SVO_I_ARGUMENT(out->pixels)};
-    return svo_i_scene_set_args(scene, function_name, out->kernel, &scene->params, SVO_I_ARGUMENTS(others));
+    SVO_I_TRY(svo_i_scene_set_args(scene, function_name, out->kernel, 0, &scene->params));
+    return svo_i_kernel_set_from(device, function_name, out->kernel, svo_i_scene_arguments(scene),
+                                 SVO_I_ARGUMENTS(others));
 }
 
 static svo_status draw(const svo_scene *scene, cl_command_queue queue, const drawing *drawn,

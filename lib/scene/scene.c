@@ -20,8 +20,9 @@
 
 static svo_status check_options(svo_device *device, const char *function, const svo_scene_options *options)
 {
-    if (options->trees == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.trees is NULL", function);
+    if ((options->trees == NULL) == (options->compacts == NULL)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.trees and options.compacts are %s",
+                                 function, options->trees == NULL ? "NULL" : "both given");
     }
     if (options->tree_count < 1 || options->tree_count > SVO_SCENE_TREES_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.tree_count %u is not in 1 .. %u", function,
@@ -61,7 +62,7 @@ static svo_scene_info describe(const svo_scene_options *options, const uint64_t 
                            .need = options->need};
     for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
         uint64_t *sum = i == SVO_I_SCENE_INSTANCES ? &info.instance_bytes
-                        : i == SVO_I_SCENE_NODES || i == SVO_I_SCENE_PARENTS || i == SVO_I_SCENE_ARRIVALS
+                        : i == SVO_I_SCENE_HIERARCHY || i == SVO_I_SCENE_PARENTS || i == SVO_I_SCENE_ARRIVALS
                             ? &info.hierarchy_bytes
                         : i >= SVO_I_SCENE_LIST ? &info.sort_bytes
                                                 : &info.tree_bytes;
@@ -80,7 +81,7 @@ svo_status svo_scene_plan(svo_device *device, const svo_scene_options *options, 
 {
     static const char function[] = "svo_scene_plan";
     svo_scene_options asked;
-    svo_i_arena arena = {.places = NULL};
+    svo_i_arena arena = {.sources = NULL};
     svo_status status = SVO_OK;
     if (device == NULL) {
         return SVO_INVALID_ARGUMENT;
@@ -101,9 +102,9 @@ cleanup:
 static svo_status allocate(svo_scene *scene, const char *function, const uint64_t bytes[SVO_I_SCENE_BUFFERS])
 {
     static const char *const names[SVO_I_SCENE_BUFFERS] = {
-        "child_mask", "first_child", "ray_nodes",   "ray_leaves",  "tree_params", "trees",
-        "instances",  "nodes",       "colors",      "normals",     "parents",     "arrivals",
-        "codes",      "codes",       "sort_counts", "sort_counts", "partials"};
+        "nodes",     "nodes",     "nodes",       "ray_nodes",   "ray_leaves", "tree_params", "trees",
+        "instances", "hierarchy", "colors",      "normals",     "bounds",     "parents",     "arrivals",
+        "codes",     "codes",     "sort_counts", "sort_counts", "partials"};
     for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
         if (bytes[i] > 0) {
             SVO_I_TRY(svo_i_device_buffer(scene->device, function, names[i], CL_MEM_READ_WRITE, (size_t)bytes[i],
@@ -201,6 +202,8 @@ static svo_status make(svo_scene *scene, const char *function, const svo_scene_o
     SVO_I_TRY(svo_i_arena_plan(scene->device, function, options, arena));
     svo_i_hierarchy_plan(options->instance_count, arena->bytes);
     scene->info = describe(options, arena->bytes);
+    scene->form = arena->sources[0].form;
+    scene->node_buffers = options->compacts != NULL ? SVO_I_SCENE_NODE_BUFFERS : 2;
     SVO_I_TRY(svo_i_device_queue(scene->device, function, queue, &queue));
     SVO_I_TRY(allocate_host(scene, function));
     SVO_I_TRY(allocate(scene, function, arena->bytes));
@@ -215,7 +218,7 @@ svo_status svo_scene_create(svo_device *device, const svo_scene_options *options
 {
     static const char function[] = "svo_scene_create";
     svo_scene_options asked;
-    svo_i_arena arena = {.places = NULL};
+    svo_i_arena arena = {.sources = NULL};
     svo_scene *made = NULL;
     svo_status status = SVO_OK;
     if (device == NULL) {

@@ -9,17 +9,21 @@ svo_status svo_i_scene_check(const svo_scene *scene, const char *function)
                        : SVO_OK;
 }
 
-svo_status svo_i_scene_set_args(const svo_scene *scene, const char *function, cl_kernel kernel,
-                                const svo_scene_params *params, const svo_i_argument *others, cl_uint other_count)
+cl_uint svo_i_scene_arguments(const svo_scene *scene)
 {
-    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1 + 8];
+    return scene->node_buffers + (SVO_I_SCENE_ARGUMENT_BUFFERS - SVO_I_SCENE_NODE_BUFFERS) + 1;
+}
+
+svo_status svo_i_scene_set_args(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
+                                const svo_scene_params *params)
+{
+    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1];
     cl_uint count = 0;
-    for (; count < SVO_I_SCENE_ARGUMENT_BUFFERS; ++count) {
-        arguments[count] = SVO_I_ARGUMENT(scene->buffers[count]);
+    for (cl_uint i = 0; i < SVO_I_SCENE_ARGUMENT_BUFFERS; ++i) {
+        if (i < scene->node_buffers || i >= SVO_I_SCENE_NODE_BUFFERS) {
+            arguments[count++] = SVO_I_ARGUMENT(scene->buffers[i]);
+        }
     }
     arguments[count++] = (svo_i_argument){sizeof *params, params, false};
-    for (cl_uint i = 0; i < other_count && count < sizeof arguments / sizeof arguments[0]; ++i) {
-        arguments[count++] = others[i];
-    }
-    return svo_i_kernel_set(scene->device, function, kernel, arguments, count);
+    return svo_i_kernel_set_from(scene->device, function, kernel, first_index, arguments, count);
 }
