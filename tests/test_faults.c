@@ -385,6 +385,44 @@ static svo_status run_render(subject *of)
     return SVO_OK;
 }
 
+/* A picture, voxels and triangles of a scene that was moved and rebuilt. */
+static svo_status use_scene(subject *of, svo_scene *scene)
+{
+    static const float moved[12] = {0, 1, 0, 0.25F, 1, 0, 0, 0, 0, 0, 2, 0};
+    svo_scene_hit hits[RAYS];
+    svo_scene_triangle_hit triangles[RAYS];
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4] = {0};
+    svo_scene_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
+    TRY_TOLD(svo_scene_set_transforms(scene, 1, 1, moved, world.queue));
+    TRY_TOLD(svo_scene_rebuild(scene, world.queue));
+    TRY_TOLD(svo_scene_trace(scene, world.rays, hits, RAYS, 0.0F, SVO_SCENE_CLOSEST, world.queue));
+    digest(of, hits, sizeof hits);
+    TRY_TOLD(svo_scene_trace_triangles(scene, world.rays, triangles, RAYS, SVO_SCENE_CLOSEST, world.queue));
+    digest(of, triangles, sizeof triangles);
+    svo_scene_camera_frame(scene, 1.0F, &options.camera);
+    TRY_TOLD(svo_scene_render(scene, &options, world.queue, picture));
+    digest(of, picture, sizeof picture);
+    return SVO_OK;
+}
+
+static svo_status run_scene(subject *of)
+{
+    static const svo_instance instances[3] = {{0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                              {0, {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}},
+                                              {0, {2, 0, 0, 1, 0, 2, 0, 0, 0, 0, -2, 0}}};
+    const svo_scene_options options = {.struct_size = sizeof options,
+                                       .trees = &of->tree,
+                                       .instances = instances,
+                                       .tree_count = 1,
+                                       .instance_count = 3,
+                                       .need = SVO_NEED_RAYS};
+    svo_scene *scene = NULL;
+    TRY_TOLD(svo_scene_create(world.device, &options, world.queue, &scene));
+    const svo_status status = use_scene(of, scene);
+    svo_scene_destroy(&scene);
+    return status;
+}
+
 /* The caller's buffers and event. */
 static void prepare_ray_buffers(subject *of)
 {
@@ -906,6 +944,7 @@ static const scenario scenarios[] = {
     {"rays_enqueue", false, false, prepare_ray_buffers, run_rays_enqueue, NULL, cleanup_ray_buffers},
     {"set_args", false, false, prepare_tree, run_set_args, NULL, destroy_all},
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
+    {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
     {"upload", false, false, prepare_loaded, run_upload, NULL, destroy_all},

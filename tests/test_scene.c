@@ -34,6 +34,14 @@ static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo
     }
 }
 
+static void expect_words(svo_status status, svo_status expected, const char *words)
+{
+    if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
+        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
+                 svo_status_name(expected), words);
+    }
+}
+
 static int open_all(void **state)
 {
     (void)state;
@@ -382,6 +390,107 @@ static void unsound_rays_hit_nothing(void **state)
     svo_scene_destroy(&scene);
 }
 
+/* ---- compact trees ---- */
+
+static void make_compacts(svo_form form, svo_compact *out[MODELS])
+{
+    const svo_compact_options options = {.struct_size = sizeof options, .form = form};
+    for (int i = 0; i < MODELS; ++i) {
+        if (svo_compact_create(opened.device, shapes.handles[i], &options, opened.queue, &out[i]) != SVO_OK) {
+            fail_msg("%s", svo_device_message(opened.device));
+        }
+    }
+}
+
+static svo_scene *place_compacts(svo_compact *const *compacts, const svo_instance *instances, uint32_t count)
+{
+    const svo_scene_options options = {.struct_size = sizeof options,
+                                       .compacts = compacts,
+                                       .tree_count = MODELS,
+                                       .instances = instances,
+                                       .instance_count = count};
+    svo_scene *made = NULL;
+    if (svo_scene_create(opened.device, &options, opened.queue, &made) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened.device));
+    }
+    return made;
+}
+
+/* Every form gives the hits of the built trees: all but the place of the payload is the same. */
+static void compact_trees_are_placed_as_built_ones(void **state)
+{
+    (void)state;
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit expected[RAYS];
+    static svo_voxel_hit own[RAYS];
+    svo_instance placed[90];
+    uint64_t random = 11;
+    random_instances(&random, PLACE_SHEARED, 400, placed, 90);
+    svo_scene *built_trees = make_placed_scene(&opened, &shapes, placed, 90, SVO_NEED_NONE);
+    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+        svo_compact *compacts[MODELS];
+        make_compacts((svo_form)form, compacts);
+        svo_scene *scene = place_compacts(compacts, placed, 90);
+        random_scene_rays(&random, &shapes, placed, 90, rays, RAYS);
+        for (int k = 0; k < 3; ++k) {
+            const float footprint = k == 1 ? 0.02F : 0.0F;
+            trace_scene(&opened, scene, rays, hits, RAYS, footprint,
+                        k == 2 ? SVO_SCENE_EVERY_INSTANCE : SVO_SCENE_CLOSEST);
+            trace_scene(&opened, built_trees, rays, expected, RAYS, footprint, SVO_SCENE_CLOSEST);
+            for (size_t i = 0; i < RAYS; ++i) {
+                hits[i].node = expected[i].node;
+            }
+            assert_same_hits(svo_form_name((svo_form)form), 90, hits, expected, sizeof hits[0]);
+        }
+        svo_scene_destroy(&scene);
+        scene = place_compacts(compacts, &identity, 1);
+        random_scene_rays(&random, &shapes, &identity, 1, rays, RAYS);
+        trace_scene(&opened, scene, rays, hits, RAYS, 0.01F, SVO_SCENE_CLOSEST);
+        assert_int_equal(svo_compact_trace(compacts[0], rays, own, RAYS, 0.01F, opened.queue), SVO_OK);
+        for (size_t i = 0; i < RAYS; ++i) {
+            assert_same_hit(i, &hits[i], &own[i]);
+        }
+        svo_scene_destroy(&scene);
+        for (int i = 0; i < MODELS; ++i) {
+            svo_compact_destroy(&compacts[i]);
+        }
+    }
+    svo_scene_destroy(&built_trees);
+}
+
+static void mixed_forms_are_refused(void **state)
+{
+    (void)state;
+    svo_compact *some[MODELS];
+    svo_compact *others[MODELS];
+    svo_scene *scene = NULL;
+    make_compacts(SVO_FORM_DESCRIPTOR, some);
+    make_compacts(SVO_FORM_IMPLIED, others);
+    svo_compact *const mixed[MODELS] = {some[0], some[1], others[2]};
+    svo_compact *const with_null[MODELS] = {some[0], NULL, some[2]};
+    svo_scene_options options = {.struct_size = sizeof options,
+                                 .compacts = mixed,
+                                 .instances = &identity,
+                                 .tree_count = MODELS,
+                                 .instance_count = 1};
+    expect_words(svo_scene_create(opened.device, &options, NULL, &scene), SVO_INVALID_ARGUMENT,
+                 "compacts[2] differs from the first in form");
+    options.compacts = with_null;
+    expect_words(svo_scene_create(opened.device, &options, NULL, &scene), SVO_INVALID_ARGUMENT, "compacts[1] is NULL");
+    options.compacts = some;
+    options.need = SVO_NEED_RAYS;
+    expect_words(svo_scene_create(opened.device, &options, NULL, &scene), SVO_INVALID_ARGUMENT,
+                 "compacts[0] has no triangles");
+    options.trees = shapes.handles;
+    expect_words(svo_scene_create(opened.device, &options, NULL, &scene), SVO_INVALID_ARGUMENT, "both given");
+    assert_null(scene);
+    for (int i = 0; i < MODELS; ++i) {
+        svo_compact_destroy(&some[i]);
+        svo_compact_destroy(&others[i]);
+    }
+}
+
 /* ---- the hierarchy ---- */
 
 static svo_scene_node *read_hierarchy(const svo_scene *scene)
@@ -519,14 +628,6 @@ static void a_thousand_moves_are_a_new_scene(void **state)
 }
 
 /* ---- refusals ---- */
-
-static void expect_words(svo_status status, svo_status expected, const char *words)
-{
-    if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
-        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
-                 svo_status_name(expected), words);
-    }
-}
 
 static void bad_matrices_are_refused_and_named(void **state)
 {
@@ -681,6 +782,8 @@ int main(void)
         cmocka_unit_test(hits_agree_with_boxes_in_double),
         cmocka_unit_test(rays_in_faces_neither_miss_nor_fail),
         cmocka_unit_test(unsound_rays_hit_nothing),
+        cmocka_unit_test(compact_trees_are_placed_as_built_ones),
+        cmocka_unit_test(mixed_forms_are_refused),
         cmocka_unit_test(the_hierarchy_holds_each_instance_once),
         cmocka_unit_test(a_thousand_moves_are_a_new_scene),
         cmocka_unit_test(bad_matrices_are_refused_and_named),
