@@ -13,9 +13,13 @@
 #include "scene_check.h"
 #include "scenes.h"
 
+fixture opened;
+models shapes;
+const svo_instance identity = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+
 /* ---- models ---- */
 
-void models_make(const fixture *opened, models *out)
+void models_make(models *out)
 {
     static const char *const specs[MODELS] = {"knot:1000", "cube", "statue:2000"};
     static const unsigned depths[MODELS] = {6, 3, 5};
@@ -25,7 +29,7 @@ void models_make(const fixture *opened, models *out)
         options.edge = i == 1 ? 2.0 : 0.0;
         options.origin[0] = options.origin[1] = options.origin[2] = i == 1 ? -0.5 : 0.0;
         scene *made = fixture_scene(specs[i]);
-        fixture_build(opened, scene_mesh(made), depths[i], &options, &out->trees[i]);
+        fixture_build(&opened, scene_mesh(made), depths[i], &options, &out->trees[i]);
         out->handles[i] = out->trees[i].tree;
         scene_destroy(&made);
     }
@@ -127,8 +131,7 @@ void random_scene_rays(uint64_t *random, const models *of, const svo_instance *i
     }
 }
 
-svo_scene *make_placed_scene(const fixture *opened, const models *of, const svo_instance *instances, uint32_t count,
-                             uint32_t need)
+svo_scene *make_placed_scene(const models *of, const svo_instance *instances, uint32_t count, uint32_t need)
 {
     const svo_scene_options options = {.struct_size = sizeof options,
                                        .trees = of->handles,
@@ -137,18 +140,18 @@ svo_scene *make_placed_scene(const fixture *opened, const models *of, const svo_
                                        .instance_count = count,
                                        .need = need};
     svo_scene *made = NULL;
-    if (svo_scene_create(opened->device, &options, opened->queue, &made) != SVO_OK) {
-        fail_msg("%s", svo_device_message(opened->device));
+    if (svo_scene_create(opened.device, &options, opened.queue, &made) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened.device));
     }
     return made;
 }
 
-void trace_scene(const fixture *opened, svo_scene *traced, const svo_ray *rays, svo_scene_hit *hits, size_t count,
-                 float footprint, uint32_t flags)
+void trace_scene(svo_scene *traced, const svo_ray *rays, svo_scene_hit *hits, size_t count, float footprint,
+                 uint32_t flags)
 {
     memset(hits, 0x5a, count * sizeof *hits);
-    if (svo_scene_trace(traced, rays, hits, count, footprint, flags, opened->queue) != SVO_OK) {
-        fail_msg("%s", svo_device_message(opened->device));
+    if (svo_scene_trace(traced, rays, hits, count, footprint, flags, opened.queue) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened.device));
     }
 }
 
@@ -261,4 +264,56 @@ reference_hit reference_closest(const models *of, const svo_instance *instances,
         }
     }
     return best;
+}
+
+/* ---- what tests share ---- */
+
+int scene_group_open(void **state)
+{
+    (void)state;
+    fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
+    models_make(&shapes);
+    return 0;
+}
+
+int scene_group_close(void **state)
+{
+    (void)state;
+    models_destroy(&shapes);
+    fixture_close(&opened);
+    return 0;
+}
+
+void expect_words(svo_status status, svo_status expected, const char *words)
+{
+    if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
+        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
+                 svo_status_name(expected), words);
+    }
+}
+
+void assert_same_hits(const char *what, uint32_t count, const void *hits, const void *expected, size_t bytes)
+{
+    for (size_t i = 0; i < RAYS; ++i) {
+        const unsigned char *a = (const unsigned char *)hits + i * bytes;
+        const unsigned char *b = (const unsigned char *)expected + i * bytes;
+        if (memcmp(a, b, bytes) != 0) {
+            float t[2];
+            memcpy(&t[0], a, sizeof t[0]);
+            memcpy(&t[1], b, sizeof t[1]);
+            fail_msg("%s, %u instances, ray %zu: t %a, not %a, or other numbers", what, count, i, (double)t[0],
+                     (double)t[1]);
+        }
+    }
+}
+
+void compare_with_new_scene(svo_scene *moved, const svo_instance *placed, uint32_t count, const svo_ray *rays)
+{
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit expected[RAYS];
+    svo_scene *fresh = make_placed_scene(&shapes, placed, count, SVO_NEED_NONE);
+    trace_scene(moved, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(fresh, rays, expected, RAYS, 0, SVO_SCENE_CLOSEST);
+    assert_same_hits("moved", count, hits, expected, sizeof hits[0]);
+    svo_scene_destroy(&fresh);
 }

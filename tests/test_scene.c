@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scenes of placed trees: a tree alone is traced as without a scene, many are traced as every instance in turn, bit for
- * bit, and as boxes in double say; moved instances as those of a new scene. Random tests print their seed.
+ * bit, and as boxes in double say; moved instances as those of a new scene.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,14 +17,6 @@
 #include "scene/state.h"
 #include "scene_check.h"
 
-#define RAYS 2000
-
-/* Shared by all tests: trees take longer to build than to place. */
-static fixture opened;
-static models shapes;
-
-static const svo_instance identity = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-
 /* ---- a tree without a scene ---- */
 
 static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo_voxel_hit *hits, size_t count)
@@ -32,30 +24,6 @@ static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo
     if (svo_tree_trace_voxels(tree, rays, hits, count, footprint, opened.queue) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
-}
-
-static void expect_words(svo_status status, svo_status expected, const char *words)
-{
-    if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
-        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
-                 svo_status_name(expected), words);
-    }
-}
-
-static int open_all(void **state)
-{
-    (void)state;
-    fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
-    models_make(&opened, &shapes);
-    return 0;
-}
-
-static int close_all(void **state)
-{
-    (void)state;
-    models_destroy(&shapes);
-    fixture_close(&opened);
-    return 0;
 }
 
 /* A scene's hit is the tree's own, with its instance; nothing counts steps where nothing is hit. */
@@ -85,11 +53,11 @@ static void an_identity_is_the_tree_itself(void **state)
     for (uint32_t tree = 0; tree < MODELS; ++tree) {
         svo_instance alone = identity;
         alone.tree = tree;
-        svo_scene *scene = make_placed_scene(&opened, &shapes, &alone, 1, SVO_NEED_RAYS);
+        svo_scene *scene = make_placed_scene(&shapes, &alone, 1, SVO_NEED_RAYS);
         random_scene_rays(&random, &shapes, &alone, 1, rays, RAYS);
         for (int k = 0; k < 2; ++k) {
             const float footprint = k == 0 ? 0.0F : 0.03F;
-            trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+            trace_scene(scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
             trace_tree(shapes.handles[tree], rays, footprint, own, RAYS);
             size_t met = 0;
             for (size_t i = 0; i < RAYS; ++i) {
@@ -126,9 +94,9 @@ static void footprints_divide_by_the_longest_column(void **state)
     const float footprint = 0.0625F;
     uint64_t random = 2;
     size_t larger = 0;
-    svo_scene *scene = make_placed_scene(&opened, &shapes, &stretched, 1, SVO_NEED_NONE);
+    svo_scene *scene = make_placed_scene(&shapes, &stretched, 1, SVO_NEED_NONE);
     random_scene_rays(&random, &shapes, &stretched, 1, rays, RAYS);
-    trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
     for (size_t i = 0; i < RAYS; ++i) {
         inside[i] = ray_in_tree(&stretched, &rays[i]);
         double world = 0;
@@ -165,9 +133,9 @@ static void normals_are_right_when_mirrored_and_scaled(void **state)
     uint64_t random = 3;
     size_t met = 0;
     random_instances(&random, PLACE_SHEARED, 1000, placed, 16);
-    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 16, SVO_NEED_RAYS);
+    svo_scene *scene = make_placed_scene(&shapes, placed, 16, SVO_NEED_RAYS);
     random_scene_rays(&random, &shapes, placed, 16, rays, RAYS);
-    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
     assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue), SVO_OK);
     for (size_t i = 0; i < RAYS; ++i) {
         if (hits[i].instance == SVO_NO_INSTANCE || hits[i].face == SVO_FACE_NONE) {
@@ -205,21 +173,6 @@ static void normals_are_right_when_mirrored_and_scaled(void **state)
 
 /* ---- many instances ---- */
 
-static void assert_same_hits(const char *what, uint32_t count, const void *hits, const void *expected, size_t bytes)
-{
-    for (size_t i = 0; i < RAYS; ++i) {
-        const unsigned char *a = (const unsigned char *)hits + i * bytes;
-        const unsigned char *b = (const unsigned char *)expected + i * bytes;
-        if (memcmp(a, b, bytes) != 0) {
-            float t[2];
-            memcpy(&t[0], a, sizeof t[0]);
-            memcpy(&t[1], b, sizeof t[1]);
-            fail_msg("%s, %u instances, ray %zu: t %a, not %a, or other numbers", what, count, i, (double)t[0],
-                     (double)t[1]);
-        }
-    }
-}
-
 static void compare_with_every_instance(svo_scene *scene, uint32_t count, const svo_ray *rays)
 {
     static svo_scene_hit hits[RAYS];
@@ -228,12 +181,12 @@ static void compare_with_every_instance(svo_scene *scene, uint32_t count, const 
     static svo_scene_triangle_hit every_triangle[RAYS];
     for (int k = 0; k < 2; ++k) {
         const float footprint = k == 0 ? 0.0F : 0.02F;
-        trace_scene(&opened, scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
-        trace_scene(&opened, scene, rays, every, RAYS, footprint, SVO_SCENE_EVERY_INSTANCE);
+        trace_scene(scene, rays, hits, RAYS, footprint, SVO_SCENE_CLOSEST);
+        trace_scene(scene, rays, every, RAYS, footprint, SVO_SCENE_EVERY_INSTANCE);
         assert_same_hits("voxels", count, hits, every, sizeof hits[0]);
     }
-    trace_scene(&opened, scene, rays, every, RAYS, 0, SVO_SCENE_CLOSEST);
-    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_ANY);
+    trace_scene(scene, rays, every, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, hits, RAYS, 0, SVO_SCENE_ANY);
     for (size_t i = 0; i < RAYS; ++i) {
         assert_int_equal(hits[i].instance == SVO_NO_INSTANCE, every[i].instance == SVO_NO_INSTANCE);
     }
@@ -259,7 +212,7 @@ static void hits_are_those_of_every_instance_in_turn(void **state)
             for (uint32_t i = 8; i < counts[k]; i += 8) {
                 placed[i] = placed[i - 7];
             }
-            svo_scene *scene = make_placed_scene(&opened, &shapes, placed, counts[k], SVO_NEED_RAYS);
+            svo_scene *scene = make_placed_scene(&shapes, placed, counts[k], SVO_NEED_RAYS);
             random_scene_rays(&random, &shapes, placed, counts[k], rays, RAYS);
             compare_with_every_instance(scene, counts[k], rays);
             svo_scene_destroy(&scene);
@@ -298,9 +251,9 @@ static void hits_agree_with_boxes_in_double(void **state)
     for (int kind = PLACE_MOVED; kind <= PLACE_SHEARED; ++kind) {
         for (int round = 0; round < 4; ++round) {
             random_instances(&random, (placement)kind, kind == PLACE_MOVED ? 6 : 400, placed, 40);
-            svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 40, SVO_NEED_NONE);
+            svo_scene *scene = make_placed_scene(&shapes, placed, 40, SVO_NEED_NONE);
             random_scene_rays(&random, &shapes, placed, 40, rays, RAYS);
-            trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+            trace_scene(scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
             for (size_t i = 0; i < RAYS; ++i) {
                 const reference_hit expected = reference_closest(&shapes, placed, 40, &rays[i]);
                 const bool both = isfinite(expected.t) && isfinite(hits[i].t);
@@ -336,7 +289,7 @@ static void rays_in_faces_neither_miss_nor_fail(void **state)
             placed[i].transform[4 * axis + 3] = (float)(width * cell[axis]);
         }
     }
-    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, EDGE * EDGE * EDGE, SVO_NEED_NONE);
+    svo_scene *scene = make_placed_scene(&shapes, placed, EDGE * EDGE * EDGE, SVO_NEED_NONE);
     size_t count = 0;
     for (int axis = 0; axis < 3; ++axis) {
         for (int k = 0; k < 2 * (EDGE + 1) * (EDGE + 1); ++k) {
@@ -350,8 +303,8 @@ static void rays_in_faces_neither_miss_nor_fail(void **state)
             }
         }
     }
-    trace_scene(&opened, scene, rays, hits, count, 0, SVO_SCENE_CLOSEST);
-    trace_scene(&opened, scene, rays, every, count, 0, SVO_SCENE_EVERY_INSTANCE);
+    trace_scene(scene, rays, hits, count, 0, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, every, count, 0, SVO_SCENE_EVERY_INSTANCE);
     for (size_t i = 0; i < count; ++i) {
         /* A face belongs to the voxels above it: the last planes are no instance's. */
         const int k = (int)(i % (size_t)(2 * (EDGE + 1) * (EDGE + 1)));
@@ -372,7 +325,7 @@ static void unsound_rays_hit_nothing(void **state)
     svo_scene_hit hits[6];
     uint64_t random = 6;
     random_instances(&random, PLACE_MOVED, 2, placed, 5);
-    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 5, SVO_NEED_NONE);
+    svo_scene *scene = make_placed_scene(&shapes, placed, 5, SVO_NEED_NONE);
     random_scene_rays(&random, &shapes, placed, 5, rays, 6);
     rays[0].origin[1] = NAN;
     rays[1].direction[0] = INFINITY;
@@ -381,7 +334,7 @@ static void unsound_rays_hit_nothing(void **state)
     rays[3].t_max = 1;
     rays[4].t_min = NAN;
     rays[5].origin[0] = -INFINITY;
-    trace_scene(&opened, scene, rays, hits, 6, 0.1F, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, hits, 6, 0.1F, SVO_SCENE_CLOSEST);
     for (int i = 0; i < 6; ++i) {
         assert_int_equal(hits[i].instance, SVO_NO_INSTANCE);
         assert_int_equal(hits[i].node, SVO_NO_NODE);
@@ -427,7 +380,7 @@ static void compact_trees_are_placed_as_built_ones(void **state)
     svo_instance placed[90];
     uint64_t random = 11;
     random_instances(&random, PLACE_SHEARED, 400, placed, 90);
-    svo_scene *built_trees = make_placed_scene(&opened, &shapes, placed, 90, SVO_NEED_NONE);
+    svo_scene *built_trees = make_placed_scene(&shapes, placed, 90, SVO_NEED_NONE);
     for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
         svo_compact *compacts[MODELS];
         make_compacts((svo_form)form, compacts);
@@ -435,9 +388,8 @@ static void compact_trees_are_placed_as_built_ones(void **state)
         random_scene_rays(&random, &shapes, placed, 90, rays, RAYS);
         for (int k = 0; k < 3; ++k) {
             const float footprint = k == 1 ? 0.02F : 0.0F;
-            trace_scene(&opened, scene, rays, hits, RAYS, footprint,
-                        k == 2 ? SVO_SCENE_EVERY_INSTANCE : SVO_SCENE_CLOSEST);
-            trace_scene(&opened, built_trees, rays, expected, RAYS, footprint, SVO_SCENE_CLOSEST);
+            trace_scene(scene, rays, hits, RAYS, footprint, k == 2 ? SVO_SCENE_EVERY_INSTANCE : SVO_SCENE_CLOSEST);
+            trace_scene(built_trees, rays, expected, RAYS, footprint, SVO_SCENE_CLOSEST);
             for (size_t i = 0; i < RAYS; ++i) {
                 hits[i].node = expected[i].node;
             }
@@ -446,7 +398,7 @@ static void compact_trees_are_placed_as_built_ones(void **state)
         svo_scene_destroy(&scene);
         scene = place_compacts(compacts, &identity, 1);
         random_scene_rays(&random, &shapes, &identity, 1, rays, RAYS);
-        trace_scene(&opened, scene, rays, hits, RAYS, 0.01F, SVO_SCENE_CLOSEST);
+        trace_scene(scene, rays, hits, RAYS, 0.01F, SVO_SCENE_CLOSEST);
         assert_int_equal(svo_compact_trace(compacts[0], rays, own, RAYS, 0.01F, opened.queue), SVO_OK);
         for (size_t i = 0; i < RAYS; ++i) {
             assert_same_hit(i, &hits[i], &own[i]);
@@ -543,8 +495,8 @@ static void the_hierarchy_holds_each_instance_once(void **state)
         for (uint32_t i = 1; i < count && k % 2 == 1; ++i) {
             placed[i] = placed[0]; /* equal codes: their order decides */
         }
-        svo_scene *scene = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
-        svo_scene *again = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
+        svo_scene *scene = make_placed_scene(&shapes, placed, count, SVO_NEED_NONE);
+        svo_scene *again = make_placed_scene(&shapes, placed, count, SVO_NEED_NONE);
         svo_scene_node *nodes = read_hierarchy(scene);
         svo_scene_node *same = read_hierarchy(again);
         uint32_t *times = calloc(count, sizeof *times);
@@ -581,17 +533,6 @@ static void move_all(svo_instance *placed, uint32_t count, float *transforms, ui
     }
 }
 
-static void compare_with_new_scene(svo_scene *scene, const svo_instance *placed, uint32_t count, const svo_ray *rays)
-{
-    static svo_scene_hit hits[RAYS];
-    static svo_scene_hit expected[RAYS];
-    svo_scene *fresh = make_placed_scene(&opened, &shapes, placed, count, SVO_NEED_NONE);
-    trace_scene(&opened, scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
-    trace_scene(&opened, fresh, rays, expected, RAYS, 0, SVO_SCENE_CLOSEST);
-    assert_same_hits("moved", count, hits, expected, sizeof hits[0]);
-    svo_scene_destroy(&fresh);
-}
-
 /* A thousand steps leave nothing behind: hits are those of a new scene, and so is a rebuilt hierarchy, byte by byte. */
 static void a_thousand_moves_are_a_new_scene(void **state)
 {
@@ -602,7 +543,7 @@ static void a_thousand_moves_are_a_new_scene(void **state)
     float transforms[12 * COUNT];
     uint64_t random = 8;
     random_instances(&random, PLACE_MOVED, 10, placed, COUNT);
-    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, COUNT, SVO_NEED_NONE);
+    svo_scene *scene = make_placed_scene(&shapes, placed, COUNT, SVO_NEED_NONE);
     for (uint32_t step = 0; step < 1000; ++step) {
         const uint32_t first = step % 10;
         move_all(placed, COUNT, transforms, step);
@@ -617,7 +558,7 @@ static void a_thousand_moves_are_a_new_scene(void **state)
         }
     }
     assert_int_equal(svo_scene_rebuild(scene, opened.queue), SVO_OK);
-    svo_scene *fresh = make_placed_scene(&opened, &shapes, placed, COUNT, SVO_NEED_NONE);
+    svo_scene *fresh = make_placed_scene(&shapes, placed, COUNT, SVO_NEED_NONE);
     svo_scene_node *nodes = read_hierarchy(scene);
     svo_scene_node *expected = read_hierarchy(fresh);
     assert_memory_equal(nodes, expected, (COUNT - 1) * sizeof *nodes);
@@ -625,151 +566,6 @@ static void a_thousand_moves_are_a_new_scene(void **state)
     free(expected);
     svo_scene_destroy(&fresh);
     svo_scene_destroy(&scene);
-}
-
-/* ---- refusals ---- */
-
-static void bad_matrices_are_refused_and_named(void **state)
-{
-    (void)state;
-    static const struct {
-        float transform[12];
-        const char *words;
-    } bad[] = {{{NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is not finite"},
-               {{1, 0, 0, INFINITY, 0, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is not finite"},
-               {{0}, "matrix of instance 2 is flat"},
-               {{1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is flat"},
-               {{1, 1, 0, 0, 0, 1e-13F, 0, 0, 0, 0, 1, 0}, "matrix of instance 2 is flat"},
-               {{1e35F, 0, 0, 0, 0, 1e35F, 0, 0, 0, 0, 1e35F, 0}, "instance 2 or its inverse leads beyond 2^100"},
-               {{1e-35F, 0, 0, 0, 0, 1e-35F, 0, 0, 0, 0, 1e-35F, 0}, "instance 2 or its inverse leads beyond 2^100"},
-               {{1, 0, 0, 3e38F, 0, 1, 0, 0, 0, 0, 1, 0}, "instance 2 or its inverse leads beyond 2^100"}};
-    static svo_ray rays[RAYS];
-    svo_instance placed[4] = {identity, identity, identity, identity};
-    uint64_t random = 9;
-    svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 4, SVO_NEED_NONE);
-    random_scene_rays(&random, &shapes, placed, 4, rays, RAYS);
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        float transforms[24] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
-        svo_instance wrong[4] = {identity, identity, identity, identity};
-        svo_scene *none = NULL;
-        const svo_scene_options options = {sizeof options, shapes.handles, NULL, wrong, MODELS, 4, SVO_NEED_NONE, 0};
-        memcpy(transforms + 12, bad[i].transform, sizeof bad[i].transform);
-        memcpy(wrong[2].transform, bad[i].transform, sizeof bad[i].transform);
-        expect_words(svo_scene_set_transforms(scene, 1, 2, transforms, opened.queue), SVO_INVALID_ARGUMENT,
-                     bad[i].words);
-        expect_words(svo_scene_create(opened.device, &options, opened.queue, &none), SVO_INVALID_ARGUMENT,
-                     bad[i].words);
-        assert_null(none);
-    }
-    /* Nothing moved. A thin one, far from flat, is accepted. */
-    compare_with_new_scene(scene, placed, 4, rays);
-    const float thin[12] = {1, 1, 0, 0, 0, 1e-3F, 0, 0, 0, 0, -1e3F, 0};
-    assert_int_equal(svo_scene_set_transforms(scene, 3, 1, thin, opened.queue), SVO_OK);
-    svo_scene_destroy(&scene);
-}
-
-static void wrong_options_are_refused(void **state)
-{
-    (void)state;
-    const svo_scene_options good = {sizeof good, shapes.handles, NULL, &identity, MODELS, 1, SVO_NEED_NONE, 0};
-    svo_tree *const with_null[MODELS] = {shapes.handles[0], NULL, shapes.handles[2]};
-    const svo_instance elsewhere = {MODELS, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-    svo_scene *scene = NULL;
-    svo_scene_info info = SVO_SCENE_INFO_INIT;
-#define REFUSED(field, value, words)                                                                        \
-    do {                                                                                                    \
-        svo_scene_options wrong = good;                                                                     \
-        wrong.field = (value);                                                                              \
-        expect_words(svo_scene_create(opened.device, &wrong, NULL, &scene), SVO_INVALID_ARGUMENT, (words)); \
-        assert_null(scene);                                                                                 \
-    } while (0)
-    REFUSED(struct_size, 8, "struct_size is 8");
-    REFUSED(trees, NULL, "options.trees and options.compacts are NULL");
-    REFUSED(trees, with_null, "trees[1] is NULL");
-    REFUSED(tree_count, 0, "tree_count 0 is not in 1 .. 65536");
-    REFUSED(tree_count, SVO_SCENE_TREES_MAX + 1, "tree_count 65537");
-    REFUSED(instance_count, 0, "instance_count 0 is not in 1 .. 16777216");
-    REFUSED(instance_count, SVO_SCENE_INSTANCES_MAX + 1, "instance_count 16777217");
-    REFUSED(instances, NULL, "options.instances is NULL");
-    REFUSED(instances, &elsewhere, "the tree of instance 0 is 3, not below 3");
-    REFUSED(need, SVO_NEED_FILL, "options.need 0x10 has bits other than");
-#undef REFUSED
-    assert_int_equal(svo_scene_create(NULL, &good, NULL, &scene), SVO_INVALID_ARGUMENT);
-    expect_words(svo_scene_create(opened.device, NULL, NULL, &scene), SVO_INVALID_ARGUMENT, "options is NULL");
-    expect_words(svo_scene_create(opened.device, &good, NULL, NULL), SVO_INVALID_ARGUMENT, "scene is NULL");
-    expect_words(svo_scene_plan(opened.device, &good, NULL), SVO_INVALID_ARGUMENT, "info is NULL");
-    assert_int_equal(svo_scene_plan(NULL, &good, &info), SVO_INVALID_ARGUMENT);
-    svo_scene_destroy(NULL);
-    svo_scene_destroy(&scene);
-}
-
-static void wrong_arguments_are_refused(void **state)
-{
-    (void)state;
-    svo_scene *scene = make_placed_scene(&opened, &shapes, &identity, 1, SVO_NEED_NONE);
-    svo_ray ray = {.t_max = 1};
-    svo_scene_hit hit;
-    svo_scene_triangle_hit triangle;
-    svo_scene_info info = {.struct_size = 4};
-    expect_words(svo_scene_set_transforms(scene, 1, 1, identity.transform, NULL), SVO_INVALID_ARGUMENT,
-                 "first 1 and count 1 lead beyond the 1 instances");
-    expect_words(svo_scene_set_transforms(scene, 0xffffffffu, 2, identity.transform, NULL), SVO_INVALID_ARGUMENT,
-                 "lead beyond");
-    expect_words(svo_scene_set_transforms(scene, 0, 1, NULL, NULL), SVO_INVALID_ARGUMENT, "transforms is NULL");
-    assert_int_equal(svo_scene_set_transforms(scene, 1, 0, NULL, NULL), SVO_OK);
-    assert_int_equal(svo_scene_set_transforms(NULL, 0, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_scene_rebuild(NULL, NULL), SVO_INVALID_ARGUMENT);
-    expect_words(svo_scene_trace(scene, NULL, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "rays is NULL");
-    expect_words(svo_scene_trace(scene, &ray, NULL, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "hits is NULL");
-    expect_words(svo_scene_trace(scene, &ray, &hit, (size_t)SVO_TRACE_RAYS_MAX + 1, 0, 0, NULL), SVO_INVALID_ARGUMENT,
-                 "are above");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, -1, 0, NULL), SVO_INVALID_ARGUMENT, "footprint -1");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, NAN, 0, NULL), SVO_INVALID_ARGUMENT, "footprint");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, 0, 4, NULL), SVO_INVALID_ARGUMENT, "flags 4 is not in 0 .. 3");
-    expect_words(svo_scene_trace_triangles(scene, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT,
-                 "holds no triangles");
-    expect_words(svo_scene_trace_enqueue(scene, NULL, NULL, 0, 0, 0, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT,
-                 "queue");
-    assert_int_equal(svo_scene_trace(scene, NULL, NULL, 0, 0, 0, NULL), SVO_OK);
-    assert_int_equal(svo_scene_trace(NULL, &ray, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_scene_trace_triangles(NULL, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT);
-    expect_words(svo_scene_get_info(scene, &info), SVO_INVALID_ARGUMENT, "info.struct_size");
-    assert_int_equal(svo_scene_get_info(NULL, &info), SVO_INVALID_ARGUMENT);
-    svo_scene_destroy(&scene);
-}
-
-/* ---- bytes ---- */
-
-static void a_plan_lists_what_is_allocated(void **state)
-{
-    (void)state;
-    svo_instance placed[70];
-    uint64_t random = 10;
-    random_instances(&random, PLACE_MOVED, 10, placed, 70);
-    static const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_DEFAULT,
-                                     (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_COLOR};
-    for (size_t k = 0; k < sizeof needs / sizeof needs[0]; ++k) {
-        const svo_scene_options options = {sizeof options, shapes.handles, NULL, NULL, MODELS, 70, needs[k], 0};
-        svo_scene_info planned = SVO_SCENE_INFO_INIT;
-        svo_scene_info made = SVO_SCENE_INFO_INIT;
-        assert_int_equal(svo_scene_plan(opened.device, &options, &planned), SVO_OK);
-        svo_scene *scene = make_placed_scene(&opened, &shapes, placed, 70, needs[k]);
-        assert_int_equal(svo_scene_get_info(scene, &made), SVO_OK);
-        uint64_t bytes = 0;
-        for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
-            size_t of_buffer = 0;
-            if (scene->buffers[i] != NULL) {
-                clGetMemObjectInfo(scene->buffers[i], CL_MEM_SIZE, sizeof of_buffer, &of_buffer, NULL);
-            }
-            bytes += of_buffer;
-        }
-        assert_int_equal(made.total_bytes, bytes);
-        assert_int_equal(planned.total_bytes, bytes);
-        assert_int_equal(planned.tree_bytes + planned.instance_bytes + planned.hierarchy_bytes + planned.sort_bytes,
-                         bytes);
-        assert_int_equal(planned.tree_bytes, made.tree_bytes);
-        svo_scene_destroy(&scene);
-    }
 }
 
 int main(void)
@@ -786,10 +582,6 @@ int main(void)
         cmocka_unit_test(mixed_forms_are_refused),
         cmocka_unit_test(the_hierarchy_holds_each_instance_once),
         cmocka_unit_test(a_thousand_moves_are_a_new_scene),
-        cmocka_unit_test(bad_matrices_are_refused_and_named),
-        cmocka_unit_test(wrong_options_are_refused),
-        cmocka_unit_test(wrong_arguments_are_refused),
-        cmocka_unit_test(a_plan_lists_what_is_allocated),
     };
-    return cmocka_run_group_tests_name("scenes", tests, open_all, close_all);
+    return cmocka_run_group_tests_name("scenes", tests, scene_group_open, scene_group_close);
 }
