@@ -255,6 +255,32 @@ static void wrong_arguments_are_refused(void **state)
     svo_compact_destroy(&made);
 }
 
+/* ---- seeds of the fuzz target ---- */
+
+static const char *seed_folder; /* NULL: run the tests */
+
+static void write_seeds(void **state)
+{
+    static const struct {
+        const char *name;
+        uint32_t depth, need;
+        svo_form form;
+        bool compress;
+    } seeds[] = {{"words.svc", 4, PAYLOAD, SVO_FORM_DESCRIPTOR, false},
+                 {"masks.svc", 4, PAYLOAD, SVO_FORM_IMPLIED, false},
+                 {"bare_words.svc", 5, 0, SVO_FORM_DESCRIPTOR, false},
+                 {"packed.svc", 4, SVO_NEED_COLOR, SVO_FORM_IMPLIED, true}};
+    const fixture opened = fixture_cl_of_group(state);
+    for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; ++i) {
+        const svo_save_options options = {.struct_size = sizeof options, .compress = seeds[i].compress};
+        char path[512];
+        svo_compact *made = make(&opened, seeds[i].depth, seeds[i].need, seeds[i].form);
+        (void)snprintf(path, sizeof path, "%s/%s", seed_folder, seeds[i].name);
+        assert_int_equal(svo_compact_save(made, path, &options, NULL), SVO_OK);
+        svo_compact_destroy(&made);
+    }
+}
+
 static int open_group(void **state)
 {
     return work_folder_make(NULL) == 0 ? fixture_group_setup(state) : -1;
@@ -265,10 +291,15 @@ static int close_group(void **state)
     return fixture_group_teardown(state) == 0 ? work_folder_remove(NULL) : -1;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    const struct CMUnitTest writing[] = {cmocka_unit_test(write_seeds)};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_is_loaded), cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
         cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
+    seed_folder = argc == 2 ? argv[1] : NULL;
+    if (seed_folder != NULL) {
+        return cmocka_run_group_tests_name("seeds", writing, open_group, close_group);
+    }
     return cmocka_run_group_tests_name("files of compact trees", tests, open_group, close_group);
 }
