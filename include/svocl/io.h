@@ -162,8 +162,8 @@ typedef struct svo_import_options {
     const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.
                                     NULL: the installed helper (svo_import_helper) */
     uint32_t strict; /**< not 0: what would be a warning is an error */
-    /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up to
-     *  memory_limit_bytes. */
+    /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up
+     *  to memory_limit_bytes. */
     const svo_memory_callbacks *memory;
 } svo_import_options;
 
