@@ -56,8 +56,9 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
         }
     }
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY, "%s: buffer %s of %zu bytes: %s (%d)", function,
-                                 name, bytes, svo_i_cl_error_name(error), error);
+        return svo_i_device_fail(
+            device, error == CL_OUT_OF_HOST_MEMORY ? SVO_OUT_OF_HOST_MEMORY : SVO_OUT_OF_DEVICE_MEMORY,
+            "%s: buffer %s of %zu bytes: %s (%d)", function, name, bytes, svo_i_cl_error_name(error), error);
     }
     *out = buffer;
     return SVO_OK;
