@@ -42,9 +42,9 @@ typedef struct place {
    They are text of at most PATH_MAX bytes, the kernel's limit; functions return 0 or ENAMETOOLONG. So this room needs
    no memory. */
 
-static int copy_path(const char *path, char out[PATH_MAX])
+static int copy_path(const char *from, char to[PATH_MAX])
 {
-    const int length = snprintf(out, PATH_MAX, "%s", path);
+    const int length = snprintf(to, PATH_MAX, "%s", from);
     return length >= 0 && length < PATH_MAX ? 0 : ENAMETOOLONG;
 }
 
