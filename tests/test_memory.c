@@ -365,7 +365,7 @@ static ledger_counts play(const scenario *of, uint64_t fail_at)
     ledger_begin(fail_at);
     const svo_status status = of->run(&s);
     const ledger_counts counts = ledger_end();
-    const bool went_on = counts.failed && of->goes_on && status == SVO_OK;
+    const bool went_on = status == SVO_OK && counts.failed && of->goes_on;
     if (status != (counts.failed && !went_on ? SVO_OUT_OF_HOST_MEMORY : SVO_OK) ||
         (status != SVO_OK && strchr(s.message.text, ':') == NULL)) {
         fail_msg("%s, allocation %" PRIu64 "%s: %s, '%s'", of->name, fail_at, counts.failed ? " fails" : "",
