@@ -244,7 +244,7 @@ static int take_path(svo_i_output *output, const char *path)
    name may be as long as the file system allows. */
 static int take_temporary_name(svo_i_output *output)
 {
-    char name[NAME_BYTES_MAX], path[PATH_MAX];
+    char name[NAME_BYTES_MAX], path[PATH_MAX] = "";
     int error = EEXIST;
     for (int i = 0; error == EEXIST && i < NAME_ATTEMPTS; ++i) {
         (void)snprintf(name, sizeof name, ".svocl-%ld-%d.tmp", (long)getpid(), i);
