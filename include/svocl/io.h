@@ -123,6 +123,37 @@ SVO_API svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *
 SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                         svo_message *message);
 
+/** Options of a tree that is loaded. */
+typedef struct svo_load_options {
+    size_t struct_size; /**< sizeof(svo_load_options) */
+    const svo_memory_callbacks *memory; /**< host memory of the tree, for its whole life; NULL: malloc and free */
+} svo_load_options;
+
+/** All defaults. */
+#define SVO_LOAD_OPTIONS_INIT SVO_STRUCT_INIT(svo_load_options)
+
+/** svo_tree_load with options.
+ *
+ * \param path of the file
+ * \param options NULL means all defaults
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+SVO_API svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out,
+                                      svo_message *message);
+
+/** svo_tree_load_memory with options.
+ *
+ * \param bytes contents of a .svo file
+ * \param byte_count their number
+ * \param name stands for the path in messages
+ * \param options NULL means all defaults
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_tree_load_memory returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+SVO_API svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
+                                             const svo_load_options *options, svo_tree **out, svo_message *message);
+
 /** Options of an import. */
 typedef struct svo_import_options {
     size_t struct_size; /**< sizeof(svo_import_options) */
@@ -131,6 +162,9 @@ typedef struct svo_import_options {
     const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.
                                     NULL: the installed helper (svo_import_helper) */
     uint32_t strict; /**< not 0: what would be a warning is an error */
+    /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up
+     *  to memory_limit_bytes. */
+    const svo_memory_callbacks *memory;
 } svo_import_options;
 
 /** All defaults. */

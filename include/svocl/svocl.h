@@ -17,6 +17,7 @@
 #include "svocl/build.h"
 #include "svocl/device.h"
 #include "svocl/export.h"
+#include "svocl/memory.h"
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"

@@ -8,19 +8,19 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
-#include <zstd.h>
 
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_check.h"
 #include "io/file_format.h"
+#include "io/file_zstd.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -34,6 +34,7 @@
 typedef struct load_state {
     const char *name;
     svo_message *message;
+    svo_i_memory host_memory;
     const uint8_t *memory; /* the whole file, or NULL: read from file */
     int file;
     uint64_t file_bytes;
@@ -318,19 +319,26 @@ static svo_status unpack_chunk(const load_state *state, const file_chunk *chunk,
     const size_t stored_bytes = (size_t)chunk->stored_bytes;
     svo_status status = SVO_OK;
     size_t got = 0;
-    void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
+    ZSTD_DCtx *context = NULL;
+    void *packed = svo_i_alloc(&state->host_memory, stored_bytes > 0 ? stored_bytes : 1);
     if (packed == NULL) {
         return out_of_memory(state, array, chunk->stored_bytes);
     }
+    context = ZSTD_createDCtx_advanced(file_zstd_memory(&state->host_memory));
+    if (context == NULL) {
+        status = out_of_memory(state, array, chunk->plain_bytes);
+        goto cleanup;
+    }
     SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
-    got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
+    got = ZSTD_decompressDCtx(context, plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
     if (ZSTD_isError(got)) {
         status = damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
     } else if (got != chunk->plain_bytes) {
         status = damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got, chunk->plain_bytes);
     }
 cleanup:
-    free(packed);
+    (void)ZSTD_freeDCtx(context);
+    svo_i_free(packed);
     return status;
 }
 
@@ -344,7 +352,7 @@ static svo_status load_chunk(load_state *state, const file_chunk *chunk)
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
     void *plain = NULL;
     if (plain_bytes > 0) {
-        plain = malloc(plain_bytes);
+        plain = svo_i_alloc(&state->host_memory, plain_bytes);
         if (plain == NULL) {
             return out_of_memory(state, array, chunk->plain_bytes);
         }
@@ -378,7 +386,7 @@ static svo_status load(load_state *state, svo_tree **out)
     SVO_I_TRY(read_chunk_table(state));
     SVO_I_TRY(check_values(state));
     SVO_I_TRY(check_levels(state));
-    state->tree = svo_i_tree_new();
+    state->tree = svo_i_tree_new(&state->host_memory);
     if (state->tree == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
     }
@@ -391,12 +399,26 @@ cleanup:
     return status;
 }
 
+static svo_status read_options(const svo_load_options *options, const char *function, load_state *state)
+{
+    svo_load_options asked;
+    SVO_I_TRY(svo_i_struct_read(state->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_load_options, memory)));
+    return svo_i_memory_read(state->message, function, "options.memory", asked.memory, &state->host_memory);
+}
+
 svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
+{
+    return svo_tree_load_with(path, NULL, out, message);
+}
+
+svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out, svo_message *message)
 {
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
     }
     load_state state = {.name = path, .message = message};
+    SVO_I_TRY(read_options(options, "svo_tree_load", &state));
     /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
     state.file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (state.file < 0) {
@@ -420,10 +442,17 @@ svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
 svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                 svo_message *message)
 {
+    return svo_tree_load_memory_with(bytes, byte_count, name, NULL, out, message);
+}
+
+svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
+                                     const svo_load_options *options, svo_tree **out, svo_message *message)
+{
     if (bytes == NULL || name == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
                           bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
     }
     load_state state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    SVO_I_TRY(read_options(options, "svo_tree_load_memory", &state));
     return load(&state, out);
 }
