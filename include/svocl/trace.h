@@ -133,8 +133,8 @@ SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hi
 SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
                                   cl_command_queue queue);
 
-/** Traces rays against the voxels of a tree: the first leaf along each ray, or the first larger node that a pixel of the
- *  footprint covers. Computed in single precision, by the traversal of svo_trace_voxel (svo_tree_kernel_source).
+/** Traces rays against the voxels of a tree: the first leaf along each ray, or the first larger node that a pixel of
+ *  the footprint covers. Computed in single precision, by the traversal of svo_trace_voxel (svo_tree_kernel_source).
  *
  * \param tree on a device; its needs and coverage do not matter
  * \param rays see svo_tree_trace_enqueue

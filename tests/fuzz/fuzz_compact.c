@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: arbitrary bytes as the file of a compact tree. Either they are refused with a one-line message, or a walk
- * from the root stays inside the arrays and finds the nodes and the places of payload that the description tells.
+ * Fuzz target: arbitrary bytes as the file of a compact tree. Either they are refused with a one-line message, or a
+ * walk from the root stays inside the arrays and finds the nodes and the places of payload that the description tells.
  */
 #include <string.h>
 
