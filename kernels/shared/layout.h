@@ -11,8 +11,8 @@
 #include "svocl/ray_types.h"
 #include "svocl/tree_types.h"
 
-/* Vectors may be wider than the registers of a device. All functions are inlined, so how else they would be passed is of
-   no interest, but PoCL would print the number of such warnings. */
+/* Vectors may be wider than the registers of a device. All functions are inlined, so how else they would be passed is
+   of no interest, but PoCL would print the number of such warnings. */
 #if defined(__OPENCL_C_VERSION__) && defined(__clang__)
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
