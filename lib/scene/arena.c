@@ -2,8 +2,6 @@
 /* Copies what rays and pictures read of each tree into common buffers, so that one kernel can enter any of them. */
 #include "scene/arena.h"
 
-#include <stdlib.h>
-
 #include "scene/bounds.h"
 
 /* ---- layout ---- */
@@ -67,9 +65,9 @@ svo_status svo_i_arena_plan(svo_device *device, const char *function, const svo_
                             svo_i_arena *out)
 {
     *out = (svo_i_arena){.tree_count = options->tree_count};
-    out->sources = calloc(options->tree_count, sizeof *out->sources);
-    out->places = calloc(options->tree_count, sizeof *out->places);
-    out->params = calloc(options->tree_count, sizeof *out->params);
+    out->sources = svo_i_alloc_zeroed(&device->memory, options->tree_count, sizeof *out->sources);
+    out->places = svo_i_alloc_zeroed(&device->memory, options->tree_count, sizeof *out->places);
+    out->params = svo_i_alloc_zeroed(&device->memory, options->tree_count, sizeof *out->params);
     if (out->sources == NULL || out->places == NULL || out->params == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u trees", function,
                                  options->tree_count);
@@ -86,9 +84,9 @@ svo_status svo_i_arena_plan(svo_device *device, const char *function, const svo_
 
 void svo_i_arena_free(svo_i_arena *arena)
 {
-    free(arena->sources);
-    free(arena->places);
-    free(arena->params);
+    svo_i_free(arena->sources);
+    svo_i_free(arena->places);
+    svo_i_free(arena->params);
 }
 
 /* ---- copies ---- */

@@ -3,7 +3,6 @@
 #include "scene/bounds.h"
 
 #include <limits.h>
-#include <stdlib.h>
 
 /* The deepest level whose cells are looked at. */
 #define BOUNDS_LEVEL_MAX 6u
@@ -88,7 +87,7 @@ svo_status svo_i_scene_find_bounds(svo_scene *scene, const char *function, cl_co
                                    const svo_i_scene_source *sources)
 {
     svo_status status = SVO_OK;
-    cl_int *bounds = calloc(scene->info.tree_count, SVO_I_BOUNDS_BYTES);
+    cl_int *bounds = svo_i_alloc_zeroed(&scene->device->memory, scene->info.tree_count, SVO_I_BOUNDS_BYTES);
     if (bounds == NULL) {
         return svo_i_device_fail(scene->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u trees", function,
                                  scene->info.tree_count);
@@ -99,6 +98,6 @@ svo_status svo_i_scene_find_bounds(svo_scene *scene, const char *function, cl_co
     }
 
 cleanup:
-    free(bounds);
+    svo_i_free(bounds);
     return status;
 }

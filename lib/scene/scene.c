@@ -3,7 +3,6 @@
    rays. */
 #include "svocl/scene.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/struct_size.h"
@@ -116,9 +115,9 @@ static svo_status allocate(svo_scene *scene, const char *function, const uint64_
 
 static svo_status allocate_host(svo_scene *scene, const char *function)
 {
-    scene->tree_boxes = calloc(scene->info.tree_count, sizeof *scene->tree_boxes);
-    scene->tree_of = calloc(scene->info.instance_count, sizeof *scene->tree_of);
-    scene->boxes = calloc(scene->info.instance_count, sizeof *scene->boxes);
+    scene->tree_boxes = svo_i_alloc_zeroed(&scene->device->memory, scene->info.tree_count, sizeof *scene->tree_boxes);
+    scene->tree_of = svo_i_alloc_zeroed(&scene->device->memory, scene->info.instance_count, sizeof *scene->tree_of);
+    scene->boxes = svo_i_alloc_zeroed(&scene->device->memory, scene->info.instance_count, sizeof *scene->boxes);
     return scene->tree_boxes != NULL && scene->tree_of != NULL && scene->boxes != NULL
                ? SVO_OK
                : svo_i_device_fail(scene->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u instances", function,
@@ -145,7 +144,7 @@ static svo_status write_instances(svo_scene *scene, const char *function, cl_com
 static svo_status make_records(const svo_scene *scene, const char *function, uint32_t first, uint32_t count,
                                const float *matrix, size_t stride, svo_scene_instance **out)
 {
-    *out = calloc(count, sizeof **out);
+    *out = svo_i_alloc_zeroed(&scene->device->memory, count, sizeof **out);
     if (*out == NULL) {
         return svo_i_device_fail(scene->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u instances", function,
                                  count);
@@ -178,7 +177,7 @@ static svo_status place_all(svo_scene *scene, const char *function, cl_command_q
     SVO_I_TRY_CLEANUP(write_instances(scene, function, queue, 0, count, records));
 
 cleanup:
-    free(records);
+    svo_i_free(records);
     return status;
 }
 
@@ -229,7 +228,7 @@ svo_status svo_scene_create(svo_device *device, const svo_scene_options *options
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
                                  scene == NULL ? "scene" : "options.instances");
     }
-    made = calloc(1, sizeof *made);
+    made = svo_i_alloc_zeroed(&device->memory, 1, sizeof *made);
     if (made == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a scene", function);
     }
@@ -255,10 +254,10 @@ void svo_scene_destroy(svo_scene **scene)
             clReleaseMemObject(old->buffers[i]);
         }
     }
-    free(old->tree_boxes);
-    free(old->tree_of);
-    free(old->boxes);
-    free(old);
+    svo_i_free(old->tree_boxes);
+    svo_i_free(old->tree_of);
+    svo_i_free(old->boxes);
+    svo_i_free(old);
     *scene = NULL;
 }
 
@@ -314,7 +313,7 @@ svo_status svo_scene_set_transforms(svo_scene *scene, uint32_t first, uint32_t c
     SVO_I_TRY_CLEANUP(keep(scene, move(scene, function, queue, first, count, records)));
 
 cleanup:
-    free(records);
+    svo_i_free(records);
     return status;
 }
 
