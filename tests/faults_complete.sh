@@ -14,7 +14,7 @@ getenv getpid memchr memcmp memcpy memmove memset nanosleep posix_spawn_file_act
 posix_spawnattr_destroy pthread_sigmask qsort sigaddset sigemptyset sigfillset sigismember sigpending
 sigtimedwait snprintf strcasecmp strchr strcmp strcspn strerror strlen strncasecmp strncmp strpbrk strrchr
 strspn strstr strtok_r strtol strtoul strtoull ungetc vsnprintf acosf cbrt ceil exp2 floor fma fmax fmin frexp
-ldexp log2 nextafter pow rint sqrt sqrtf tan"
+ldexp log2 nextafter nextafterf pow rint sqrt sqrtf tan"
 plain=$(printf '%s' "$plain" | tr '\n' ' ')
 # Libraries that allocate for themselves, and what compilers and sanitizers add.
 families='^(svo_|ai[A-Z]|ZSTD_|XXH|__(asan|ubsan|tsan|sanitizer|gcov|stack_chk|llvm)_|llvm_|_ZN10fast_float)'

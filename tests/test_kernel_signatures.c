@@ -36,6 +36,13 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_trace_voxels[];
+extern const char svo_i_source_compact[];
+extern const char svo_i_source_expand[];
+extern const char svo_i_source_scene_build[];
+extern const char svo_i_source_scene_bounds[];
+extern const char svo_i_source_scene_trace[];
+extern const char svo_i_source_scene_cast[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -72,8 +79,11 @@ static size_t bytes_of_type(const char *type)
                  {"svo_filter_params", sizeof(svo_filter_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
+                 {"float", sizeof(cl_float)},
+                 {"svo_compact_params", sizeof(svo_compact_params)},
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
-                 {"svo_ray_params", sizeof(svo_ray_params)}};
+                 {"svo_ray_params", sizeof(svo_ray_params)},
+                 {"svo_scene_params", sizeof(svo_scene_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -322,6 +332,55 @@ static void query_all(const fixture *opened, svo_tree *tree)
     succeed(opened, svo_tree_nearest(tree, &point, &nearest, 1, opened->queue));
 }
 
+/* Two instances, so that there is a hierarchy. */
+static void place_all(const fixture *opened, svo_tree *tree)
+{
+    const svo_instance instances[2] = {{0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                       {0, {1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0}}};
+    const svo_scene_options options = {.struct_size = sizeof options,
+                                       .trees = &tree,
+                                       .instances = instances,
+                                       .tree_count = 1,
+                                       .instance_count = 2,
+                                       .need = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL |
+                                               (uint32_t)SVO_NEED_RAYS};
+    const svo_ray ray = {.origin = {0.5F, 0.5F, -1.0F}, .t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
+    svo_scene *scene = NULL;
+    svo_scene_hit hit;
+    svo_scene_triangle_hit triangle;
+    uint8_t picture[8 * 8 * 4];
+    svo_scene_render_options render = {.struct_size = sizeof render, .width = 8, .height = 8};
+    succeed(opened, svo_scene_create(opened->device, &options, opened->queue, &scene));
+    succeed(opened, svo_scene_set_transforms(scene, 0, 1, instances[0].transform, opened->queue));
+    succeed(opened, svo_scene_trace(scene, &ray, &hit, 1, 0.0F, SVO_SCENE_CLOSEST, opened->queue));
+    succeed(opened, svo_scene_trace_triangles(scene, &ray, &triangle, 1, SVO_SCENE_CLOSEST, opened->queue));
+    svo_scene_camera_frame(scene, 1.0F, &render.camera);
+    succeed(opened, svo_scene_render(scene, &render, opened->queue, picture));
+    svo_scene_destroy(&scene);
+}
+
+static void compact_all(const fixture *opened, svo_tree *tree)
+{
+    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+        const svo_compact_options options = {.struct_size = sizeof options, .form = (svo_form)form};
+        const svo_ray ray = {.t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
+        uint8_t picture[8 * 8 * 4];
+        svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
+        svo_voxel_hit hit;
+        svo_compact *compact = NULL;
+        svo_tree *expanded = NULL;
+        svo_camera_frame(tree, 1.0F, &shown.camera);
+        succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &compact));
+        succeed(opened, svo_compact_expand(compact, opened->queue, &expanded));
+        succeed(opened, svo_compact_trace(compact, &ray, &hit, 1, 0.0F, opened->queue));
+        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        shown.view = SVO_VIEW_STEPS;
+        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        svo_tree_destroy(&expanded);
+        svo_compact_destroy(&compact);
+    }
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -345,8 +404,11 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_subdivide, svo_i_source_sort, svo_i_source_pack,  svo_i_source_filter,
-                                   svo_i_source_voxelize,  svo_i_source_cast, svo_i_source_trace, svo_i_source_view};
+    const char *const sources[] = {svo_i_source_subdivide,    svo_i_source_sort,        svo_i_source_pack,
+                                   svo_i_source_filter,       svo_i_source_voxelize,    svo_i_source_cast,
+                                   svo_i_source_trace,        svo_i_source_view,        svo_i_source_trace_voxels,
+                                   svo_i_source_compact,      svo_i_source_expand,      svo_i_source_scene_build,
+                                   svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -358,6 +420,8 @@ static void every_launch_matches_its_kernel(void **state)
     notes.launched_count = 0;
     build_all(&opened, &painted.mesh, &tree);
     query_all(&opened, tree.tree);
+    compact_all(&opened, tree.tree);
+    place_all(&opened, tree.tree);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -10,17 +10,21 @@
  *     svo_tree    the result: buffers, hash        tree.h
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
+ *     svo_compact smaller forms of a tree          compact.h
+ *     svo_scene   many placed trees                scene.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
 
 #include "svocl/build.h"
+#include "svocl/compact.h"
 #include "svocl/device.h"
 #include "svocl/export.h"
 #include "svocl/memory.h"
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
+#include "svocl/scene.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"

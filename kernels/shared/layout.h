@@ -3,12 +3,13 @@
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
  * every field at a multiple of four bytes, without padding. Offsets are in bytes. The records that callers of the
- * library see are in svocl/ray_types.h and svocl/tree_types.h.
+ * library see are in svocl/ray_types.h, svocl/scene_types.h and svocl/tree_types.h.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
 
 #include "svocl/ray_types.h"
+#include "svocl/scene_types.h"
 #include "svocl/tree_types.h"
 
 /* Vectors may be wider than the registers of a device. All functions are inlined, so how else they would be passed is
@@ -156,6 +157,19 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 reserved[3]; /* 68 */
 };
 
+/* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
+SVO_RECORD(svo_compact_params)
+{
+    SVO_U32 first_node; /* 0: of the launch's nodes */
+    SVO_U32 node_count; /* 4 */
+    SVO_U32 child_begin; /* 8: the first node of the next level */
+    SVO_U32 payload_parents; /* 12: the first inner node whose children have payload */
+    SVO_U32 payload_begin; /* 16: what first_payload has for the first node that has payload */
+    SVO_U32 root_payload; /* 20: 1: the root has payload, else 0 */
+    SVO_U32 element_halves; /* 24: of a payload array, in units of two bytes */
+    SVO_U32 keep_below; /* 28: not 0: the next level is visited too */
+};
+
 /* One material. 32 bytes. */
 SVO_RECORD(svo_material_record)
 {
@@ -229,6 +243,83 @@ SVO_RECORD(svo_ray_node)
 #define SVO_RAY_LEAF_HEAD_WORDS 8
 #define SVO_RAY_LEAF_WIDE       0x80000000u
 
+/* ---- scenes ---- */
+
+/* Bits of a coordinate in the Morton code of a box's center. */
+#define SVO_SCENE_CODE_BITS 16
+/* Of a child in the hierarchy: an instance; the other bits are its index. */
+#define SVO_SCENE_LEAF 0x80000000u
+/* The most nodes from the root to a leaf: a bit of the code or of the index decides at each. */
+#define SVO_SCENE_DEPTH_MAX (3 * SVO_SCENE_CODE_BITS + 24)
+
+/* Where a tree lies in the scene's buffers. 32 bytes. */
+SVO_RECORD(svo_scene_tree)
+{
+    SVO_U32
+        begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root; see svo_cast_shift */
+    SVO_U32 color_begin; /* 12: its first color, in colors */
+    SVO_U32 normal_begin; /* 16: its first normal, in normals */
+    SVO_U32 flags; /* 20: SVO_SCENE_TREE_* */
+    SVO_U32 node_begin; /* 24: the root of its BVH */
+    SVO_U32 leaf_begin; /* 28: its BVH's first leaf, in units of 16 bytes */
+};
+#define SVO_SCENE_TREE_COLORS     1u
+#define SVO_SCENE_TREE_ONE_COLOR  2u /* for all nodes */
+#define SVO_SCENE_TREE_NORMALS    4u
+#define SVO_SCENE_TREE_ONE_NORMAL 8u
+
+/* An instance: M is the linear part of its matrix. 152 bytes. */
+SVO_RECORD(svo_scene_instance)
+{
+    SVO_F32 low[3]; /* 0: its box in the world, rounded outwards */
+    SVO_F32 high[3]; /* 12 */
+    SVO_F32 translation[3]; /* 24: the last column of the matrix */
+    SVO_F32 inverse[9]; /* 36: M^-1, row by row, rounded to float */
+    SVO_F32 inverse_rest[9]; /* 72: what that lacks */
+    SVO_F32 normals[9]; /* 108: unit normals of the high faces on the tree's axes, in the world */
+    SVO_F32 widest; /* 144: the length of M's longest column */
+    SVO_U32 tree; /* 148 */
+};
+
+/* A node of the hierarchy. 64 bytes. */
+SVO_RECORD(svo_scene_node)
+{
+    SVO_F32 box[12]; /* 0: the boxes of the two children, low and high corner each */
+    SVO_U32 child[2]; /* 48: nodes, or SVO_SCENE_LEAF and an instance */
+    SVO_U32 parent; /* 56: 2 * the parent, plus 1 for its second child; SVO_NO_NODE: the root */
+    SVO_U32 reserved; /* 60 */
+};
+
+/* Arguments of the scene's kernels. 40 bytes. */
+SVO_RECORD(svo_scene_params)
+{
+    SVO_U32 instance_count; /* 0 */
+    SVO_U32 root; /* 4: as svo_scene_node.child */
+    SVO_F32 reach; /* 8: no box has a coordinate beyond this */
+    SVO_F32 footprint; /* 12: of the rays */
+    SVO_U32 flags; /* 16: svo_scene_flags */
+    SVO_F32 code_low[3]; /* 20: the least center of a box */
+    SVO_F32 code_scale; /* 32: cells of the Morton codes per world unit */
+    SVO_U32 reserved; /* 36 */
+};
+
+/* A picture of a scene. World coordinates. 112 bytes. */
+SVO_RECORD(svo_scene_picture)
+{
+    SVO_F32 eye[3]; /* 0 */
+    SVO_F32 footprint; /* 12: width of a pixel at distance 1 */
+    SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
+    SVO_U32 width; /* 28: pixels */
+    SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
+    SVO_U32 height; /* 44: pixels */
+    SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
+    SVO_U32 samples; /* 60: rays per pixel along each of its sides */
+    SVO_F32 up[3]; /* 64: unit, towards the sky */
+    SVO_F32 occlusion_range; /* 76: range of the ambient occlusion */
+    SVO_U32 light_count; /* 80 */
+    SVO_U32 reserved[7]; /* 84 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -238,10 +329,16 @@ SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 80);
+SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
+SVO_ASSERT_BYTES(svo_scene_tree, 32);
+SVO_ASSERT_BYTES(svo_scene_instance, 152);
+SVO_ASSERT_BYTES(svo_scene_node, 64);
+SVO_ASSERT_BYTES(svo_scene_params, 40);
+SVO_ASSERT_BYTES(svo_scene_picture, 112);
 #endif
 
 #endif

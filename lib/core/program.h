@@ -21,6 +21,13 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_CAST, /* render */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
+    SVO_I_PROGRAM_TRACE_VOXELS, /* trace_voxels */
+    SVO_I_PROGRAM_COMPACT, /* scan, and those of kernels/compact that make compact trees */
+    SVO_I_PROGRAM_EXPAND, /* scan, expand */
+    SVO_I_PROGRAM_SCENE_BUILD, /* scan, sort; codes, link, refit of scenes */
+    SVO_I_PROGRAM_SCENE_BOUNDS, /* bounds of the trees of scenes */
+    SVO_I_PROGRAM_SCENE_TRACE, /* trace of scenes */
+    SVO_I_PROGRAM_SCENE_CAST, /* render of scenes */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 
@@ -82,5 +89,8 @@ typedef struct svo_i_argument {
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
+/* Sets arguments from first_index on. */
+svo_status svo_i_kernel_set_from(svo_device *device, const char *function, cl_kernel kernel, cl_uint first_index,
+                                 const svo_i_argument *arguments, cl_uint argument_count);
 
 #endif

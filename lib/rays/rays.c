@@ -21,7 +21,7 @@ extern const char svo_i_source_rays[];
 typedef struct device_bvh {
     svo_i_attachment attachment;
     cl_mem nodes, leaves;
-    uint64_t bytes; /* of both */
+    uint64_t node_bytes, leaf_bytes;
     float reach; /* the largest coordinate of a vertex */
 } device_bvh;
 
@@ -41,7 +41,7 @@ static void release_bvh(svo_i_attachment *attachment)
 static device_bvh find_bvh(const svo_tree *tree)
 {
     const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
-    return found != NULL ? *(const device_bvh *)found : (device_bvh){.bytes = 0};
+    return found != NULL ? *(const device_bvh *)found : (device_bvh){.node_bytes = 0};
 }
 
 /* The largest absolute coordinate, at least the width of the grid. A file may hold any number for a vertex without a
@@ -114,7 +114,8 @@ static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queu
     SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes));
     SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
     to->attachment.destroy = release_bvh;
-    to->bytes = node_bytes + leaf_bytes;
+    to->node_bytes = node_bytes;
+    to->leaf_bytes = leaf_bytes;
     to->reach = find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
     svo_i_attachment_add(&tree->derived, &to->attachment);
     to = NULL;
@@ -173,7 +174,14 @@ svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
 
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
-    return tree != NULL ? find_bvh(tree).bytes : 0;
+    const svo_i_ray_buffers buffers = tree != NULL ? svo_i_rays_buffers(tree) : (svo_i_ray_buffers){.nodes = NULL};
+    return buffers.node_bytes + buffers.leaf_bytes;
+}
+
+svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree)
+{
+    const device_bvh bvh = find_bvh(tree);
+    return (svo_i_ray_buffers){bvh.nodes, bvh.leaves, bvh.node_bytes, bvh.leaf_bytes};
 }
 
 /* ---- kernel arguments ---- */
@@ -191,26 +199,34 @@ static bool split(double value, float parts[3])
     return true;
 }
 
-static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
+                             svo_ray_params *params)
 {
-    const svo_tree_info *info = &tree->info;
-    bool fits = split(info->scale, params->scale);
+    bool fits = split(grid->scale, params->scale);
     for (int axis = 0; axis < 3 && fits; ++axis) {
         float parts[3] = {0};
         /* A corner this close to zero counts as zero. */
-        fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
+        fits = split(fabs(grid->origin[axis]) < edge * 0x1p-60 ? 0.0 : grid->origin[axis], parts);
         for (int part = 0; part < 3; ++part) {
             params->origin[3 * part + axis] = parts[part];
         }
     }
     if (!fits) {
-        return svo_i_device_fail(tree->device, SVO_UNSUPPORTED,
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "%s: a grid of edge %g at %g, %g, %g is beyond the range of rays in floats", function,
-                                 info->edge, info->origin[0], info->origin[1], info->origin[2]);
+                                 edge, grid->origin[0], grid->origin[1], grid->origin[2]);
     }
-    params->depth = info->depth;
-    params->snap_bits = info->snap_bits;
-    params->inner_count = (cl_uint)info->inner_count;
+    params->depth = grid->depth;
+    params->snap_bits = grid->snap_bits;
+    return SVO_OK;
+}
+
+svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+{
+    svo_grid grid = {.depth = 0};
+    SVO_I_TRY(svo_tree_get_grid(tree, &grid));
+    SVO_I_TRY(svo_i_rays_params(tree->device, function, &grid, tree->info.edge, params));
+    params->inner_count = (cl_uint)tree->info.inner_count;
     params->reach = find_bvh(tree).reach;
     return SVO_OK;
 }
@@ -234,18 +250,6 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
     return SVO_OK;
 }
 
-svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                          const svo_i_argument *arguments, cl_uint argument_count)
-{
-    for (cl_uint i = 0; i < argument_count; ++i) {
-        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
-        }
-    }
-    return SVO_OK;
-}
-
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
@@ -255,12 +259,56 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
         SVO_I_TRY(svo_i_rays_check(tree, function));
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
-    SVO_I_TRY(fill_params(tree, function, &params));
+    SVO_I_TRY(svo_i_rays_tree_params(tree, function, &params));
     const device_bvh bvh = find_bvh(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
         SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};
-    return svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+    return svo_i_kernel_set_from(tree->device, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+}
+
+static svo_status check_target(void *tree, const char *function)
+{
+    return svo_i_rays_check(tree, function);
+}
+
+static svo_status set_target(void *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    return svo_i_rays_set_tree(tree, function, kernel, first_index);
+}
+
+svo_i_ray_target svo_i_rays_target(svo_tree *tree)
+{
+    return (svo_i_ray_target){tree, SVO_TREE_ARGUMENTS, check_target, set_target};
+}
+
+/* Voxels need no leaf lists. */
+static svo_status check_voxels(void *of, const char *function)
+{
+    const svo_tree *tree = of;
+    SVO_I_TRY(svo_i_tree_check(tree, function));
+    return tree->device != NULL
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                   "%s: the tree is not on a device; call svo_tree_upload first", function);
+}
+
+/* The arguments of a tree, without triangles. */
+static svo_status set_voxels(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_tree *tree = of;
+    const cl_mem none = NULL;
+    svo_ray_params params = {.depth = 0};
+    SVO_I_TRY(svo_i_rays_tree_params(tree, function, &params));
+    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(none), SVO_I_ARGUMENT(none), SVO_I_ARGUMENT(params)};
+    return svo_i_kernel_set_from(tree->device, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+}
+
+svo_i_ray_target svo_i_voxels_target(svo_tree *tree)
+{
+    return (svo_i_ray_target){tree, SVO_TREE_ARGUMENTS, check_voxels, set_voxels};
 }
 
 svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)

@@ -5,16 +5,29 @@
 
 #include "core/program.h"
 #include "core/tree.h"
+#include "rays/target.h"
 #include "shared/layout.h"
+#include "svocl/nodes.h"
 
 /* Whether rays can be traced against the tree's triangles. function: for the message. */
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
 /* Builds the BVH unless the tree has it, and waits for it. queue: NULL for the device's own. */
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);
+/* The tree's BVH; all zero before it is made. */
+typedef struct svo_i_ray_buffers {
+    cl_mem nodes, leaves;
+    uint64_t node_bytes, leaf_bytes;
+} svo_i_ray_buffers;
+svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree);
+/* What the ray kernels know of the tree. SVO_UNSUPPORTED: the grid is beyond the range of floats. */
+svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, svo_ray_params *params);
 /* Sets the arguments that SVO_TREE_PARAMETERS declares, from first_index on. Makes the BVH if the tree has one. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
-/* Sets other arguments from first_index on. */
-svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                          const svo_i_argument *arguments, cl_uint argument_count);
+/* What the kernels know of a grid; edge: svo_tree_info.edge. */
+svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
+                             svo_ray_params *params);
+/* A tree's triangles as the target of batches; and its voxels, for which it makes no BVH. */
+svo_i_ray_target svo_i_rays_target(svo_tree *tree);
+svo_i_ray_target svo_i_voxels_target(svo_tree *tree);
 
 #endif

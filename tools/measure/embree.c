@@ -19,6 +19,7 @@
 struct embree {
     RTCDevice device;
     RTCScene scene;
+    RTCScene placed; /* whose instances scene holds; NULL: none */
     double build_ms;
     char version[VERSION_BYTES];
 };
@@ -28,7 +29,7 @@ bool embree_is_there(void)
     return true;
 }
 
-static bool add_mesh(embree *made, const float *vertices, size_t vertex_count, const uint32_t *indices,
+static bool add_mesh(embree *made, RTCScene into, const float *vertices, size_t vertex_count, const uint32_t *indices,
                      size_t triangle_count)
 {
     RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -42,16 +43,16 @@ static bool add_mesh(embree *made, const float *vertices, size_t vertex_count, c
         memcpy(corners, indices, triangle_count * 3 * sizeof(uint32_t));
         const double start_ms = input_now_ms();
         rtcCommitGeometry(geometry);
-        rtcAttachGeometry(made->scene, geometry);
-        rtcCommitScene(made->scene);
+        rtcAttachGeometry(into, geometry);
+        rtcCommitScene(into);
         made->build_ms = input_now_ms() - start_ms;
     }
     rtcReleaseGeometry(geometry);
     return there && rtcGetDeviceError(made->device) == RTC_ERROR_NONE;
 }
 
-embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
-                      bool robust)
+/* A device and an empty scene; NULL on failure. */
+static embree *open_peer(bool robust)
 {
     embree *made = calloc(1, sizeof *made);
     if (made == NULL) {
@@ -66,7 +67,51 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
         made->scene = rtcNewScene(made->device);
         rtcSetSceneFlags(made->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     }
-    if (made->scene == NULL || !add_mesh(made, vertices, vertex_count, indices, triangle_count)) {
+    if (made->scene == NULL) {
+        embree_destroy(&made);
+    }
+    return made;
+}
+
+embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                      bool robust)
+{
+    embree *made = open_peer(robust);
+    if (made != NULL && !add_mesh(made, made->scene, vertices, vertex_count, indices, triangle_count)) {
+        embree_destroy(&made);
+    }
+    return made;
+}
+
+static void add_instances(embree *made, const float (*matrices)[12], size_t matrix_count)
+{
+    const double start_ms = input_now_ms();
+    for (size_t i = 0; i < matrix_count; ++i) {
+        RTCGeometry instance = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(instance, made->placed);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrices[i]);
+        rtcCommitGeometry(instance);
+        rtcAttachGeometry(made->scene, instance);
+        rtcReleaseGeometry(instance);
+    }
+    rtcCommitScene(made->scene);
+    made->build_ms = input_now_ms() - start_ms;
+}
+
+embree *embree_create_placed(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                             const float (*matrices)[12], size_t matrix_count)
+{
+    embree *made = open_peer(false);
+    if (made == NULL) {
+        return NULL;
+    }
+    made->placed = rtcNewScene(made->device);
+    if (made->placed == NULL || !add_mesh(made, made->placed, vertices, vertex_count, indices, triangle_count)) {
+        embree_destroy(&made);
+        return NULL;
+    }
+    add_instances(made, matrices, matrix_count);
+    if (rtcGetDeviceError(made->device) != RTC_ERROR_NONE) {
         embree_destroy(&made);
     }
     return made;
@@ -79,6 +124,9 @@ void embree_destroy(embree **peer)
     }
     if ((*peer)->scene != NULL) {
         rtcReleaseScene((*peer)->scene);
+    }
+    if ((*peer)->placed != NULL) {
+        rtcReleaseScene((*peer)->placed);
     }
     if ((*peer)->device != NULL) {
         rtcReleaseDevice((*peer)->device);
@@ -159,6 +207,14 @@ embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t
     (void)indices;
     (void)triangle_count;
     return NULL;
+}
+
+embree *embree_create_placed(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                             const float (*matrices)[12], size_t matrix_count)
+{
+    (void)matrices;
+    (void)matrix_count;
+    return embree_create(vertices, vertex_count, indices, triangle_count, false);
 }
 
 void embree_destroy(embree **peer)

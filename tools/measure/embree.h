@@ -16,8 +16,11 @@ bool embree_is_there(void);
    failure. */
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
                       bool robust);
+/* The same triangles placed by so many 3 x 4 matrices, row by row, as instances under one BVH. */
+embree *embree_create_placed(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
+                             const float (*matrices)[12], size_t matrix_count);
 void embree_destroy(embree **peer);
-/* Milliseconds to build the BVH on all cores, without copying the triangles. */
+/* Milliseconds to build the BVH on all cores, without copying the triangles; of placed ones that over the instances. */
 double embree_build_ms(const embree *peer);
 /* "3.13.5" */
 const char *embree_version(const embree *peer);

@@ -1,34 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl render: renders a tree with a camera that frames it. */
-#include <stb/stb_image_write.h>
+/* svocl render: renders a tree with a camera that frames it, or a scene of trees. */
 #include <stdlib.h>
 
 #include "support/job.h"
 #include "support/output.h"
+#include "support/picture.h"
+#include "support/scene_file.h"
 #include "support/table.h"
 #include "svocl/commands.h"
-
-static void write_bytes(void *user, void *bytes, int byte_count)
-{
-    output_write(user, bytes, (size_t)byte_count);
-}
-
-static int write_picture(program *state, const uint8_t *rgba)
-{
-    output_file file;
-    progress_step(state->progress, "writing the picture");
-    const int exit_code = output_open(state, state->options.output_path, &file);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    const int width = (int)state->options.width;
-    const int height = (int)state->options.height;
-    if (stbi_write_png_to_func(write_bytes, &file, width, height, 4, rgba, width * 4) == 0) {
-        output_abandon(&file);
-        return program_fail(state, PROGRAM_FAILED, "%s: out of memory for the picture", state->options.output_path);
-    }
-    return output_commit(state, &file);
-}
+#include "svocl/render_scene.h"
 
 static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
 {
@@ -75,7 +55,7 @@ static int render(program *state, const session *opened, svo_tree *tree)
     }
     const double render_ms = input_now_ms() - started_ms;
     if (exit_code == PROGRAM_DONE) {
-        exit_code = write_picture(state, rgba);
+        exit_code = picture_write(state, rgba);
     }
     free(rgba);
     return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
@@ -100,6 +80,9 @@ int command_render(program *state)
     }
     job done;
     int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
+        return render_scene(state);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = make_tree(state, &done);
     }

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
+ * shadows, and by a sky that neighbors darken. The colors are those of kernels/rays/render.cl.
+ *
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles. Reads the
+ * scene, its colors and normals as far as its trees have them, and the lights; writes one RGBA8 word per pixel. No
+ * atomics, no local memory.
+ */
+#include "shared/layout.h"
+
+#include "scene/scene.clh"
+
+/* What a kernel draws from. */
+typedef struct svo_scene_view {
+    svo_scene scene;
+    __global const uchar *colors;
+    __global const short *normals;
+    __constant const svo_scene_picture *picture;
+    __constant const svo_scene_light *lights;
+} svo_scene_view;
+
+/* A surface that a ray met. */
+typedef struct svo_scene_surface {
+    float3 point; /* outside of it, where rays to lights begin */
+    float3 normal; /* unit, never away from the eye */
+    float3 color; /* linear */
+    float node_width; /* world */
+} svo_scene_surface;
+
+/* The light of a pixel's last sample, which the next one near it takes: light is most of a picture's cost. */
+typedef struct svo_scene_lit {
+    float3 point;
+    float3 normal; /* zero before the first */
+    float3 light;
+} svo_scene_lit;
+
+static svo_ray svo_scene_make_ray(float3 origin, float3 direction, float range)
+{
+    svo_ray ray;
+    vstore3(origin, 0, ray.origin);
+    vstore3(direction, 0, ray.direction);
+    ray.t_min = 0.0f;
+    ray.t_max = range;
+    return ray;
+}
+
+static float3 svo_scene_constant(__constant const float *values)
+{
+    return (float3)(values[0], values[1], values[2]);
+}
+
+/* The distance to the first hit within range; range without one. */
+static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint)
+{
+    const svo_ray ray = svo_scene_make_ray(point, direction, range);
+    svo_scene_search search;
+    return svo_scene_search_ray(&view->scene, &ray, footprint, 0u, &search) ? min(search.t, range) : range;
+}
+
+static bool svo_scene_is_shadowed(const svo_scene_view *view, float3 point, float3 direction)
+{
+    const svo_ray ray = svo_scene_make_ray(point, direction, INFINITY);
+    svo_scene_search search;
+    return svo_scene_search_ray(&view->scene, &ray, 0.0f, SVO_SCENE_FLAG_ANY, &search);
+}
+
+/* How open the hemisphere above the point is, by four short rays. 0 .. 1. */
+static float svo_scene_openness(const svo_scene_view *view, const svo_scene_surface *surface)
+{
+    const float range = max(view->picture->occlusion_range, 6.0f * surface->node_width);
+    const float3 helper = fabs(surface->normal.y) < 0.7f ? (float3)(0.0f, 1.0f, 0.0f) : (float3)(1.0f, 0.0f, 0.0f);
+    const float3 side = normalize(cross(surface->normal, helper));
+    const float3 other = cross(surface->normal, side);
+    const float2 circle[4] = {(float2)(0.85f, 0.2f), (float2)(-0.2f, 0.85f), (float2)(-0.85f, -0.2f),
+                              (float2)(0.2f, -0.85f)};
+    float open = 0.0f;
+    for (int k = 0; k < 4; ++k) {
+        const float3 direction = normalize(0.6f * surface->normal + circle[k].x * side + circle[k].y * other);
+        open += svo_scene_reach(view, surface->point, direction, range, 0.12f) / range;
+    }
+    return 0.25f * open;
+}
+
+/* The light that reaches a surface. */
+static float3 svo_scene_light_of(const svo_scene_view *view, const svo_scene_surface *surface)
+{
+    const float sky = 0.5f + 0.5f * dot(surface->normal, svo_scene_constant(view->picture->up));
+    float3 light = mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) *
+                   mix(0.3f, 1.0f, svo_scene_openness(view, surface));
+    for (uint i = 0; i < view->picture->light_count; ++i) {
+        const float3 direction = svo_scene_constant(view->lights[i].direction);
+        const float facing = dot(surface->normal, direction);
+        if (facing > 0.0f &&
+            (view->lights[i].shadows == 0u || !svo_scene_is_shadowed(view, surface->point, direction))) {
+            light += facing * svo_scene_constant(view->lights[i].color);
+        }
+    }
+    return light;
+}
+
+/* The voxel's normal where it has one of some length, else its face's, as kernels/rays/render.cl chooses it. */
+static float3 svo_scene_shading_normal(const svo_scene_view *view, __global const svo_scene_instance *instance,
+                                       const svo_voxel_hit *hit, float3 direction)
+{
+    __global const svo_scene_tree *tree = view->scene.trees + instance->tree;
+    float3 normal = svo_scene_face_normal(instance, hit->face);
+    if ((tree->flags & SVO_SCENE_TREE_NORMALS) != 0u) {
+        const uint index = (tree->flags & SVO_SCENE_TREE_ONE_NORMAL) != 0u ? 0u : hit->node;
+        const float3 own = convert_float3(vload3((size_t)tree->normal_begin + index, view->normals)) / 32767.0f;
+        normal = dot(own, own) > 0.04f ? svo_scene_normal(instance, own) : normal;
+    }
+    const float away = dot(normal, direction);
+    if (dot(normal, normal) == 0.0f) {
+        return -direction;
+    }
+    if (away > 0.7f) {
+        return -normal;
+    }
+    return away > 0.0f ? normalize(normal - away * direction) : normal;
+}
+
+/* Stored colors are squared to linear light: close to sRGB and cheap. */
+static float3 svo_scene_color(const svo_scene_view *view, uint tree_index, uint node)
+{
+    __global const svo_scene_tree *tree = view->scene.trees + tree_index;
+    if ((tree->flags & SVO_SCENE_TREE_COLORS) == 0u) {
+        return (float3)(0.55f, 0.54f, 0.52f);
+    }
+    const uint index = (tree->flags & SVO_SCENE_TREE_ONE_COLOR) != 0u ? 0u : node;
+    const float3 stored = convert_float3(vload4((size_t)tree->color_begin + index, view->colors).xyz) / 255.0f;
+    return stored * stored;
+}
+
+static svo_scene_surface svo_scene_surface_of(const svo_scene_view *view, const svo_scene_search *search, float3 origin,
+                                              float3 direction)
+{
+    __global const svo_scene_instance *instance = view->scene.instances + search->instance;
+    __global const svo_ray_params *params = view->scene.tree_params + instance->tree;
+    svo_scene_surface surface;
+    surface.normal = svo_scene_shading_normal(view, instance, &search->voxel, direction);
+    surface.color = svo_scene_color(view, instance->tree, search->voxel.node);
+    surface.node_width = instance->widest * (float)(1u << (params->snap_bits - search->voxel.level)) / params->scale[0];
+    /* Off the voxels' steps, so that a surface does not occlude itself. */
+    surface.point =
+        origin + direction * (search->t - 0.5f * surface.node_width) + surface.normal * (1.75f * surface.node_width);
+    return surface;
+}
+
+static float3 svo_scene_shade(const svo_scene_view *view, const svo_scene_surface *surface, svo_scene_lit *lit)
+{
+    const float3 step = surface->point - lit->point;
+    if (dot(surface->normal, lit->normal) < 0.9f ||
+        dot(step, step) > 6.0f * surface->node_width * surface->node_width) {
+        lit->point = surface->point;
+        lit->normal = surface->normal;
+        lit->light = svo_scene_light_of(view, surface);
+    }
+    return surface->color * lit->light;
+}
+
+static float3 svo_scene_background(const svo_scene_view *view, float row)
+{
+    return mix((float3)(0.80f, 0.86f, 0.93f), (float3)(0.93f, 0.92f, 0.90f), row / (float)view->picture->height);
+}
+
+/* One ray of a pixel. */
+static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit)
+{
+    __constant const svo_scene_picture *picture = view->picture;
+    const float3 origin = svo_scene_constant(picture->eye);
+    const float3 direction =
+        normalize(svo_scene_constant(picture->corner) + column * svo_scene_constant(picture->across) +
+                  row * svo_scene_constant(picture->down));
+    const svo_ray ray = svo_scene_make_ray(origin, direction, INFINITY);
+    svo_scene_search search;
+    if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint / (float)picture->samples, 0u, &search)) {
+        return svo_scene_background(view, row);
+    }
+    const svo_scene_surface surface = svo_scene_surface_of(view, &search, origin, direction);
+    return svo_scene_shade(view, &surface, lit);
+}
+
+static uint svo_scene_pack(float3 light)
+{
+    /* Highlights are compressed, not clipped; the square root inverts the squares of svo_scene_color. */
+    const float3 soft = light / (1.0f + 0.12f * light * light);
+    const uint3 bytes = convert_uint3(sqrt(clamp(soft, (float3)(0.0f), (float3)(1.0f))) * 255.0f + 0.5f);
+    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global const short *normals,
+                   __constant const svo_scene_picture *picture, __constant const svo_scene_light *lights,
+                   __global uint *pixels)
+{
+    /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
+    const uint item = (uint)get_local_id(0);
+    const uint tile = (uint)get_group_id(0);
+    const uint tiles_across = (picture->width + 7u) / 8u;
+    const uint x = tile % tiles_across * 8u + (item & 7u);
+    const uint y = tile / tiles_across * 8u + (item >> 3);
+    if (x >= picture->width || y >= picture->height) {
+        return;
+    }
+    svo_scene_view view;
+    SVO_SCENE_MAKE(scene);
+    view.scene = scene;
+    view.colors = colors;
+    view.normals = normals;
+    view.picture = picture;
+    view.lights = lights;
+    svo_scene_lit lit;
+    lit.point = (float3)(0.0f);
+    lit.normal = (float3)(0.0f);
+    lit.light = (float3)(0.0f);
+    float3 sum = (float3)(0.0f);
+    for (uint sample = 0u; sample < picture->samples * picture->samples; ++sample) {
+        const float column = (float)x + ((float)(sample % picture->samples) + 0.5f) / (float)picture->samples;
+        const float row = (float)y + ((float)(sample / picture->samples) + 0.5f) / (float)picture->samples;
+        sum += svo_scene_sample(&view, column, row, &lit);
+    }
+    pixels[(size_t)y * picture->width + x] = svo_scene_pack(sum / (float)(picture->samples * picture->samples));
+}

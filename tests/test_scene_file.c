@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenes as files: svocl render SCENE.json. What is placed is seen, and whatever is wrong is one line with its place. */
+#include "run_program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A tree and an instance, into which the tests put something wrong. */
+#define TREES     "\"trees\": {\"cube\": {\"path\": \"scene:cube\", \"depth\": 3}}"
+#define INSTANCES "\"instances\": [{\"tree\": \"cube\"}]"
+
+static void scenes_are_rendered(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("mkdir models && $SVOCL build scene:knot:500 -d 4 -o models/knot.svo");
+    write_text("models/scene.json",
+               "{\"trees\": {\"a\": {\"path\": \"knot.svo\"}, \"b\": {\"path\": \"scene:cube\", \"depth\": 3}},\n"
+               " \"instances\": [\n"
+               "   {\"tree\": \"a\", \"translate\": [0, 2, 0], \"rotate\": [0, 90, 0], \"scale\": 0.5},\n"
+               "   {\"tree\": \"b\", \"matrix\": [1, 0, 0, 3, 0, -1, 0, 0, 0, 0.5, 1, 0]},\n"
+               "   {\"tree\": \"b\", \"scale\": [1, 2, 0.5],\n"
+               "    \"copies\": {\"count\": [2, 3, 4], \"step\": [4, 3, 2], \"rotate\": [0, 10, 0]}}],\n"
+               " \"lights\": [{\"direction\": [1, 1, 0], \"color\": [1, 0.9, 0.8], \"shadows\": false}],\n"
+               " \"occlusion_range\": 2}\n");
+    cJSON *document = run_json("$SVOCL render models/scene.json -o a.png --size 32x24 --json");
+    assert_int_equal((int)number_of(document, "instances"), 26);
+    assert_int_equal((int)number_of(document, "trees"), 2);
+    assert_true(number_of(document, "device_bytes") > 0);
+    cJSON_Delete(document);
+    run_well("$SVOCL render models/scene.json -o b.png --size 32x24 && cmp a.png b.png");
+    static const char *const written[] = {"a.png", "b.png", "models"};
+    run_well("rm -r models/*");
+    run_well("rmdir models");
+    expect_files(written, 2);
+}
+
+static void a_wrong_file_is_one_line_with_its_place(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *words;
+    } wrong[] = {
+        {"", "scene.json:1: not JSON"},
+        {"{\n" TREES ",\n" INSTANCES ",\n}\n", "scene.json:4: not JSON"},
+        {"{\n" TREES ",\n\n" INSTANCES ",\n\"camra\": {}}", "scene.json:5: key 'camra' of the scene is none of"},
+        {"{\n" TREES ",\n\n" INSTANCES ",\n\"camra\": {}}", "did you mean 'camera'?"},
+        {"{\"a\\\"\\n{\": 1,\n" TREES "}", "scene.json:1: key 'a"},
+        {"{" TREES "}", "scene.json:1: 'instances' is missing"},
+        {"{" INSTANCES "}", "scene.json:1: 'trees' is missing"},
+        {"{\n" TREES ",\n" TREES "}", "scene.json:3: a second 'trees'"},
+        {"{\"trees\":\n{\"a\":\n{\"depth\": 3}}}", "scene.json:2: tree 'a' has no 'path'"},
+        {"{\"trees\": {\"a\":\n\n{\"path\": \"x\",\n\"depth\": 17}}}", "scene.json:4: 'depth' is not a whole number"},
+        {"{\"trees\": {\"a\": {\"path\": 7}}}", "scene.json:1: 'path' is not a text"},
+        {"{" TREES ",\n\"instances\": [\n{\"tree\": \"cub\"}]}",
+         "scene.json:3: no tree is called 'cub', did you mean 'cube'?"},
+        {"{" TREES ",\n\"instances\": [7]}", "scene.json:2: an instance is not an object"},
+        {"{" TREES ",\n\"instances\": [\n{\"tree\": \"cube\",\n\n\"matrix\": [1, 2]}]}",
+         "scene.json:5: 'matrix' is not an array of 12 numbers"},
+        {"{" TREES ",\"instances\": [{\"tree\": \"cube\", \"matrix\": [1,0,0,0,\n0,1,0,0,\n0,0,1,1e999]}]}",
+         "scene.json:3: number 12 of 'matrix'"},
+        {"{" TREES ",\"instances\": [{\"tree\": \"cube\", \"scale\": \"big\"}]}", "scene.json:1: 'scale' is not"},
+        {"{" TREES ",\"instances\": [{\"tree\": \"cube\",\n\"scale\": 1,\n\"matrix\": [1,0,0,0,0,1,0,0,0,0,1,0]}]}",
+         "scene.json:2: 'scale' beside 'matrix'"},
+        {"{" TREES ",\"instances\": [{\"tree\": \"cube\", \"copies\": {\"count\": [16777216, 16777216, 1]}}]}",
+         "scene.json:1: more than 16777216 instances"},
+        {"{" TREES ",\"instances\": [{\"tree\": \"cube\", \"copies\": {\"count\": [0, 1, 1]}}]}",
+         "'count' is not a whole number in 1 .."},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1]}}", "scene.json:2: 'camera' has no 'eye' or no"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0], \"fov\": 180}}",
+         "scene.json:2: 'fov' is not an angle"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"shadows\": 1}]}", "scene.json:2: the light has no 'direction'"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0], \"shadows\": 1}]}",
+         "scene.json:2: 'shadows' is not true or false"},
+        {"{" TREES "," INSTANCES ",\"occlusion_range\": -1}", "scene.json:1: 'occlusion_range' is not above 0"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        write_text("scene.json", wrong[i].text);
+        run_badly("$SVOCL render scene.json -o a.png", 1, wrong[i].words);
+    }
+    run_badly("$SVOCL render none.json -o a.png", 1, "none.json: No such file");
+    run_badly("$SVOCL render scene.json -o a.png --view steps", 2, "--view does not apply to a scene");
+    static const char *const written[] = {"scene.json"};
+    expect_files(written, 1);
+}
+
+static void what_the_library_refuses_names_the_file(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("scene.json", "{" TREES ",\"instances\": [{\"tree\": \"cube\"}, {\"tree\": \"cube\", \"scale\": 0}]}");
+    run_badly("$SVOCL render scene.json -o a.png", 1, "scene.json: the matrix of instance 1 is flat");
+    write_text("scene.json", "{\"trees\": {\"a\": {\"path\": \"none.svo\"}}, \"instances\": [{\"tree\": \"a\"}]}");
+    run_badly("$SVOCL render scene.json -o a.png", 1, "none.svo");
+    write_text("scene.json", "{" TREES "," INSTANCES ",\"lights\": [{\"direction\": [0, 0, 0]}]}");
+    run_badly("$SVOCL render scene.json -o a.png", 1, "scene.json: options.lights[0] has no direction");
+    static const char *const written[] = {"scene.json"};
+    expect_files(written, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {IN_FOLDER(scenes_are_rendered),
+                                       IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
+                                       IN_FOLDER(what_the_library_refuses_names_the_file)};
+    return cmocka_run_group_tests_name("scene files", tests, NULL, NULL);
+}
