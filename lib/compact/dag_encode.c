@@ -121,12 +121,6 @@ static svo_status unify_record(encoder *made, level_records *level, uint32_t lev
 
 /* ---- one record ---- */
 
-/* The children of a node that end there. */
-static uint32_t leaves_of_node(const svo_i_dag_nodes *nodes, uint32_t node, uint32_t levels)
-{
-    return nodes->leaf != NULL ? nodes->leaf[node] : levels == 1 ? nodes->valid[node] : 0;
-}
-
 /* 1 where a node with so many levels below it has a place, else 0. */
 static uint32_t own_place(const svo_i_dag_nodes *nodes, uint32_t levels)
 {
@@ -154,7 +148,7 @@ static void put_number(uint32_t *record, uint32_t levels, uint32_t rank, uint32_
 static void make_record(const encoder *made, uint32_t node, uint32_t levels, uint32_t *record)
 {
     const uint32_t valid = made->nodes->valid[node];
-    const uint32_t leaves = leaves_of_node(made->nodes, node, levels);
+    const uint32_t leaves = made->nodes->leaf[node];
     const uint32_t masks = valid | leaves << 8;
     const uint32_t inner = svo_shared_bits(valid & ~leaves);
     const uint32_t numbers = svo_shared_number_count(masks, made->places);
@@ -181,7 +175,7 @@ static void make_record(const encoder *made, uint32_t node, uint32_t levels, uin
 static void count_places(encoder *made, uint32_t node, uint32_t levels)
 {
     const svo_i_dag_nodes *nodes = made->nodes;
-    const uint32_t leaves = leaves_of_node(nodes, node, levels);
+    const uint32_t leaves = nodes->leaf[node];
     const uint32_t inner = svo_shared_bits(nodes->valid[node] & ~leaves);
     uint32_t places = own_place(nodes, levels) + own_place(nodes, levels - 1) * svo_shared_bits(leaves);
     for (uint32_t rank = 0; rank < inner; ++rank) {
@@ -253,11 +247,11 @@ static void place_children(const encoder *made, uint32_t node, uint32_t levels, 
                            uint32_t *place_of)
 {
     const svo_i_dag_nodes *nodes = made->nodes;
-    const uint32_t leaves = leaves_of_node(nodes, node, levels);
+    const uint32_t leaves = nodes->leaf[node];
     const uint32_t child_own = own_place(nodes, levels - 1);
     uint32_t place = inner_places[node] + own_place(nodes, levels);
     uint32_t inner = nodes->first_inner[node];
-    uint32_t payload = nodes->first_payload[node];
+    uint32_t payload = nodes->first_payload[node] - nodes->payload_begin;
     for (uint32_t octant = 0; octant < 8; ++octant) {
         if ((nodes->valid[node] >> octant & 1) == 0) {
             continue;

@@ -1,98 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From records of the form "shared" to nodes, and whether records from a file can be read at all.
- *
- * Nodes are unfolded level by level, each from its parent's record. Records are checked the other way round: each is
- * looked at once, whatever the number of its nodes, which are counted along. So a small file that would unfold to 2^48
- * nodes is refused in no time.
+ * Checks the records of SVO_FORM_SHARED (kernels/shared/dag.clh). Each is looked at once, whatever the number of its
+ * nodes, which are counted along: a small file that would unfold to 2^48 nodes is refused in no time.
  */
-#include <inttypes.h>
+#include "io/dag_check.h"
+
 #include <stdlib.h>
 
-#include "compact/dag.h"
 #include "shared/dag.clh"
 
-/* ---- unfolding ---- */
-
-/* Where unfolding is. */
-typedef struct unfolding {
-    const svo_i_dag *dag;
-    svo_i_dag_nodes *nodes; /* a node's record lies in its first_inner until its children are unfolded */
-    uint32_t *inner_places; /* of inner nodes */
-    uint32_t *place_of;
-    uint32_t next_inner, next_payload;
-} unfolding;
-
-static void decode_node(unfolding *job, uint32_t levels, uint32_t node)
-{
-    const svo_i_dag *dag = job->dag;
-    const svo_shared_node parent = {.record = job->nodes->first_inner[node], .place = job->inner_places[node]};
-    const uint32_t payload_levels = dag->depth - dag->payload_level;
-    const uint32_t masks = svo_shared_masks(dag->words, levels, parent.record);
-    job->nodes->valid[node] = (uint8_t)masks;
-    if (job->nodes->leaf != NULL) {
-        job->nodes->leaf[node] = (uint8_t)(masks >> 8);
-    }
-    job->nodes->first_inner[node] = job->next_inner;
-    job->nodes->first_payload[node] = job->next_payload;
-    for (uint32_t octant = 0; octant < 8; ++octant) {
-        if ((masks >> octant & 1) == 0) {
-            continue;
-        }
-        const svo_shared_node child = svo_shared_child(dag->words, levels, payload_levels, dag->places, parent, octant);
-        if ((masks >> 8 >> octant & 1) == 0) {
-            job->nodes->first_inner[job->next_inner] = child.record;
-            job->inner_places[job->next_inner] = child.place;
-            ++job->next_inner;
-        }
-        if (levels <= payload_levels + 1 && job->place_of != NULL) {
-            job->place_of[job->next_payload] = child.place;
-            ++job->next_payload;
-        }
-    }
-}
-
-svo_status svo_i_dag_decode(const svo_i_dag *dag, svo_i_dag_nodes *nodes, uint32_t *place_of, svo_message *message)
-{
-    const size_t bytes = nodes->level_begin[dag->depth] * sizeof(uint32_t);
-    unfolding job = {.dag = dag,
-                     .nodes = nodes,
-                     .inner_places = malloc(bytes),
-                     .place_of = place_of,
-                     .next_inner = 1,
-                     .next_payload = dag->payload_level == 0 ? 1 : 0};
-    const svo_shared_node root = svo_shared_root(dag->words, dag->depth);
-    if (job.inner_places == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_compact_expand: shared records need %zu bytes", bytes);
-    }
-    nodes->first_inner[0] = root.record;
-    job.inner_places[0] = root.place;
-    if (place_of != NULL && dag->payload_level == 0) {
-        place_of[0] = root.place;
-    }
-    for (uint32_t level = 0; level < dag->depth; ++level) {
-        for (uint32_t node = nodes->level_begin[level]; node < nodes->level_begin[level + 1]; ++node) {
-            decode_node(&job, dag->depth - level, node);
-        }
-    }
-    free(job.inner_places);
-    return SVO_OK;
-}
-
-/* ---- checking ---- */
-
 typedef struct check {
-    const svo_i_dag *dag;
+    const dag_records *dag;
     svo_message *message;
     uint64_t *node_counts; /* at a record's first word: how many nodes have it; 0 for words that begin none */
     uint64_t *place_counts; /* at a record's first word: the places of its subtree */
     size_t level_words[SVO_LEVELS_MAX]; /* where each level's records begin */
-    svo_i_dag_counts *counts;
+    dag_counts *counts;
 } check;
 
 static svo_status fail_record(const check *job, size_t at, const char *what)
 {
-    return svo_i_fail(job->message, SVO_FILE_DAMAGED, "svo_compact_load: shared record at word %zu: %s", at, what);
+    return svo_i_fail(job->message, SVO_FILE_DAMAGED, "%s: shared record at word %zu: %s", job->dag->name, at, what);
 }
 
 /* The words of the record at a word, whose masks must be sound. */
@@ -160,6 +88,7 @@ static svo_status check_level(check *job, uint32_t level)
         uint32_t words = 0;
         SVO_I_TRY(measure_record(job, at, levels, &words));
         SVO_I_TRY(count_children(job, at, levels, words, &next));
+        ++job->counts->records;
         at += words;
     }
     job->level_words[level + 2] = next;
@@ -169,7 +98,7 @@ static svo_status check_level(check *job, uint32_t level)
 /* Counts the places of a record's subtree and compares those that it stores. */
 static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t words)
 {
-    const svo_i_dag *dag = job->dag;
+    const dag_records *dag = job->dag;
     const uint32_t payload_levels = dag->depth - dag->payload_level;
     const uint32_t masks = dag->words[at] & 0xffff;
     const uint32_t numbers = svo_shared_number_count(masks, dag->places);
@@ -193,7 +122,7 @@ static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t 
 
 static svo_status check_records(check *job)
 {
-    const svo_i_dag *dag = job->dag;
+    const dag_records *dag = job->dag;
     const uint32_t level_count = dag->depth > 1 ? dag->depth - 1 : 1;
     uint32_t words = 0;
     if (dag->word_count == 0) {
@@ -215,22 +144,21 @@ static svo_status check_records(check *job)
             SVO_I_TRY(check_places(job, at, dag->depth - level, words));
         }
     }
-    return dag->places && job->place_counts[0] != dag->place_count
-               ? fail_record(job, 0, "the number of places is not that of the records")
-               : SVO_OK;
+    job->counts->places = job->place_counts[0];
+    return SVO_OK;
 }
 
-svo_status svo_i_dag_check(const svo_i_dag *dag, svo_i_dag_counts *counts, svo_message *message)
+svo_status dag_check(const dag_records *records, dag_counts *counts, svo_message *message)
 {
-    check job = {.dag = dag, .message = message, .counts = counts};
-    *counts = (svo_i_dag_counts){{0}, {0}};
-    job.node_counts = calloc(dag->word_count + 1, sizeof *job.node_counts);
-    job.place_counts = calloc(dag->word_count + 1, sizeof *job.place_counts);
-    const svo_status status = job.node_counts != NULL && job.place_counts != NULL
-                                  ? check_records(&job)
-                                  : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY,
-                                               "svo_compact_load: shared records of %zu words need %zu bytes",
-                                               dag->word_count, 2 * dag->word_count * sizeof *job.node_counts);
+    check job = {.dag = records, .message = message, .counts = counts};
+    *counts = (dag_counts){.records = 0};
+    job.node_counts = calloc(records->word_count + 1, sizeof *job.node_counts);
+    job.place_counts = calloc(records->word_count + 1, sizeof *job.place_counts);
+    const svo_status status =
+        job.node_counts != NULL && job.place_counts != NULL
+            ? check_records(&job)
+            : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %zu words need %zu bytes to check", records->name,
+                         records->word_count, 2 * records->word_count * sizeof *job.node_counts);
     free(job.node_counts);
     free(job.place_counts);
     return status;
