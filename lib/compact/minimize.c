@@ -254,8 +254,7 @@ svo_status svo_i_minimize(svo_i_compact_work *work, const svo_compact_options *o
     const bool has_places = svo_i_compact_has_places(info);
     minimizer m = {.work = work, .source = source, .inner_count = (uint32_t)info->inner_count};
     m.params =
-        (svo_minimize_params){.depth = info->depth,
-                              .payload_begin = source->payload_begin,
+        (svo_minimize_params){.payload_begin = source->payload_begin,
                               .color_tolerance = options->color_tolerance[0] | options->color_tolerance[1] << 8 |
                                                  options->color_tolerance[2] << 16 | options->color_tolerance[3] << 24,
                               .normal_tolerance = options->normal_tolerance,

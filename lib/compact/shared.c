@@ -6,10 +6,10 @@
 #include <stdlib.h>
 
 #include "compact/dag.h"
-#include "compact/form.h"
 #include "compact/payload.h"
+#include "compact/shared.h"
 #include "core/device.h"
-#include "shared/layout.h"
+#include "shared/dag.clh"
 
 /* Everything on the host. */
 typedef struct sharing {
@@ -124,4 +124,22 @@ svo_status svo_i_shared_make(svo_i_compact_work *work, const svo_i_compact_sourc
     free(s.origins);
     svo_i_dag_free(&s.dag);
     return status;
+}
+
+void svo_i_shared_count(svo_compact_info *info)
+{
+    /* A record names each inner child and has a number for each, besides its masks. Above voxels it has a byte for each
+       of the two masks and each child, rounded up to words. */
+    info->stored_count = 0;
+    info->shared_count = 0;
+    for (uint32_t level = 0; level + 1 < info->depth; ++level) {
+        const uint64_t inner = info->level_inner[level];
+        const uint64_t below = info->level_inner[level + 1];
+        info->shared_count += inner;
+        info->stored_count += level + 2 < info->depth ? inner + 2 * below : (5 * inner + below) / 4;
+    }
+    if (info->depth == 1) {
+        info->stored_count = 1;
+        info->shared_count = 1;
+    }
 }
