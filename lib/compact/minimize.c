@@ -252,6 +252,7 @@ svo_status svo_i_minimize(svo_i_compact_work *work, const svo_compact_options *o
 {
     const svo_compact_info *info = &source->info;
     const bool has_places = svo_i_compact_has_places(info);
+    svo_i_compact_count(&source->info);
     minimizer m = {.work = work, .source = source, .inner_count = (uint32_t)info->inner_count};
     m.params =
         (svo_minimize_params){.payload_begin = source->payload_begin,

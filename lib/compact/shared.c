@@ -61,7 +61,7 @@ static svo_status read_nodes(sharing *s)
 static svo_status encode(sharing *s)
 {
     const bool places = svo_i_compact_has_places(&s->source->info);
-    const size_t payload_count = (size_t)s->source->info.payload_count;
+    const size_t payload_count = (size_t)s->compact->info.payload_count;
     if (places) {
         s->place_of = malloc((payload_count + 1) * sizeof *s->place_of);
         s->origins = malloc((payload_count + 1) * sizeof *s->origins);
@@ -95,7 +95,7 @@ static svo_status put_records(const sharing *s)
 
 static svo_status put_payload(const sharing *s)
 {
-    const uint64_t bytes = s->source->info.payload_count * sizeof *s->origins;
+    const uint64_t bytes = s->compact->info.payload_count * sizeof *s->origins;
     cl_mem origins = NULL;
     if (s->origins != NULL) {
         SVO_I_TRY(svo_i_work_alloc(s->work, "payload_origins", bytes, &origins));
@@ -106,6 +106,7 @@ static svo_status put_payload(const sharing *s)
 
 static svo_status share(sharing *s)
 {
+    svo_i_compact_count(&s->compact->info);
     SVO_I_TRY(svo_i_work_use(s->work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
     SVO_I_TRY(read_nodes(s));
     SVO_I_TRY(encode(s));
