@@ -24,6 +24,9 @@ static void succeed(const fixture *opened, svo_status status)
     }
 }
 
+#define SOME_PAYLOAD (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL)
+#define ALL_PAYLOAD  (SOME_PAYLOAD | SVO_NEED_FILL)
+
 /* ---- voxels ---- */
 
 typedef struct voxel_list {
@@ -260,7 +263,7 @@ static void a_full_tree_is_eight_leaves(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     for (unsigned depth = 1; depth <= 5; ++depth) {
-        const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL};
+        const uint32_t needs[] = {SVO_NEED_NONE, SOME_PAYLOAD};
         voxel_list list = full_grid(depth, NULL, NULL);
         for (int i = 0; i < 2; ++i) {
             built tree;
@@ -307,11 +310,10 @@ static voxel_list random_blocks(uint64_t seed, unsigned depth)
 static void blocks_of_one_payload_merge(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_COLOR, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL,
-                              SVO_NEED_FILL, SVO_NEED_FILL | SVO_NEED_MATERIAL};
-    for (unsigned turn = 0; turn < 10; ++turn) {
+    const uint32_t needs[] = {SVO_NEED_NONE, SVO_NEED_COLOR, SOME_PAYLOAD, ALL_PAYLOAD};
+    for (unsigned turn = 0; turn < 12; ++turn) {
         const unsigned depth = 3 + turn % 3;
-        const uint32_t need = needs[turn % 5];
+        const uint32_t need = needs[turn % 4];
         voxel_list list = random_blocks(turn + 1, depth);
         built tree;
         build_list(&opened, &list, need, 0, &tree);
@@ -341,7 +343,7 @@ static void merged_voxels_stay_within_the_tolerances(void **state)
     const uint32_t colors[] = {0, 2, 5, 12, 40, 255};
     uint64_t leaves_before = list.count + 1;
     built tree;
-    build_list(&opened, &list, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL, 0, &tree);
+    build_list(&opened, &list, ALL_PAYLOAD, 0, &tree);
     for (size_t i = 0; i < sizeof colors / sizeof colors[0]; ++i) {
         svo_compact_options options = {.normal_tolerance = 40 * colors[i], .fill_tolerance = 10 * colors[i]};
         for (int channel = 0; channel < 4; ++channel) {
@@ -422,7 +424,7 @@ static void materials_never_mix(void **state)
     for (int channel = 0; channel < 4; ++channel) {
         options.color_tolerance[channel] = 255;
     }
-    build_list(&opened, &list, SVO_NEED_COLOR | SVO_NEED_MATERIAL, 0, &tree);
+    build_list(&opened, &list, SOME_PAYLOAD, 0, &tree);
     /* Seven octants merge; of the eighth, seven of eight. */
     assert_int_equal(check_tree(&opened, &tree, options, 0), 7 + 7 + 8);
     built_destroy(&tree);
