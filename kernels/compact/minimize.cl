@@ -17,14 +17,17 @@
  * size, so it cannot be compared across levels; a merged node stores the middle of its leaves' fills, which is their
  * value if they are equal.
  *
+ * SVO_COMPARE: some payload is compared; SVO_COLOR, SVO_NORMAL, SVO_MATERIAL and SVO_FILL say which.
  * Launch: one work-item per element, rounded up to whole groups. No atomics, no local memory.
  */
 #include "shared/layout.h"
 
-/* The payload that is held and not constant, by place. */
+/* The payload that is compared, by place. */
 #define SVO_MINIMIZE_PAYLOAD                                                                       \
     __global const uchar *colors, __global const short *normals, __global const ushort *materials, \
         __global ushort *fills
+
+#ifdef SVO_COMPARE
 
 /* The least and the greatest payload of leaves. */
 typedef struct svo_bounds {
@@ -112,6 +115,12 @@ static bool svo_is_near(svo_bounds bounds, uint place, svo_minimize_params param
     return is_near;
 }
 
+#else
+
+typedef void svo_bounds;
+
+#endif
+
 /* The place of each inner node's payload; the host sets that of the root. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_minimize_places(__global const uchar *valid, __global const uchar *leaf, __global const uint *first_inner,
@@ -163,7 +172,8 @@ svo_k_minimize_merge(__global const uchar *valid, __global const uchar *leaf, __
     if (ended != 255u || params.merge == 0u) {
         return;
     }
-    child = first_inner[node] - params.child_first;
+#ifdef SVO_COMPARE
+    __global const svo_bounds *inner = below + (first_inner[node] - params.child_first);
     const uint place = first_payload[node] - params.payload_begin;
     svo_bounds joined;
     for (uint octant = 0; octant < 8u; ++octant) {
@@ -171,18 +181,29 @@ svo_k_minimize_merge(__global const uchar *valid, __global const uchar *leaf, __
         if ((own >> octant & 1u) != 0u) {
             next = svo_bounds_of_leaf(place + octant, colors, normals, materials, fills);
         } else {
-            next = below[child];
-            ++child;
+            next = *inner;
+            ++inner;
         }
         joined = octant == 0u ? next : svo_join_bounds(joined, next);
     }
-    if (svo_is_near(joined, places[node], params, colors, normals, materials, fills)) {
-        merged[node] = 1;
-        bounds[item] = joined;
-#ifdef SVO_FILL
-        fills[places[node]] = (ushort)(((uint)joined.fill_least + joined.fill_greatest) / 2u);
-#endif
+    if (!svo_is_near(joined, places[node], params, colors, normals, materials, fills)) {
+        return;
     }
+    bounds[item] = joined;
+#ifdef SVO_FILL
+    fills[places[node]] = (ushort)(((uint)joined.fill_least + joined.fill_greatest) / 2u);
+#endif
+#else
+    (void)first_payload;
+    (void)places;
+    (void)colors;
+    (void)normals;
+    (void)materials;
+    (void)fills;
+    (void)below;
+    (void)bounds;
+#endif
+    merged[node] = 1;
 }
 
 /* kept: 1 for inner nodes that remain; the host sets that of the root. counts: the children of those. */

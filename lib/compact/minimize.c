@@ -59,6 +59,9 @@ static svo_status prepare_payload(minimizer *m)
             (void)strncat(defines, which->define, sizeof defines - strlen(defines) - 1);
         }
     }
+    if (svo_i_compact_has_places(&source->info)) {
+        (void)strncat(defines, " -DSVO_COMPARE", sizeof defines - strlen(defines) - 1);
+    }
     if (m->compared[FILLS] != NULL) {
         const uint64_t bytes = source->info.payload_count * sizeof(cl_ushort);
         cl_mem copy = NULL;
@@ -73,8 +76,9 @@ static svo_status prepare_payload(minimizer *m)
 static svo_status allocate(minimizer *m)
 {
     const uint64_t inner = m->inner_count;
+    const bool compare = svo_i_compact_has_places(&m->source->info);
     uint64_t widest = 1;
-    for (uint32_t level = 0; level < m->source->info.depth; ++level) {
+    for (uint32_t level = 0; level < m->source->info.depth && compare; ++level) {
         widest = m->source->info.level_inner[level] > widest ? m->source->info.level_inner[level] : widest;
     }
     SVO_I_TRY(svo_i_work_alloc(m->work, "minimize_places", inner * 4, &m->places));
@@ -103,7 +107,7 @@ static svo_status merge_levels(minimizer *m)
 {
     const svo_i_compact_source *source = m->source;
     SVO_I_TRY(svo_i_work_fill_zero(m->work, m->places, sizeof(cl_uint)));
-    for (uint32_t level = 0; level < source->info.depth; ++level) {
+    for (uint32_t level = 0; level < source->info.depth && svo_i_compact_has_places(&source->info); ++level) {
         const svo_minimize_params params = params_of_level(m, level);
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->valid),       SVO_I_ARGUMENT(source->leaf),
                                             SVO_I_ARGUMENT(source->first_inner), SVO_I_ARGUMENT(source->first_payload),
