@@ -117,20 +117,20 @@ static void number_depth_first(const svo_tree *tree, uint32_t node, uint32_t lev
     }
 }
 
-/* The place of a node in SVO_FORM_SHARED. */
-static uint32_t shared_place_of(const svo_tree *tree, uint32_t node)
+/* The places of all nodes in SVO_FORM_SHARED. */
+static uint32_t *shared_places(const svo_compact *compact, const svo_tree *tree)
 {
     uint32_t next = 0;
     uint32_t *places = calloc(tree->info.node_count, sizeof *places);
     assert_non_null(places);
-    number_depth_first(tree, 0, 0, &next, places);
-    const uint32_t place = places[node];
-    free(places);
-    return place;
+    if (svo_i_compact_has_places(&compact->info)) {
+        number_depth_first(tree, 0, 0, &next, places);
+    }
+    return places;
 }
 
-/* Where a node's payload is, as the form's documentation says, from the path of its cell. */
-static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const found *f)
+/* Where a node's payload is, as the form's documentation says, from the path of its cell. shared: shared_places. */
+static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const uint32_t *shared, const found *f)
 {
     svo_node node;
     if (compact->info.form == SVO_FORM_IMPLIED) {
@@ -141,7 +141,7 @@ static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const
     }
     if (compact->info.form == SVO_FORM_SHARED) {
         assert_int_equal(svo_tree_find_cell(tree, f->hit.level, f->cell, &node), SVO_OK);
-        return svo_i_compact_has_places(&compact->info) ? shared_place_of(tree, node.index) : 0;
+        return shared[node.index];
     }
     const uint32_t *words = compact->host[SVO_COMPACT_NODES];
     const uint32_t *bases = compact->host[SVO_COMPACT_BASES];
@@ -197,17 +197,19 @@ static void check_form(const fixture *opened, svo_tree *tree, svo_compact *compa
 {
     found *got = follow(opened, tree, compact, buffer, footprint);
     svo_voxel_hit *batch = calloc(RAY_COUNT, sizeof *batch);
+    uint32_t *shared = shared_places(compact, tree);
     assert_non_null(batch);
     assert_int_equal(svo_compact_trace(compact, rays, batch, RAY_COUNT, footprint, opened->queue), SVO_OK);
     for (size_t i = 0; i < RAY_COUNT; ++i) {
         assert_same_hit(i, &expected[i], &got[i]);
         assert_memory_equal(&batch[i], &got[i].hit, sizeof batch[i]);
         if (isfinite(got[i].hit.t)) {
-            assert_int_equal(got[i].hit.node, place_of(compact, tree, &got[i]));
+            assert_int_equal(got[i].hit.node, place_of(compact, tree, shared, &got[i]));
         } else {
             assert_int_equal(got[i].hit.node, SVO_NO_NODE);
         }
     }
+    free(shared);
     free(batch);
     free(got);
 }
