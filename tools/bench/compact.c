@@ -252,8 +252,9 @@ static void release(compact_bench *bench)
 
 static int run(suite *all, const input *source, unsigned depth)
 {
+    const size_t asked = (size_t)all->state->options.ray_count;
     compact_bench bench = {
-        .all = all, .source = source, .depth = depth, .ray_count = (size_t)all->state->options.ray_count};
+        .all = all, .source = source, .depth = depth, .ray_count = all->quick ? (asked + 7) / 8 : asked};
     const svo_device *device = all->opened.device;
     int exit_code = PROGRAM_DONE;
     if (build(&bench) != SVO_OK || make_forms(&bench) != SVO_OK) {

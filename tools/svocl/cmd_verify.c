@@ -4,6 +4,7 @@
 #include <inttypes.h>
 
 #include "support/build_report.h"
+#include "support/form_check.h"
 #include "support/snap_check.h"
 #include "support/table.h"
 #include "support/tree_check.h"
@@ -14,6 +15,7 @@ typedef struct verdict {
     tree_differences tree;
     bool snap_compared; /* false for a tree from a file: the unsnapped mesh is missing */
     snap_differences snap;
+    form_checks forms; /* none without --form */
 } verdict;
 
 static bool is_exact(const verdict *found)
@@ -48,6 +50,7 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
     if (is_exact(found)) {
         table_line("exact: 0 missed, 0 surplus");
     }
+    form_check_print(&found->forms);
 }
 
 static cJSON *to_json(const program *state, const svo_tree_info *info, const verdict *found, const job *done)
@@ -66,6 +69,7 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
     json_add_count(document, "expected_voxels", found->tree.expected_voxels);
     json_add_count(document, "expected_pairs", found->tree.expected_pairs);
     cJSON_AddBoolToObject(document, "exact", is_exact(found));
+    form_check_add_json(document, &found->forms);
     if (done != NULL) {
         report_add_refused(document, done);
         job_add_what_ran(document, done);
@@ -88,6 +92,9 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
         if (done != NULL) {
             report_print_refused(done);
         }
+    }
+    if (!form_check_is_exact(&found->forms)) {
+        return program_fail(state, PROGRAM_FAILED, "%s: a compact form expands to another tree", state->options.input);
     }
     if (is_exact(found)) {
         return PROGRAM_DONE;
@@ -125,6 +132,13 @@ static int verify(program *state, const svo_tree *tree, const job *done)
         return program_fail(state, PROGRAM_FAILED, "%s: the comparison ran out of memory or the tree is malformed",
                             state->options.input);
     }
+    if (done != NULL) {
+        progress_step(state->progress, "expanding compact forms");
+        const int exit_code = form_check_run(state, &done->opened, tree, &found.forms);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
     return report_verdict(state, &info, &found, done);
 }
 
@@ -133,6 +147,9 @@ static int verify_tree_file(program *state)
     int exit_code = input_refuse_build_options(state);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
+    }
+    if (state->options.form != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --form does not apply to a .svo file, give the mesh");
     }
     svo_tree *tree = NULL;
     program_begin_progress(state, 3);
@@ -151,7 +168,7 @@ int command_verify(program *state)
     }
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, 2, &done);
+    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, 3, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
