@@ -365,9 +365,9 @@ static void ramp(voxel *one, void *user)
     one->rgba[0] = (uint8_t)(4 * one->cell[0]);
 }
 
-/* On a ramp of four a voxel, the values of two voxels are 2 away from their mean, and the means of two such pairs 4 away
-   from theirs. A test of children's means alone, with a tolerance of 4, would merge both levels, and voxels would be 6
-   away. So only pairs merge. */
+/* On a ramp of four a voxel, the values of two voxels are 2 away from their mean, and the means of two such pairs 4
+   away from theirs. A test of children's means alone, with a tolerance of 4, would merge both levels, and voxels would
+   be 6 away. So only pairs merge. */
 static void tolerances_do_not_add_up(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);

@@ -25,17 +25,17 @@
  * leaf mask; inner children are those that do not end here, r = 0, 1, ... by ascending octant. What follows depends on
  * L, the number of levels from the node down to the voxels:
  *
- *     L = 1  all children are voxels. There is no record; the parent has the valid mask. A root has its first word alone
+ *     L = 1  all children are voxels. There is no record; the parent has the valid mask. A root has one word
  *     L = 2  byte 2 + r of the record is the valid mask of inner child r; 0 bytes up to a whole word
  *     L > 2  before[r] for r = 1 .. n, then for each r the word at which inner child r's record begins
  *
- * before[r] is the number of payloads in the subtrees of inner children 0 .. r - 1; n is the number of inner children,
- * less one unless a leaf comes after all of them, and 0 where bases would be absent. For L up to 5 before[r] has 16 bits
- * and is half word r of the record, for L above 32 bits and is word r; an odd half word at the end is 0. Payload is in
- * depth-first order: a node's, then those of its first child's subtree, its second child's subtree, and so on. So the
- * place of a child is that of its node, plus 1 if the node has payload, plus the payloads of earlier children's
- * subtrees: before[r], and 1 for each leaf among them that has payload. Added up along a walk this gives every node its
- * own, whatever it shares. There are no bases.
+ * before[r] is the number of payloads in the subtrees of inner children 0 .. r - 1. n is the number of inner children,
+ * less one unless a leaf comes after all of them; it is 0 where all payload is constant or not held. For L up to 5
+ * before[r] has 16 bits and is half word r of the record; above it has 32 bits and is word r. An odd half word at the
+ * end is 0. Payload is in depth-first order: a node's, then those of its first child's subtree, its second child's
+ * subtree, and so on. So the place of a child is that of its node, plus 1 if the node has payload, plus the payloads of
+ * earlier children's subtrees: before[r], and 1 for each leaf among them that has payload. Added up along a walk this
+ * gives every node its own place, whatever it shares. There are no bases.
  *
  * Payload, as on a built tree, belongs to the nodes from payload_level on. In SVO_FORM_DESCRIPTOR bases[w], beside word
  * w, is the place of the first child's payload in every payload array; the children's payloads lie side by side in

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SVO_FORM_SHARED: the nodes go to the host, become records there (dag_encode.c), and go back; the payload is put in the
- * records' order on the device.
+ * SVO_FORM_SHARED: the nodes go to the host, become records there (dag_encode.c), and go back; the payload is put in
+ * the records' order on the device.
  */
 #include <stdlib.h>
 
