@@ -6,11 +6,9 @@ static const char table_id[] = "compact-shared";
 
 static const char note[] =
     "Without payload. Records: nodes that are stored, out of the inner nodes; the deepest of these have no record. "
-    "Merged: full leaves first. Made: on the host, from the built tree, both ways. Published, at 128K^3 and 64K^3, on "
-    "scenes of architecture: 0.40 bit per voxel (Kampe, Sintorn and Assarsson, High Resolution Sparse Voxel DAGs, "
-    "2013) "
-    "and 0.123 with mirrored subtrees shared too (Villanueva, Marton and Gobbetti, SSVDAGs, 2016). Bits per voxel fall "
-    "with depth.";
+    "Merged: full leaves first. Made: from the built tree. Published for other scenes: 0.40 bit per voxel at 128K^3 "
+    "(Kampe, Sintorn and Assarsson, High Resolution Sparse Voxel DAGs, 2013), 0.123 at 64K^3 with mirrored subtrees "
+    "shared too (Villanueva, Marton and Gobbetti, SSVDAGs, 2016). Bits per voxel fall with depth.";
 
 void compact_shared_begin(suite *all)
 {
