@@ -35,7 +35,7 @@ typedef struct voxel_list {
     unsigned depth;
 } voxel_list;
 
-/* Sets every voxel of an aligned block that is 2^level voxels wide. */
+/* Sets the payload of a voxel. */
 typedef void paint(voxel *one, void *user);
 
 static voxel_list full_grid(unsigned depth, paint *painter, void *user)

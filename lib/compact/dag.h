@@ -21,8 +21,7 @@ typedef struct svo_i_dag_nodes {
     const uint8_t *valid; /* children of each node */
     const uint8_t *leaf; /* those that end there */
     const uint32_t *first_inner; /* the first inner child of each node */
-    const uint32_t
-        *first_payload; /* the first child's payload, without meaning above payload_level; NULL without places */
+    const uint32_t *first_payload; /* the first child's payload; NULL without places */
     uint32_t payload_begin; /* what first_payload has for the first node that has payload */
 } svo_i_dag_nodes;
 

@@ -242,7 +242,7 @@ static svo_status join_levels(const encoder *made, uint32_t level_count, svo_i_d
     return SVO_OK;
 }
 
-/* Gives the children of an inner node their places. place: of the node itself; inner_places: of all inner nodes. */
+/* Gives the children of an inner node their places. inner_places: of inner nodes, that of the node already set. */
 static void place_children(const encoder *made, uint32_t node, uint32_t levels, uint32_t *inner_places,
                            uint32_t *place_of)
 {
