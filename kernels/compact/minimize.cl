@@ -173,7 +173,7 @@ svo_k_minimize_merge(__global const uchar *valid, __global const uchar *leaf, __
         return;
     }
 #ifdef SVO_COMPARE
-    __global const svo_bounds *inner = below + (first_inner[node] - params.child_first);
+    uint inner = first_inner[node] - params.child_first;
     const uint place = first_payload[node] - params.payload_begin;
     svo_bounds joined;
     for (uint octant = 0; octant < 8u; ++octant) {
@@ -181,7 +181,7 @@ svo_k_minimize_merge(__global const uchar *valid, __global const uchar *leaf, __
         if ((own >> octant & 1u) != 0u) {
             next = svo_bounds_of_leaf(place + octant, colors, normals, materials, fills);
         } else {
-            next = *inner;
+            next = below[inner];
             ++inner;
         }
         joined = octant == 0u ? next : svo_join_bounds(joined, next);
