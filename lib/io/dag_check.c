@@ -10,13 +10,28 @@
 #include "shared/dag.clh"
 
 typedef struct check {
-    const dag_records *dag;
+    const svo_i_dag_records *dag;
     svo_message *message;
     uint64_t *node_counts; /* at a record's first word: how many nodes have it; 0 for words that begin none */
     uint64_t *place_counts; /* at a record's first word: the places of its subtree */
     size_t level_words[SVO_LEVELS_MAX]; /* where each level's records begin */
-    dag_counts *counts;
+    svo_i_dag_counts *counts;
 } check;
+
+/* Whether all bits of a record's words that mean nothing are 0. */
+static bool is_filled_with_zeros(const check *job, size_t at, uint32_t levels, uint32_t words)
+{
+    const uint32_t *record = job->dag->words + at;
+    const uint32_t masks = record[0] & 0xffff;
+    const uint32_t inner = svo_shared_bits(masks & 0xff & ~(masks >> 8));
+    if (levels <= 2) {
+        const uint32_t used = (2 + inner) & 3; /* bytes of the last word; 0: all */
+        return used == 0 || record[words - 1] >> 8 * used == 0;
+    }
+    const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
+    const bool is_odd = (numbers & 1) == 0; /* half words, with that of the masks */
+    return levels > SVO_SHARED_SHORT_LEVELS ? record[0] >> 16 == 0 : !is_odd || record[numbers >> 1] >> 16 == 0;
+}
 
 static svo_status fail_record(const check *job, size_t at, const char *what)
 {
@@ -35,7 +50,10 @@ static svo_status measure_record(const check *job, size_t at, uint32_t levels, u
         return fail_record(job, at, "its leaves are not among its children, or miss some");
     }
     *words = svo_shared_record_words(masks, levels, job->dag->places);
-    return at + *words > job->dag->word_count ? fail_record(job, at, "it ends behind the last word") : SVO_OK;
+    if (at + *words > job->dag->word_count) {
+        return fail_record(job, at, "it ends behind the last word");
+    }
+    return is_filled_with_zeros(job, at, levels, *words) ? SVO_OK : fail_record(job, at, "an unused bit is not 0");
 }
 
 /* Adds nodes to those of a level. */
@@ -98,7 +116,7 @@ static svo_status check_level(check *job, uint32_t level)
 /* Counts the places of a record's subtree and compares those that it stores. */
 static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t words)
 {
-    const dag_records *dag = job->dag;
+    const svo_i_dag_records *dag = job->dag;
     const uint32_t payload_levels = dag->depth - dag->payload_level;
     const uint32_t masks = dag->words[at] & 0xffff;
     const uint32_t numbers = svo_shared_number_count(masks, dag->places);
@@ -122,7 +140,7 @@ static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t 
 
 static svo_status check_records(check *job)
 {
-    const dag_records *dag = job->dag;
+    const svo_i_dag_records *dag = job->dag;
     const uint32_t level_count = dag->depth > 1 ? dag->depth - 1 : 1;
     uint32_t words = 0;
     if (dag->word_count == 0) {
@@ -148,10 +166,10 @@ static svo_status check_records(check *job)
     return SVO_OK;
 }
 
-svo_status dag_check(const dag_records *records, dag_counts *counts, svo_message *message)
+svo_status svo_i_dag_check(const svo_i_dag_records *records, svo_i_dag_counts *counts, svo_message *message)
 {
     check job = {.dag = records, .message = message, .counts = counts};
-    *counts = (dag_counts){.records = 0};
+    *counts = (svo_i_dag_counts){.records = 0};
     job.node_counts = calloc(records->word_count + 1, sizeof *job.node_counts);
     job.place_counts = calloc(records->word_count + 1, sizeof *job.place_counts);
     const svo_status status =

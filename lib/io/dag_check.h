@@ -11,26 +11,26 @@
 #include "svocl/tree.h"
 
 /* Records as they lie in a file. */
-typedef struct dag_records {
+typedef struct svo_i_dag_records {
     const char *name; /* of the file, for messages */
     const uint32_t *words;
     size_t word_count;
     uint32_t depth;
     uint32_t payload_level;
     bool places; /* numbers for the places of payload are stored */
-} dag_records;
+} svo_i_dag_records;
 
 /* What records unfold to. */
-typedef struct dag_counts {
+typedef struct svo_i_dag_counts {
     uint64_t inner[SVO_LEVELS_MAX]; /* inner nodes on each level */
     uint64_t leaf[SVO_LEVELS_MAX]; /* leaves on each level */
     uint64_t records;
     uint64_t places; /* 0 without places */
-} dag_counts;
+} svo_i_dag_counts;
 
 /* Checks that each record lies within the words, on the level where its parents look for it, after those of earlier
    nodes, with the numbers that its subtrees have; and counts. Returns SVO_FILE_DAMAGED with what is wrong,
    SVO_OUT_OF_HOST_MEMORY. */
-svo_status dag_check(const dag_records *records, dag_counts *counts, svo_message *message);
+svo_status svo_i_dag_check(const svo_i_dag_records *records, svo_i_dag_counts *counts, svo_message *message);
 
 #endif
