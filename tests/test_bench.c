@@ -94,6 +94,7 @@ static void every_subject_adds_its_tables(void **state)
     }
     expect_positive(table_of(document, "thesis-2016"), "sparse octree");
     expect_positive(table_of(document, "memory"), "tree per leaf");
+    expect_positive(table_of(document, "compact-shared"), "per voxel");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
     expect_spread(table_of(document, "peer-embree"), "svocl");
     expect_spread(table_of(document, "peer-openvdb"), "OpenVDB");

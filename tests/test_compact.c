@@ -340,7 +340,7 @@ static void constant_payload_is_one_element(void **state)
         colors[i] = 0xff00ff80;
     }
     tree->info.constant = SVO_NEED_COLOR;
-    for (int form = 0; form < SVO_FORM_SHARED; ++form) {
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
         svo_compact *made = compact_of(&opened, tree, &(svo_compact_options){.form = (svo_form)form});
         const svo_compact_info info = info_of(made);
         assert_int_equal(info.bytes[SVO_COMPACT_COLORS], 4);
@@ -361,7 +361,7 @@ static void built_trees_come_back(void **state)
         const svo_plan_options options = {.need = PAYLOAD | (i == 0 ? (uint32_t)SVO_NEED_RAYS : 0)};
         built tree;
         fixture_build(&opened, scene_mesh(made_scene), 6, &options, &tree);
-        for (int form = 0; form < SVO_FORM_SHARED; ++form) {
+        for (int form = 0; form < SVO_FORM_COUNT; ++form) {
             svo_compact *made = compact_of(&opened, tree.tree, &(svo_compact_options){.form = (svo_form)form});
             assert_expands(&opened, made, tree.tree, i == 0 ? SVO_HASH_NODES : SVO_HASH_ALL);
             svo_compact_destroy(&made);
@@ -376,7 +376,7 @@ static void payload_is_left_out_on_request(void **state)
     const fixture opened = fixture_cl_of_group(state);
     random_masks random = {.state = 29, .children = 3};
     svo_tree *tree = hand_tree(4, random_mask, &random, PAYLOAD, 0);
-    for (int form = 0; form < SVO_FORM_SHARED; ++form) {
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
         const svo_compact_options options = {.form = (svo_form)form,
                                              .leave_out = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_FILL};
         svo_compact *made = compact_of(&opened, tree, &options);
@@ -397,9 +397,9 @@ static void host_and_device_give_the_same_bytes(void **state)
     const fixture opened = fixture_cl_of_group(state);
     random_masks random = {.state = 31, .children = 3};
     svo_tree *tree = hand_tree(5, random_mask, &random, PAYLOAD, 2);
-    char hashes[2][SVO_FORM_SHARED][SVO_HASH_TEXT_BYTES];
+    char hashes[2][SVO_FORM_COUNT][SVO_HASH_TEXT_BYTES];
     for (int uploaded = 0; uploaded < 2; ++uploaded) {
-        for (int form = 0; form < SVO_FORM_SHARED; ++form) {
+        for (int form = 0; form < SVO_FORM_COUNT; ++form) {
             svo_compact *made = compact_of(&opened, tree, &(svo_compact_options){.form = (svo_form)form});
             assert_int_equal(svo_compact_hash(made, hashes[uploaded][form]), SVO_OK);
             svo_compact_destroy(&made);

@@ -104,8 +104,33 @@ static found *follow(const fixture *opened, svo_tree *tree, svo_compact *compact
     return out;
 }
 
-/* Where a node's payload is, as the form's documentation says, from the path of its cell. */
-static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const found *f)
+/* Gives the nodes of a subtree that have payload their numbers in depth-first order, the others SVO_NO_NODE. */
+static void number_depth_first(const svo_tree *tree, uint32_t node, uint32_t level, uint32_t *next, uint32_t *places)
+{
+    const uint8_t *masks = tree->host[SVO_TREE_CHILD_MASK];
+    const uint32_t *first_child = tree->host[SVO_TREE_FIRST_CHILD];
+    const bool has_payload = level >= tree->info.payload_level;
+    places[node] = has_payload ? *next : SVO_NO_NODE;
+    *next += has_payload ? 1 : 0;
+    for (int rank = 0; level < tree->info.depth && rank < __builtin_popcount(masks[node]); ++rank) {
+        number_depth_first(tree, first_child[node] + (uint32_t)rank, level + 1, next, places);
+    }
+}
+
+/* The places of all nodes in SVO_FORM_SHARED. */
+static uint32_t *shared_places(const svo_compact *compact, const svo_tree *tree)
+{
+    uint32_t next = 0;
+    uint32_t *places = calloc(tree->info.node_count, sizeof *places);
+    assert_non_null(places);
+    if (svo_i_compact_has_places(&compact->info)) {
+        number_depth_first(tree, 0, 0, &next, places);
+    }
+    return places;
+}
+
+/* Where a node's payload is, as the form's documentation says, from the path of its cell. shared: shared_places. */
+static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const uint32_t *shared, const found *f)
 {
     svo_node node;
     if (compact->info.form == SVO_FORM_IMPLIED) {
@@ -113,6 +138,10 @@ static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const
         const uint32_t begin =
             svo_i_compact_has_places(&compact->info) ? tree->info.level_begin[tree->info.payload_level] : 0;
         return node.index < begin ? SVO_NO_NODE : node.index - begin;
+    }
+    if (compact->info.form == SVO_FORM_SHARED) {
+        assert_int_equal(svo_tree_find_cell(tree, f->hit.level, f->cell, &node), SVO_OK);
+        return shared[node.index];
     }
     const uint32_t *words = compact->host[SVO_COMPACT_NODES];
     const uint32_t *bases = compact->host[SVO_COMPACT_BASES];
@@ -168,17 +197,19 @@ static void check_form(const fixture *opened, svo_tree *tree, svo_compact *compa
 {
     found *got = follow(opened, tree, compact, buffer, footprint);
     svo_voxel_hit *batch = calloc(RAY_COUNT, sizeof *batch);
+    uint32_t *shared = shared_places(compact, tree);
     assert_non_null(batch);
     assert_int_equal(svo_compact_trace(compact, rays, batch, RAY_COUNT, footprint, opened->queue), SVO_OK);
     for (size_t i = 0; i < RAY_COUNT; ++i) {
         assert_same_hit(i, &expected[i], &got[i]);
         assert_memory_equal(&batch[i], &got[i].hit, sizeof batch[i]);
         if (isfinite(got[i].hit.t)) {
-            assert_int_equal(got[i].hit.node, place_of(compact, tree, &got[i]));
+            assert_int_equal(got[i].hit.node, place_of(compact, tree, shared, &got[i]));
         } else {
             assert_int_equal(got[i].hit.node, SVO_NO_NODE);
         }
     }
+    free(shared);
     free(batch);
     free(got);
 }
@@ -211,7 +242,8 @@ static void check_scene(const fixture *opened, const char *spec, uint32_t depth,
     assert_in_range(hit_count, RAY_COUNT / 20, RAY_COUNT);
     svo_compact *forms[] = {
         compact_of(opened, tree.tree, SVO_FORM_DESCRIPTOR, 0), compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 4),
-        compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 5), compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 6)};
+        compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 5), compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 6),
+        compact_of(opened, tree.tree, SVO_FORM_SHARED, 0)};
     for (size_t i = 0; i < sizeof forms / sizeof forms[0]; ++i) {
         check_form(opened, tree.tree, forms[i], buffer, rays, footprint, expected);
         svo_compact_destroy(&forms[i]);
@@ -232,6 +264,49 @@ static void every_form_gives_the_hits_of_the_built_tree(void **state)
     check_scene(&opened, "atrium", 5, &(svo_plan_options){.need = SVO_NEED_NORMAL, .payload_level = 3}, 0.05F);
 }
 
+/* A merged leaf is met where its first voxel would be. */
+static void merged_leaves_are_met_at_the_same_distance(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    scene *made = fixture_scene("atrium");
+    size_t merged_count = 0;
+    cl_int error = CL_SUCCESS;
+    built tree;
+    fixture_build(&opened, scene_mesh(made), 7, &(svo_plan_options){.need = SVO_NEED_NONE}, &tree);
+    svo_ray *rays = make_rays(&tree.info);
+    cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+                                   RAY_COUNT * sizeof *rays, rays, &error);
+    assert_int_equal(error, CL_SUCCESS);
+    found *expected = follow(&opened, tree.tree, NULL, buffer, 0.0F);
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
+        svo_compact_options options = SVO_COMPACT_OPTIONS_INIT;
+        svo_compact *compact = NULL;
+        options.form = (svo_form)form;
+        options.minimize = 1;
+        assert_int_equal(svo_compact_create(opened.device, tree.tree, &options, opened.queue, &compact), SVO_OK);
+        found *got = follow(&opened, tree.tree, compact, buffer, 0.0F);
+        for (size_t i = 0; i < RAY_COUNT; ++i) {
+            found ancestor = expected[i];
+            const uint32_t shift = isfinite(ancestor.hit.t) ? ancestor.hit.level - got[i].hit.level : 0;
+            merged_count += shift > 0 ? 1 : 0;
+            for (int axis = 0; axis < 3; ++axis) {
+                ancestor.cell[axis] >>= shift;
+            }
+            ancestor.hit.level -= shift;
+            ancestor.node = got[i].node;
+            assert_same_hit(i, &ancestor, &got[i]);
+        }
+        free(got);
+        svo_compact_destroy(&compact);
+    }
+    assert_in_range(merged_count, SVO_FORM_COUNT, SVO_FORM_COUNT * RAY_COUNT);
+    free(expected);
+    clReleaseMemObject(buffer);
+    free(rays);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 /* ---- pictures ---- */
 
 static void every_form_draws_the_picture_of_the_built_tree(void **state)
@@ -249,7 +324,7 @@ static void every_form_draws_the_picture_of_the_built_tree(void **state)
     uint8_t *got = malloc((size_t)64 * 48 * 4);
     assert_non_null(expected);
     assert_non_null(got);
-    for (int form = 0; form < SVO_FORM_SHARED; ++form) {
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
         svo_compact *compact = compact_of(&opened, tree.tree, (svo_form)form, 0);
         for (int view = SVO_VIEW_SHADED; view <= SVO_VIEW_LEVEL; ++view) {
             options.view = (svo_render_view)view;
@@ -326,6 +401,7 @@ static void wrong_arguments_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_form_gives_the_hits_of_the_built_tree),
+                                       cmocka_unit_test(merged_leaves_are_met_at_the_same_distance),
                                        cmocka_unit_test(every_form_draws_the_picture_of_the_built_tree),
                                        cmocka_unit_test(wrong_arguments_are_refused)};
     return cmocka_run_group_tests_name("rays of compact trees", tests, fixture_group_setup, fixture_group_teardown);

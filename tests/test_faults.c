@@ -360,7 +360,10 @@ static svo_status run_enqueue(subject *of)
 /* Makes a form and downloads it. */
 static svo_status make_compact(subject *of, svo_form form, svo_compact **out)
 {
-    const svo_compact_options asked = {.struct_size = sizeof asked, .form = form};
+    const svo_compact_options asked = {.struct_size = sizeof asked,
+                                       .form = form,
+                                       .minimize = form == SVO_FORM_IMPLIED,
+                                       .color_tolerance = {2, 2, 2, 2}};
     TRY_TOLD(svo_compact_create(world.device, of->tree, &asked, world.queue, out));
     return told(of, world.device, svo_compact_download(*out, world.queue));
 }
@@ -384,7 +387,7 @@ static svo_status run_compact(subject *of)
 {
     svo_status status = SVO_OK;
     svo_compact *compact = NULL;
-    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
         char hash[SVO_HASH_TEXT_BYTES];
         SVO_I_TRY_CLEANUP(make_compact(of, (svo_form)form, &compact));
         SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_hash(compact, hash)));

@@ -38,6 +38,7 @@ extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 extern const char svo_i_source_trace_voxels[];
 extern const char svo_i_source_compact[];
+extern const char svo_i_source_minimize[];
 extern const char svo_i_source_expand[];
 extern const char svo_i_source_scene_build[];
 extern const char svo_i_source_scene_bounds[];
@@ -81,6 +82,7 @@ static size_t bytes_of_type(const char *type)
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
                  {"float", sizeof(cl_float)},
                  {"svo_compact_params", sizeof(svo_compact_params)},
+                 {"svo_minimize_params", sizeof(svo_minimize_params)},
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
                  {"svo_ray_params", sizeof(svo_ray_params)},
                  {"svo_scene_params", sizeof(svo_scene_params)}};
@@ -361,8 +363,8 @@ static void place_all(const fixture *opened, svo_tree *tree)
 
 static void compact_all(const fixture *opened, svo_tree *tree)
 {
-    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
-        const svo_compact_options options = {.struct_size = sizeof options, .form = (svo_form)form};
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
+        const svo_compact_options options = {.struct_size = sizeof options, .form = (svo_form)form, .minimize = 1};
         const svo_ray ray = {.t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
         uint8_t picture[8 * 8 * 4];
         svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
@@ -404,11 +406,11 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_subdivide,    svo_i_source_sort,        svo_i_source_pack,
-                                   svo_i_source_filter,       svo_i_source_voxelize,    svo_i_source_cast,
-                                   svo_i_source_trace,        svo_i_source_view,        svo_i_source_trace_voxels,
-                                   svo_i_source_compact,      svo_i_source_expand,      svo_i_source_scene_build,
-                                   svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast};
+    const char *const sources[] = {
+        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
+        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
+        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
+        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -18,6 +18,25 @@
  * node k << directory_step_log2. Zeros fill nodes up to a multiple of eight bytes. bases has one element: the first
  * node with payload, which is at place 0.
  *
+ * SVO_FORM_SHARED, a directed acyclic graph (after Kampe, Sintorn and Assarsson, "High Resolution Sparse Voxel DAGs",
+ * 2013). Nodes of a level with equal subtrees have one record in nodes; only occupancy counts. links has the depth and
+ * the number depth - payload_level. The root's record is at word 0. Levels follow each other from the top; the records
+ * of a level are in the order of their first nodes. Bits 0-7 of a record's first word are the valid mask, bits 8-15 the
+ * leaf mask; inner children are those that do not end here, r = 0, 1, ... by ascending octant. What follows depends on
+ * L, the number of levels from the node down to the voxels:
+ *
+ *     L = 1  all children are voxels. There is no record; the parent has the valid mask. A root has one word
+ *     L = 2  byte 2 + r of the record is the valid mask of inner child r; 0 bytes up to a whole word
+ *     L > 2  before[r] for r = 1 .. n, then for each r the word at which inner child r's record begins
+ *
+ * before[r] is the number of payloads in the subtrees of inner children 0 .. r - 1. n is the number of inner children,
+ * less one unless a leaf comes after all of them; it is 0 where all payload is constant or not held. For L up to 5
+ * before[r] has 16 bits and is half word r of the record; above it has 32 bits and is word r. An odd half word at the
+ * end is 0. Payload is in depth-first order: a node's, then those of its first child's subtree, its second child's
+ * subtree, and so on. So the place of a child is that of its node, plus 1 if the node has payload, plus the payloads of
+ * earlier children's subtrees: before[r], and 1 for each leaf among them that has payload. Added up along a walk this
+ * gives every node its own place, whatever it shares. There are no bases.
+ *
  * Payload, as on a built tree, belongs to the nodes from payload_level on. In SVO_FORM_DESCRIPTOR bases[w], beside word
  * w, is the place of the first child's payload in every payload array; the children's payloads lie side by side in
  * ascending octant, groups in the order of their parents' words. Place 0 is the root's if payload_level is 0. bases has
@@ -61,7 +80,7 @@ SVO_API const char *svo_form_name(svo_form form);
 /** The arrays of a compact tree. */
 typedef enum svo_compact_buffer {
     SVO_COMPACT_NODES = 0, /**< "nodes": as the form has them */
-    SVO_COMPACT_LINKS, /**< "links": u32; the directory of SVO_FORM_IMPLIED */
+    SVO_COMPACT_LINKS, /**< "links": u32; the directory of SVO_FORM_IMPLIED, two numbers of SVO_FORM_SHARED */
     SVO_COMPACT_BASES, /**< "bases": u32; places of payload */
     SVO_COMPACT_COLORS, /**< "colors": 4 u8 each */
     SVO_COMPACT_NORMALS, /**< "normals": 3 i16 each */
@@ -82,10 +101,14 @@ typedef struct svo_compact_options {
     svo_form form; /**< how to store the nodes */
     uint32_t leave_out; /**< svo_need bits: payload of the tree that is not carried */
     uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 4 */
-    uint32_t minimize; /**< not 0: eight full leaves with the same payload, or within the tolerances, become one leaf */
-    uint32_t color_tolerance[4]; /**< minimize: largest difference of red, green, blue, alpha; 0 .. 255 */
-    uint32_t normal_tolerance; /**< minimize: largest difference of each component of a normal; 0 .. 65534 */
-    uint32_t fill_tolerance; /**< minimize: largest difference of fills; 0 .. 65535 */
+    /** Not 0: a node whose eight children are leaves becomes a leaf if all payload below is equal, or within the
+     *  tolerances of what the node stores. It stores the color, normal and material that it has as an inner node, and
+     *  the middle of the fills below: a fill of each voxel in it, not of the node. Materials must be equal. The root
+     *  and, where some payload is not constant, nodes above payload_level stay inner nodes. */
+    uint32_t minimize;
+    uint32_t color_tolerance[4]; /**< minimize: most that red, green, blue, alpha of a voxel may change; 0 .. 255 */
+    uint32_t normal_tolerance; /**< minimize: most that a component of a voxel's normal may change; 0 .. 65534 */
+    uint32_t fill_tolerance; /**< minimize: most that a voxel's fill may change; 0 .. 65535 */
 } svo_compact_options;
 
 /** All defaults. */
@@ -114,8 +137,9 @@ typedef struct svo_compact_info {
     uint64_t inner_count; /**< inner nodes of the tree that the form describes */
     uint64_t leaf_count; /**< its leaves, on whatever level */
     uint64_t voxel_count; /**< voxels that these leaves stand for */
-    uint64_t stored_count; /**< elements of nodes: words, masks, or nodes that are stored once */
+    uint64_t stored_count; /**< elements of nodes: words, or masks in SVO_FORM_IMPLIED */
     uint64_t far_count; /**< SVO_FORM_DESCRIPTOR: far words among them; else 0 */
+    uint64_t shared_count; /**< SVO_FORM_SHARED: records in these words; else 0 */
     uint64_t payload_count; /**< elements of each payload array that is not constant */
     uint32_t level_inner[SVO_LEVELS_MAX]; /**< inner nodes on each level */
     uint32_t level_leaf[SVO_LEVELS_MAX]; /**< leaves on each level */
@@ -144,7 +168,8 @@ typedef struct svo_compact_arrays {
 
 /** Says what svo_compact_create would make, before anything is allocated on the device. What follows from the tree's
  *  counts is exact; the rest is an upper bound, which svo_compact_info.bounds marks: the far words of
- *  SVO_FORM_DESCRIPTOR, at most 0.33 % of the words.
+ *  SVO_FORM_DESCRIPTOR, at most 0.33 % of the words; the records of SVO_FORM_SHARED, as if no two subtrees were equal;
+ *  and with minimize all that is not constant.
  *
  * \param tree complete
  * \param options NULL means all defaults

@@ -53,7 +53,8 @@
  *     12     4     u32 reserved: 0
  *     16     8     u64 stored_count
  *     24     8     u64 far_count
- *     32     72    u32 level_leaf[18], entries after depth are 0
+ *     32     8     u64 shared_count
+ *     40     72    u32 level_leaf[18], entries after depth are 0
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H

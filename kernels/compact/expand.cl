@@ -28,6 +28,9 @@ svo_k_expand_masks(SVO_NODES_PARAMETERS, __global svo_expanded *level, __global 
     }
     SVO_NODES_MAKE(nodes);
     const uint node = params.first_node + item;
+    if (node == 0u) {
+        level[item].node = SVO_CAST_ROOT(&nodes);
+    }
     uint mask = level[item].inside != 0u ? 255u : svo_cast_mask(&nodes, level[item].node);
     if (mask == 0u && node != 0u) {
         level[item].inside = 1u; /* SVO_CHILD_SELF */

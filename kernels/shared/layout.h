@@ -170,6 +170,24 @@ SVO_RECORD(svo_compact_params)
     SVO_U32 keep_below; /* 28: not 0: the next level is visited too */
 };
 
+/* Bytes of the least and the greatest payload below a node (kernels/compact/minimize.cl). */
+#define SVO_MINIMIZE_BOUNDS_BYTES 32
+
+/* Arguments of the kernels that merge full leaves. 48 bytes. */
+SVO_RECORD(svo_minimize_params)
+{
+    SVO_U32 first_node; /* 0: of the launch's inner nodes */
+    SVO_U32 node_count; /* 4: or elements */
+    SVO_U32 child_first; /* 8: the first inner node of the level below */
+    SVO_U32 merge; /* 12: 0: nodes of this level do not merge */
+    SVO_U32 payload_begin; /* 16: what first_payload has for the first node that has payload */
+    SVO_U32 new_payload_begin; /* 20: the same of the new first_payload */
+    SVO_U32 color_tolerance; /* 24: red in the low byte, green, blue, alpha */
+    SVO_U32 normal_tolerance; /* 28 */
+    SVO_U32 fill_tolerance; /* 32 */
+    SVO_U32 reserved[3]; /* 36 */
+};
+
 /* One material. 32 bytes. */
 SVO_RECORD(svo_material_record)
 {
@@ -330,6 +348,7 @@ SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 80);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
+SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_compact_plan and svo_compact_create: options, checks, and the way from a tree to its compact form. */
 #include "compact/form.h"
+#include "compact/minimize.h"
 #include "core/device.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
@@ -8,6 +9,29 @@
 
 /* With twice as many words every index of a word fits 32 bits. */
 #define INNER_MAX 0x7fffffffu
+
+/* The largest tolerances, with which any values are near enough. */
+#define COLOR_TOLERANCE_MAX  255u
+#define NORMAL_TOLERANCE_MAX 65534u
+#define FILL_TOLERANCE_MAX   65535u
+
+static svo_status check_tolerance(svo_device *device, const char *function, const char *name, uint32_t tolerance,
+                                  uint32_t most)
+{
+    return tolerance <= most ? SVO_OK
+                             : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.%s %u is above %u",
+                                                 function, name, tolerance, most);
+}
+
+static svo_status check_tolerances(svo_device *device, const char *function, const svo_compact_options *options)
+{
+    for (int channel = 0; channel < 4; ++channel) {
+        SVO_I_TRY(check_tolerance(device, function, "color_tolerance", options->color_tolerance[channel],
+                                  COLOR_TOLERANCE_MAX));
+    }
+    SVO_I_TRY(check_tolerance(device, function, "normal_tolerance", options->normal_tolerance, NORMAL_TOLERANCE_MAX));
+    return check_tolerance(device, function, "fill_tolerance", options->fill_tolerance, FILL_TOLERANCE_MAX);
+}
 
 /* The options with defaults filled in, or what is wrong with them. */
 static svo_status read_options(svo_device *device, const char *function, const svo_compact_options *options,
@@ -27,6 +51,7 @@ static svo_status read_options(svo_device *device, const char *function, const s
                                  "%s: options.directory_step_log2 %u is not 0 and not in %u .. %u", function,
                                  out->directory_step_log2, SVO_I_DIRECTORY_LOG2_MIN, SVO_I_DIRECTORY_LOG2_MAX);
     }
+    SVO_I_TRY(check_tolerances(device, function, out));
     if ((out->leave_out & ~(uint32_t)SVO_NEED_ALL) != 0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.leave_out 0x%x has bits outside 0x%x",
                                  function, out->leave_out, (unsigned)SVO_NEED_ALL);
@@ -42,6 +67,21 @@ static svo_status check_counts(svo_device *device, const char *function, const s
                                    (unsigned long long)tree->info.inner_count, INNER_MAX);
 }
 
+/* The arrays whose size is not known before the nodes are looked at. */
+static uint32_t find_bounds(const svo_compact_options *options, const svo_compact_info *planned)
+{
+    uint32_t bounds = 0;
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const bool has_nodes = i == SVO_COMPACT_NODES;
+        const bool beside_words = i == SVO_COMPACT_BASES && planned->form == SVO_FORM_DESCRIPTOR;
+        const bool by_words = (has_nodes || beside_words) && planned->far_count > 0;
+        const bool by_subtrees = has_nodes && planned->form == SVO_FORM_SHARED;
+        const bool by_leaves = options->minimize != 0 && !svo_i_compact_is_constant(planned, (svo_compact_buffer)i);
+        bounds |= planned->bytes[i] > 0 && (by_words || by_subtrees || by_leaves) ? 1u << i : 0;
+    }
+    return bounds;
+}
+
 svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_options *options, svo_compact_info *info)
 {
     static const char function[] = "svo_compact_plan";
@@ -52,9 +92,7 @@ svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_options *opt
     SVO_I_TRY(check_counts(tree->device, function, tree));
     svo_i_source_describe(&tree->info, &asked, &planned);
     svo_i_form_count(&planned);
-    if (planned.far_count > 0) {
-        planned.bounds = 1u << SVO_COMPACT_NODES | (planned.bytes[SVO_COMPACT_BASES] > 0 ? 1u << SVO_COMPACT_BASES : 0);
-    }
+    planned.bounds = find_bounds(&asked, &planned);
     return svo_i_struct_write(svo_i_device_message(tree->device), function, "info", &planned, info,
                               SVO_I_STRUCT_SIZES(svo_compact_info, bounds));
 }
@@ -80,6 +118,9 @@ static svo_status make(svo_device *device, const svo_tree *tree, const svo_compa
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(device, "svo_compact_create", queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_source_of_tree(&work, tree, asked, &source));
+    if (asked->minimize != 0) {
+        SVO_I_TRY_CLEANUP(svo_i_minimize(&work, asked, &source));
+    }
     compact->info = source.info;
     compact->device = device;
     SVO_I_TRY_CLEANUP(svo_i_form_make(&work, &source, compact));

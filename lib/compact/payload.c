@@ -87,3 +87,23 @@ svo_status svo_i_payload_make(svo_i_compact_work *work, const svo_i_compact_sour
     }
     return SVO_OK;
 }
+
+svo_status svo_i_payload_gather(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem origins,
+                                svo_compact *compact)
+{
+    svo_compact_params params = {.node_count = (cl_uint)compact->info.payload_count};
+    for (int i = SVO_I_PAYLOAD_FIRST; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)i;
+        bool fill = false;
+        SVO_I_TRY(make_array(work, source, compact, buffer, &fill));
+        if (!fill) {
+            continue;
+        }
+        params.element_halves = (cl_uint)(svo_i_compact_element_bytes(&compact->info, buffer) / 2);
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(origins),
+                                            SVO_I_ARGUMENT(source->payload[i - SVO_I_PAYLOAD_FIRST]),
+                                            SVO_I_ARGUMENT(compact->buffers[i]), SVO_I_ARGUMENT(params)};
+        SVO_I_TRY(svo_i_work_launch(work, "svo_k_compact_gather", SVO_I_ARGUMENTS(arguments), params.node_count));
+    }
+    return SVO_OK;
+}

@@ -14,4 +14,9 @@ svo_status svo_i_payload_bases(svo_i_compact_work *work, const svo_i_compact_sou
 svo_status svo_i_payload_make(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem targets,
                               svo_compact *compact);
 
+/* The same for any order. origins: u32 per payload of the compact tree, its index among those of the source; NULL where
+   there are no places. */
+svo_status svo_i_payload_gather(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem origins,
+                                svo_compact *compact);
+
 #endif

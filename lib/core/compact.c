@@ -113,7 +113,26 @@ static uint64_t count_bases(const svo_compact_info *info)
     if (!svo_i_compact_has_places(info)) {
         return 0;
     }
-    return info->form == SVO_FORM_IMPLIED ? 1 : info->stored_count;
+    switch (info->form) {
+    case SVO_FORM_IMPLIED:
+        return 1;
+    case SVO_FORM_SHARED:
+        return 0; /* places follow from the records */
+    default:
+        return info->stored_count;
+    }
+}
+
+static uint64_t count_links(const svo_compact_info *info)
+{
+    switch (info->form) {
+    case SVO_FORM_IMPLIED:
+        return ((info->stored_count - 1) >> info->directory_step_log2) + 1;
+    case SVO_FORM_SHARED:
+        return 2;
+    default:
+        return 0;
+    }
 }
 
 static uint64_t count_elements(const svo_compact_info *info, svo_compact_buffer buffer)
@@ -123,7 +142,7 @@ static uint64_t count_elements(const svo_compact_info *info, svo_compact_buffer 
         /* Masks are read eight at a time. */
         return info->form == SVO_FORM_IMPLIED ? (info->stored_count + 7) / 8 * 8 : info->stored_count;
     case SVO_COMPACT_LINKS:
-        return info->form == SVO_FORM_IMPLIED ? ((info->stored_count - 1) >> info->directory_step_log2) + 1 : 0;
+        return count_links(info);
     case SVO_COMPACT_BASES:
         return count_bases(info);
     default:

@@ -24,6 +24,7 @@ extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
 extern const char svo_i_source_trace_voxels[];
+extern const char svo_i_source_minimize[];
 extern const char svo_i_source_compact[];
 extern const char svo_i_source_expand[];
 extern const char svo_i_source_scene_build[];
@@ -54,7 +55,8 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_SCENE_BUILD] = "scene_build",
                                                            [SVO_I_PROGRAM_SCENE_BOUNDS] = "scene_bounds",
                                                            [SVO_I_PROGRAM_SCENE_TRACE] = "scene_trace",
-                                                           [SVO_I_PROGRAM_SCENE_CAST] = "scene_cast"};
+                                                           [SVO_I_PROGRAM_SCENE_CAST] = "scene_cast",
+                                                           [SVO_I_PROGRAM_MINIMIZE] = "minimize"};
     return names[kind];
 }
 
@@ -74,7 +76,8 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_SCENE_BUILD] = svo_i_source_scene_build,
                                                       [SVO_I_PROGRAM_SCENE_BOUNDS] = svo_i_source_scene_bounds,
                                                       [SVO_I_PROGRAM_SCENE_TRACE] = svo_i_source_scene_trace,
-                                                      [SVO_I_PROGRAM_SCENE_CAST] = svo_i_source_scene_cast};
+                                                      [SVO_I_PROGRAM_SCENE_CAST] = svo_i_source_scene_cast,
+                                                      [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize};
     return sources[kind];
 }
 

@@ -22,6 +22,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
     SVO_I_PROGRAM_TRACE_VOXELS, /* trace_voxels */
+    SVO_I_PROGRAM_MINIMIZE, /* scan, minimize, gather */
     SVO_I_PROGRAM_COMPACT, /* scan, and those of kernels/compact that make compact trees */
     SVO_I_PROGRAM_EXPAND, /* scan, expand */
     SVO_I_PROGRAM_SCENE_BUILD, /* scan, sort; codes, link, refit of scenes */

@@ -6,7 +6,9 @@
 #include "io/compact_check.h"
 
 #include <inttypes.h>
+#include <string.h>
 
+#include "io/dag_check.h"
 #include "shared/descriptor.h"
 #include "svocl/tree_types.h"
 
@@ -235,8 +237,42 @@ static svo_status check_implied(check *c, const svo_compact *compact)
     return bases == NULL || bases[0] == begin ? SVO_OK : damaged(c, bases[0], "payload does not begin at this node");
 }
 
+/* ---- shared ---- */
+
+static svo_status check_shared(check *c, const svo_compact *compact)
+{
+    const uint32_t *links = compact->host[SVO_COMPACT_LINKS];
+    const svo_i_dag_records records = {.name = c->name,
+                                       .memory = &compact->memory,
+                                       .words = compact->host[SVO_COMPACT_NODES],
+                                       .word_count = (size_t)c->info->stored_count,
+                                       .depth = c->info->depth,
+                                       .payload_level = c->info->payload_level,
+                                       .places = svo_i_compact_has_places(c->info)};
+    svo_i_dag_counts counts;
+    if (links[0] != records.depth || links[1] != records.depth - records.payload_level) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: links are %" PRIu32 " and %" PRIu32, c->name, links[0],
+                          links[1]);
+    }
+    SVO_I_TRY(svo_i_dag_check(&records, &counts, c->message));
+    if (counts.records != c->info->shared_count) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: %" PRIu64 " records, %" PRIu64 " expected", c->name,
+                          counts.records, c->info->shared_count);
+    }
+    memcpy(c->inner, counts.inner, sizeof c->inner);
+    memcpy(c->leaf, counts.leaf, sizeof c->leaf);
+    return check_levels(c);
+}
+
 svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo_message *message)
 {
     check c = {.info = &compact->info, .name = name, .message = message};
-    return compact->info.form == SVO_FORM_IMPLIED ? check_implied(&c, compact) : check_descriptor(&c, compact);
+    switch (compact->info.form) {
+    case SVO_FORM_IMPLIED:
+        return check_implied(&c, compact);
+    case SVO_FORM_SHARED:
+        return check_shared(&c, compact);
+    default:
+        return check_descriptor(&c, compact);
+    }
 }

@@ -47,7 +47,8 @@ static void fill_counts(const svo_compact_info *info, file_counts *counts)
                             .minimized = info->minimized,
                             .directory_step_log2 = info->directory_step_log2,
                             .stored_count = info->stored_count,
-                            .far_count = info->far_count};
+                            .far_count = info->far_count,
+                            .shared_count = info->shared_count};
     memcpy(counts->level_leaf, info->level_leaf, sizeof counts->level_leaf);
 }
 
@@ -127,7 +128,8 @@ static void fill_info(const file_header *header, const file_counts *counts, svo_
                                .refused_triangles = header->refused_triangles,
                                .fragments = header->fragments,
                                .stored_count = counts->stored_count,
-                               .far_count = counts->far_count};
+                               .far_count = counts->far_count,
+                               .shared_count = counts->shared_count};
     for (uint32_t level = 0; level < header->depth; ++level) {
         info->level_inner[level] = header->level_begin[level + 1] - header->level_begin[level];
     }
@@ -153,13 +155,22 @@ static svo_status check_leaf_counts(const svo_i_file_load *state, const file_cou
     return SVO_OK;
 }
 
+/* How many words there are is for the records to tell. */
+static svo_status check_shared_counts(const svo_i_file_load *state, const file_counts *counts)
+{
+    return counts->far_count == 0 && counts->stored_count > 0 && counts->stored_count <= UINT32_MAX
+               ? SVO_OK
+               : svo_i_file_damaged(state, "counts: %" PRIu64 " words, %" PRIu64 " of them far", counts->stored_count,
+                                    counts->far_count);
+}
+
 static svo_status check_counts(const svo_i_file_load *state, const file_counts *counts)
 {
     const bool implied = counts->form == SVO_FORM_IMPLIED;
     const uint64_t inner = state->head.header.level_begin[state->head.header.depth];
     const uint32_t step_log2 = counts->directory_step_log2;
     uint64_t stored = inner + counts->far_count;
-    if (counts->form >= SVO_FORM_SHARED || counts->minimized > 1 || counts->reserved != 0) {
+    if (counts->form >= SVO_FORM_COUNT || counts->minimized > 1 || counts->reserved != 0) {
         return svo_i_file_damaged(state, "counts: form %" PRIu32 ", minimized %" PRIu32 " or %" PRIu32 " is not known",
                                   counts->form, counts->minimized, counts->reserved);
     }
@@ -167,10 +178,14 @@ static svo_status check_counts(const svo_i_file_load *state, const file_counts *
         return svo_i_file_damaged(state, "counts: directory_step_log2 %" PRIu32 " does not fit the form", step_log2);
     }
     SVO_I_TRY(check_leaf_counts(state, counts));
+    if (counts->form == SVO_FORM_SHARED) {
+        return check_shared_counts(state, counts);
+    }
     for (uint32_t level = 0; implied && level < state->head.header.depth; ++level) {
         stored += counts->level_leaf[level];
     }
-    if (counts->far_count > (implied ? 0 : inner) || counts->stored_count != stored || stored > UINT32_MAX) {
+    if (counts->shared_count != 0 || counts->far_count > (implied ? 0 : inner) || counts->stored_count != stored ||
+        stored > UINT32_MAX) {
         return svo_i_file_damaged(state, "counts: %" PRIu64 " nodes and %" PRIu64 " far words are not %" PRIu64, inner,
                                   counts->far_count, counts->stored_count);
     }

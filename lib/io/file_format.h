@@ -78,10 +78,11 @@ typedef struct file_counts {
     uint32_t reserved;
     uint64_t stored_count;
     uint64_t far_count;
+    uint64_t shared_count;
     uint32_t level_leaf[SVO_LEVELS_MAX];
 } file_counts;
 
-static_assert(sizeof(file_counts) == 104, "io.h: counts");
+static_assert(sizeof(file_counts) == 112, "io.h: counts");
 static_assert(offsetof(file_header, file_bytes) == 16, "io.h: file_bytes");
 static_assert(offsetof(file_header, chunk_count) == FILE_HASH_BEGIN, "io.h: chunk_count");
 static_assert(offsetof(file_header, origin) == 56, "io.h: origin");

@@ -3,6 +3,7 @@
  * Fuzz target: arbitrary bytes as the file of a compact tree. Either they are refused with a one-line message, or a
  * walk from the root stays inside the arrays and finds the nodes and the places of payload that the description tells.
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "fuzz.h"
@@ -73,6 +74,81 @@ static void walk_masks(walk *w, uint64_t node, uint32_t level)
     }
 }
 
+/* ---- records, which many nodes may share ---- */
+
+/* What a subtree holds. */
+typedef struct subtree {
+    uint64_t inner, leaf, places;
+    int known;
+} subtree;
+
+static uint64_t count_places(const walk *w, uint32_t levels)
+{
+    return levels <= w->info.depth - w->info.payload_level ? 1 : 0;
+}
+
+/* A node on the level above the voxels. */
+static subtree count_mask(const walk *w, uint32_t mask)
+{
+    REQUIRE(mask != 0);
+    return (subtree){1, count_bits(mask), count_places(w, 1) + count_bits(mask) * count_places(w, 0), 1};
+}
+
+/* before[rank] of a record. */
+static uint64_t number_of(const uint32_t *record, uint32_t levels, uint32_t rank)
+{
+    return levels > 5 ? record[rank] : record[rank / 2] >> 16 * (rank % 2) & 65535;
+}
+
+/* A record and all below it, each once. levels: above 1. known: by first word. */
+static subtree walk_record(const walk *w, uint64_t at, uint32_t levels, subtree *known)
+{
+    REQUIRE(at < w->info.stored_count);
+    if (known[at].known != 0) {
+        return known[at];
+    }
+    const uint32_t *record = (const uint32_t *)w->arrays.nodes + at;
+    const uint32_t leaf = record[0] >> 8 & 255;
+    const uint32_t inner = record[0] & ~leaf & 255;
+    const uint32_t children = count_bits(inner);
+    const int has_places = (w->info.need & ~w->info.constant) != 0;
+    const uint32_t numbers = has_places ? children - (inner > leaf ? 1 : 0) : 0;
+    const uint32_t names = 1 + (levels > 5 ? numbers : numbers / 2);
+    REQUIRE(at + (levels == 2 ? (children + 5) / 4 : names + children) <= w->info.stored_count);
+    subtree found = {1, count_bits(leaf), 0, 1};
+    uint64_t before = 0;
+    for (uint32_t rank = 0; rank < children; ++rank) {
+        const uint32_t byte = 2 + rank;
+        const subtree child = levels == 2 ? count_mask(w, record[byte / 4] >> 8 * (byte % 4) & 255)
+                                          : walk_record(w, record[names + rank], levels - 1, known);
+        found.inner += child.inner;
+        found.leaf += child.leaf;
+        before += child.places;
+        REQUIRE(levels == 2 || rank >= numbers || number_of(record, levels, rank + 1) == before);
+    }
+    found.places = before + count_places(w, levels) + count_bits(leaf) * count_places(w, levels - 1);
+    known[at] = found;
+    return found;
+}
+
+static void walk_records(walk *w)
+{
+    const uint32_t *words = w->arrays.nodes;
+    subtree *known = calloc(w->info.stored_count, sizeof *known);
+    if (known == NULL) {
+        abort();
+    }
+    REQUIRE(w->arrays.links[0] == w->info.depth && w->arrays.links[1] == w->info.depth - w->info.payload_level);
+    const uint32_t mask = words[0] & 255;
+    const subtree all = mask == 0            ? (subtree){1, 0, count_places(w, w->info.depth), 1}
+                        : w->info.depth == 1 ? count_mask(w, mask)
+                                             : walk_record(w, 0, w->info.depth, known);
+    w->inner_count = all.inner;
+    w->leaf_count = all.leaf;
+    REQUIRE((w->info.need & ~w->info.constant) == 0 || all.places == w->info.payload_count);
+    free(known);
+}
+
 static void check_refusal(svo_status status, const svo_compact *compact, const svo_message *message)
 {
     REQUIRE(status == SVO_FILE_DAMAGED || status == SVO_OUT_OF_HOST_MEMORY);
@@ -99,6 +175,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     REQUIRE(w.info.depth >= SVO_DEPTH_MIN && w.info.depth <= SVO_DEPTH_MAX);
     if (w.info.form == SVO_FORM_IMPLIED) {
         walk_masks(&w, 0, 0);
+    } else if (w.info.form == SVO_FORM_SHARED) {
+        walk_records(&w);
     } else {
         walk_words(&w, 0, 0);
     }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "bench/compact_shared.h"
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
 
@@ -17,7 +18,7 @@ static const struct {
     uint32_t directory_step_log2;
 } forms[] = {
     {"built", SVO_FORM_COUNT, 0},         {"descriptor", SVO_FORM_DESCRIPTOR, 0}, {"implied, 16", SVO_FORM_IMPLIED, 4},
-    {"implied, 32", SVO_FORM_IMPLIED, 5}, {"implied, 64", SVO_FORM_IMPLIED, 6},
+    {"implied, 32", SVO_FORM_IMPLIED, 5}, {"implied, 64", SVO_FORM_IMPLIED, 6},   {"shared", SVO_FORM_SHARED, 0},
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 #define SET_COUNT  2
@@ -56,6 +57,7 @@ static int begin(suite *all)
     spread_add_columns(table, "primary ratio", "");
     result_add_column(table, "incoherent", "M/s");
     spread_add_columns(table, "incoherent ratio", "");
+    compact_shared_begin(all);
     return PROGRAM_DONE;
 }
 
@@ -257,7 +259,8 @@ static int run(suite *all, const input *source, unsigned depth)
         .all = all, .source = source, .depth = depth, .ray_count = all->quick ? (asked + 7) / 8 : asked};
     const svo_device *device = all->opened.device;
     int exit_code = PROGRAM_DONE;
-    if (build(&bench) != SVO_OK || make_forms(&bench) != SVO_OK) {
+    if (build(&bench) != SVO_OK || make_forms(&bench) != SVO_OK ||
+        compact_shared_run(all, source, bench.tree) != SVO_OK) {
         exit_code = program_fail_library(all->state, svo_device_message(device));
     } else if (!make_room(&bench)) {
         exit_code = program_fail(all->state, PROGRAM_FAILED, "out of memory for %zu rays", bench.ray_count);
