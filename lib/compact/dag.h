@@ -39,8 +39,9 @@ typedef struct svo_i_dag {
 /*
  * Makes records of nodes.
  *
- * places: whether records store where payload is. memory: of the records, and for the work. out: receives the records, also after a failure something to free.
- * place_of: receives the place of each payload, in the order of first_payload; NULL without places.
+ * places: whether records store where payload is. memory: of the records, and for the work. out: receives the records,
+ * also after a failure something to free. place_of: receives the place of each payload, in the order of first_payload;
+ * NULL without places.
  * Returns SVO_OUT_OF_HOST_MEMORY, SVO_UNSUPPORTED (2^32 words or more).
  */
 svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, bool places, const svo_i_memory *memory, svo_i_dag *out,
