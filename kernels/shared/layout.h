@@ -223,6 +223,28 @@ SVO_RECORD(svo_ray_node)
 #define SVO_RAY_LEAF_HEAD_WORDS 8
 #define SVO_RAY_LEAF_WIDE       0x80000000u
 
+/* Counters of the solid kernels. */
+#define SVO_SOLID_OUTSIDE    0 /* triangles that reach outside the grid */
+#define SVO_SOLID_LONG_LISTS 1 /* leaves whose list a work-group reads */
+#define SVO_SOLID_OPEN_X     2 /* columns whose crossings do not cancel, along x, y and z */
+#define SVO_SOLID_TESTS      5 /* empty cells of the launch */
+#define SVO_SOLID_INSIDE     6 /* of those, inside */
+#define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
+#define SVO_SOLID_COUNTERS   8
+
+/* Arguments of the solid kernels. 32 bytes. */
+SVO_RECORD(svo_solid_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
+    SVO_U32 leaf_begin; /* 8: first leaf */
+    SVO_U32 leaf_count; /* 12 */
+    SVO_U32 first; /* 16: first inner node of the launch */
+    SVO_U32 count; /* 20: nodes, leaves or triangles of the launch */
+    SVO_U32 level; /* 24: of those inner nodes */
+    SVO_U32 parity; /* 28: not 0: an odd sum is inside; 0: a sum other than 0 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -236,6 +258,7 @@ SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
+SVO_ASSERT_BYTES(svo_solid_params, 32);
 #endif
 
 #endif
