@@ -10,11 +10,13 @@
  *     svo_tree    the result: buffers, hash        tree.h
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
+ *     svo_compact smaller forms of a tree          compact.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
 
 #include "svocl/build.h"
+#include "svocl/compact.h"
 #include "svocl/device.h"
 #include "svocl/export.h"
 #include "svocl/mesh.h"

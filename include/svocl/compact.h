@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT */
+/** \file
+ * Compact trees: smaller forms of a built tree's nodes, on a device, on the host, or both. A compact tree is independent
+ * of the tree that it was made from. Leaf lists are not carried; svo_compact_expand gives the rest back.
+ *
+ * A leaf may lie on any level: it then stands for all voxels inside. The root is always an inner node. In every form a
+ * child in octant o = x | y << 1 | z << 2 is named by bit o of its parent's masks.
+ *
+ * SVO_FORM_DESCRIPTOR (after Laine and Karras, "Efficient Sparse Voxel Octrees", 2010). nodes has a word for each inner
+ * node: bits 0-7 valid mask, bits 8-15 leaf mask (the child ends here), bit 16 far, bits 17-31 the distance in words from
+ * the node to its first inner child. Inner children lie side by side: that in octant o is at first +
+ * popcount(valid & ~leaf & ((1 << o) - 1)). A distance above 32767 sets far; the field then leads to a far word, which
+ * holds the distance. Order: a sibling group, its far words, then each member's descendants in turn; the root is the
+ * first word. Far flags are the least fixed point: a far word is there only if its group needs it.
+ *
+ * SVO_FORM_IMPLIED. nodes has a child mask, one byte, for each node above level depth, breadth-first; 0 means a leaf,
+ * except in the root. The first child of node i is 1 + the sum of popcount(mask[j]) over j < i; links[k] is that of node
+ * k << directory_step_log2.
+ *
+ * Payload, as on a built tree, belongs to the nodes from payload_level on. Where a form's payload is not breadth-first,
+ * bases[w], beside word w, is the place of the first child's payload in every payload array; the children's payloads lie
+ * side by side in ascending octant. Place 0 is the root's if payload_level is 0. bases has SVO_NO_NODE where the children
+ * are above payload_level, and 0 beside far words. It is absent where all payload is constant or not held.
+ *
+ * Thread-safety: several threads may call functions that take a const svo_compact. All others need exclusive use of it
+ * and of its device handle.
+ */
+#ifndef SVOCL_COMPACT_H
+#define SVOCL_COMPACT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/device.h"
+#include "svocl/tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A compact tree. */
+typedef struct svo_compact svo_compact;
+
+/** How a compact tree stores its nodes. */
+typedef enum svo_form {
+    SVO_FORM_DESCRIPTOR = 0, /**< a word per inner node, in an order of short distances */
+    SVO_FORM_IMPLIED = 1, /**< child masks alone, and a directory */
+    SVO_FORM_SHARED = 2, /**< equal subtrees are stored once */
+    SVO_FORM_COUNT /**< number of forms */
+} svo_form;
+
+/** Name of a form.
+ *
+ * \param form any value
+ * \returns "descriptor", "implied", "shared"; else "unknown form". Static string. */
+SVO_API const char *svo_form_name(svo_form form);
+
+/** The arrays of a compact tree. */
+typedef enum svo_compact_buffer {
+    SVO_COMPACT_NODES = 0, /**< "nodes": as the form has them */
+    SVO_COMPACT_LINKS, /**< "links": u32; the directory of SVO_FORM_IMPLIED */
+    SVO_COMPACT_BASES, /**< "bases": u32; places of payload */
+    SVO_COMPACT_COLORS, /**< "colors": 4 u8 each */
+    SVO_COMPACT_NORMALS, /**< "normals": 3 i16 each */
+    SVO_COMPACT_MATERIALS, /**< "materials": u16 each */
+    SVO_COMPACT_FILLS, /**< "fills": u16 each */
+    SVO_COMPACT_BUFFER_COUNT /**< number of arrays */
+} svo_compact_buffer;
+
+/** Name of an array.
+ *
+ * \param buffer any value
+ * \returns "nodes", ...; else "unknown buffer". Static string. */
+SVO_API const char *svo_compact_buffer_name(svo_compact_buffer buffer);
+
+/** Options of a compact tree. */
+typedef struct svo_compact_options {
+    size_t struct_size; /**< sizeof(svo_compact_options) */
+    svo_form form; /**< how to store the nodes */
+    uint32_t leave_out; /**< svo_need bits: payload of the tree that is not carried */
+    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 4 */
+    uint32_t minimize; /**< not 0: eight full leaves with the same payload, or within the tolerances, become one leaf */
+    uint32_t color_tolerance[4]; /**< minimize: largest difference of red, green, blue, alpha; 0 .. 255 */
+    uint32_t normal_tolerance; /**< minimize: largest difference of each component of a normal; 0 .. 65534 */
+    uint32_t fill_tolerance; /**< minimize: largest difference of fills; 0 .. 65535 */
+} svo_compact_options;
+
+/** All defaults. */
+#define SVO_COMPACT_OPTIONS_INIT SVO_STRUCT_INIT(svo_compact_options)
+
+/** What describes a compact tree besides its arrays. */
+typedef struct svo_compact_info {
+    size_t struct_size; /**< sizeof(svo_compact_info) */
+    svo_form form; /**< how the nodes are stored */
+    uint32_t minimized; /**< not 0: leaves may lie above level depth */
+    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED; else 0 */
+    uint32_t depth; /**< the grid has 2^depth voxels per axis */
+    uint32_t snap_bits; /**< as all down to snap_error: those of the tree */
+    uint32_t coverage; /**< svo_coverage */
+    uint32_t need; /**< svo_need bits: the payload that is held */
+    uint32_t constant; /**< of those, payload that is the same in every node: one element */
+    uint32_t weights; /**< svo_weights */
+    uint32_t payload_level; /**< first level with payload */
+    double origin[3]; /**< minimum corner of the grid, world coordinates */
+    double edge; /**< world units: as in svo_tree_info */
+    double scale; /**< grid units per world unit */
+    double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
+    uint64_t triangles; /**< of the mesh */
+    uint64_t refused_triangles; /**< of those, not usable */
+    uint64_t fragments; /**< (voxel, triangle) pairs */
+    uint64_t inner_count; /**< inner nodes of the tree that the form describes */
+    uint64_t leaf_count; /**< its leaves, on whatever level */
+    uint64_t voxel_count; /**< voxels that these leaves stand for */
+    uint64_t stored_count; /**< elements of nodes: words, masks, or nodes that are stored once */
+    uint64_t far_count; /**< SVO_FORM_DESCRIPTOR: far words among them; else 0 */
+    uint64_t payload_count; /**< elements of each payload array that is not constant */
+    uint32_t level_inner[SVO_LEVELS_MAX]; /**< inner nodes on each level */
+    uint32_t level_leaf[SVO_LEVELS_MAX]; /**< leaves on each level */
+    uint64_t bytes[SVO_COMPACT_BUFFER_COUNT]; /**< of each array; 0: not held */
+    uint64_t total_bytes; /**< of all arrays */
+    uint32_t bounds; /**< svo_compact_plan: bit b is set where bytes[b] is an upper bound; else 0 */
+} svo_compact_info;
+
+/** An empty output. */
+#define SVO_COMPACT_INFO_INIT SVO_STRUCT_INIT(svo_compact_info)
+
+/** Host arrays, owned by the compact tree; NULL where it does not hold them. Constant payload has one element. */
+typedef struct svo_compact_arrays {
+    size_t struct_size; /**< sizeof(svo_compact_arrays) */
+    const void *nodes; /**< stored_count: u32 words; u8 masks in SVO_FORM_IMPLIED */
+    const uint32_t *links; /**< see the head of this file */
+    const uint32_t *bases; /**< a place for each word of nodes */
+    const uint8_t *colors; /**< payload_count * 4: RGBA8 */
+    const int16_t *normals; /**< payload_count * 3 */
+    const uint16_t *materials; /**< payload_count */
+    const uint16_t *fills; /**< payload_count */
+} svo_compact_arrays;
+
+/** An empty output. */
+#define SVO_COMPACT_ARRAYS_INIT SVO_STRUCT_INIT(svo_compact_arrays)
+
+/** Says what svo_compact_create would make, before anything is allocated on the device. What follows from the tree's
+ *  counts is exact; the rest is an upper bound, which svo_compact_info.bounds marks: the far words of
+ *  SVO_FORM_DESCRIPTOR, for which each node may need one.
+ *
+ * \param tree complete
+ * \param options NULL means all defaults
+ * \param info receives the description; its counts are those before minimizing
+ * \returns SVO_INVALID_ARGUMENT when an option is out of its range. */
+SVO_API svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_options *options, svo_compact_info *info);
+
+/** Makes a compact tree on a device and waits for it. Its arrays are the same bytes on every device.
+ *
+ * \param device the tree's, or, for a tree that is on the host alone, any; must outlive the compact tree
+ * \param tree complete, on the device or with host arrays, with at most 2^31 - 1 inner nodes; it stays as it is
+ * \param options NULL means all defaults
+ * \param queue on the device's context; NULL: the device's own
+ * \param out receives the compact tree
+ * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
+ *          on failure. */
+SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const svo_compact_options *options,
+                                      cl_command_queue queue, svo_compact **out);
+
+/** Makes a tree without leaf lists from a compact tree and waits for it. It has the voxels of the tree that the compact
+ *  tree was made from, and its payload as far as that is carried and unless tolerances changed it: the same
+ *  SVO_HASH_NODES, and without leaf lists the same SVO_HASH_ALL. A leaf above level depth becomes all of its voxels and
+ *  the nodes above them, each with the leaf's payload.
+ *
+ * \param compact on a device
+ * \param queue on the device's context; NULL: the device's own
+ * \param out receives the tree, which is on that device
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the tree would have more than 2^32 - 2 nodes), SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_compact_expand(svo_compact *compact, cl_command_queue queue, svo_tree **out);
+
+/** Destroys a compact tree.
+ *
+ * \param compact set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_compact_destroy(svo_compact **compact);
+
+/** Describes a compact tree.
+ *
+ * \param compact not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_compact_get_info(const svo_compact *compact, svo_compact_info *info);
+
+/** A device buffer of the compact tree.
+ *
+ * \param compact not NULL
+ * \param buffer which one
+ * \returns the buffer, which belongs to the compact tree; NULL where it does not hold it or is not on a device. Retain
+ *          it (clRetainMemObject) to keep it longer. */
+SVO_API cl_mem svo_compact_get_buffer(const svo_compact *compact, svo_compact_buffer buffer);
+
+/** Copies the arrays to the host. The first call copies; later calls do nothing.
+ *
+ * \param compact not NULL
+ * \param queue on the context of its device; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_download(svo_compact *compact, cl_command_queue queue);
+
+/** Copies the arrays of a compact tree from a file to a device and waits. The first call copies; later calls do nothing.
+ *
+ * \param compact with host arrays, not on another device
+ * \param device must outlive the compact tree
+ * \param queue on the device's context; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+SVO_API svo_status svo_compact_upload(svo_compact *compact, svo_device *device, cl_command_queue queue);
+
+/** The host arrays.
+ *
+ * \param compact not NULL
+ * \param arrays receives the pointers; all NULL before svo_compact_download, unless the compact tree is from a file
+ * \returns SVO_INVALID_ARGUMENT when arrays is NULL or its struct_size is too small. */
+SVO_API svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compact_arrays *arrays);
+
+/** Hashes a compact tree with XXH3-128: u32 form, directory_step_log2, depth, coverage, snap_bits; f64 origin[3], edge;
+ *  u32 payload_level; then each array in the order of svo_compact_buffer, its length in bytes as u64 before its
+ *  elements; length 0 where it is not held. Little-endian, seed 0. The hash does not depend on device or time.
+ *
+ * \param compact with host arrays
+ * \param text receives 32 lowercase hexadecimal digits, the high half first
+ * \returns SVO_INVALID_ARGUMENT (no host arrays) on failure. */
+SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HASH_TEXT_BYTES]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

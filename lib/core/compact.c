@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: MIT */
+/* The compact tree: its arrays on the device and on the host, and its hash. lib/compact makes it. */
+#include "core/compact.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "core/device.h"
+#include "core/struct_size.h"
+#include "core/tree.h"
+#include "svocl/plan.h"
+
+const char *svo_form_name(svo_form form)
+{
+    static const char *const names[SVO_FORM_COUNT] = {"descriptor", "implied", "shared"};
+    return (unsigned)form < SVO_FORM_COUNT ? names[form] : "unknown form";
+}
+
+const char *svo_compact_buffer_name(svo_compact_buffer buffer)
+{
+    static const char *const names[SVO_COMPACT_BUFFER_COUNT] = {"nodes",   "links",     "bases", "colors",
+                                                                "normals", "materials", "fills"};
+    return (unsigned)buffer < SVO_COMPACT_BUFFER_COUNT ? names[buffer] : "unknown buffer";
+}
+
+svo_compact *svo_i_compact_new(void)
+{
+    return calloc(1, sizeof(svo_compact));
+}
+
+void svo_compact_destroy(svo_compact **compact)
+{
+    if (compact == NULL || *compact == NULL) {
+        return;
+    }
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        free((*compact)->host[i]);
+        if ((*compact)->buffers[i] != NULL) {
+            clReleaseMemObject((*compact)->buffers[i]);
+        }
+    }
+    free(*compact);
+    *compact = NULL;
+}
+
+/* ---- properties of arrays ---- */
+
+uint32_t svo_i_compact_need(svo_compact_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_COMPACT_COLORS:
+        return SVO_NEED_COLOR;
+    case SVO_COMPACT_NORMALS:
+        return SVO_NEED_NORMAL;
+    case SVO_COMPACT_MATERIALS:
+        return SVO_NEED_MATERIAL;
+    case SVO_COMPACT_FILLS:
+        return SVO_NEED_FILL;
+    default:
+        return 0;
+    }
+}
+
+svo_tree_buffer svo_i_compact_tree_buffer(svo_compact_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_COMPACT_COLORS:
+        return SVO_TREE_COLORS;
+    case SVO_COMPACT_NORMALS:
+        return SVO_TREE_NORMALS;
+    case SVO_COMPACT_MATERIALS:
+        return SVO_TREE_MATERIALS;
+    case SVO_COMPACT_FILLS:
+        return SVO_TREE_FILLS;
+    default:
+        return SVO_TREE_BUFFER_COUNT;
+    }
+}
+
+bool svo_i_compact_is_constant(const svo_compact_info *info, svo_compact_buffer buffer)
+{
+    return (info->constant & svo_i_compact_need(buffer)) != 0;
+}
+
+size_t svo_i_compact_element_bytes(const svo_compact_info *info, svo_compact_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_COMPACT_NODES:
+        return info->form == SVO_FORM_IMPLIED ? 1 : 4;
+    case SVO_COMPACT_LINKS:
+    case SVO_COMPACT_BASES:
+        return 4;
+    default:
+        return svo_i_tree_element_bytes(svo_i_compact_tree_buffer(buffer));
+    }
+}
+
+bool svo_i_compact_has_places(const svo_compact_info *info)
+{
+    return (info->need & ~info->constant) != 0;
+}
+
+/* Elements of bases: in breadth-first order one, the first node that has payload. */
+static uint64_t count_bases(const svo_compact_info *info)
+{
+    if (!svo_i_compact_has_places(info)) {
+        return 0;
+    }
+    return info->form == SVO_FORM_IMPLIED ? 1 : info->stored_count;
+}
+
+static uint64_t count_elements(const svo_compact_info *info, svo_compact_buffer buffer)
+{
+    switch (buffer) {
+    case SVO_COMPACT_NODES:
+        return info->stored_count;
+    case SVO_COMPACT_LINKS:
+        return info->form == SVO_FORM_IMPLIED ? ((info->stored_count - 1) >> info->directory_step_log2) + 1 : 0;
+    case SVO_COMPACT_BASES:
+        return count_bases(info);
+    default:
+        return (info->need & svo_i_compact_need(buffer)) == 0 ? 0
+               : (svo_i_compact_is_constant(info, buffer))    ? 1
+                                                              : info->payload_count;
+    }
+}
+
+void svo_i_compact_count(svo_compact_info *info)
+{
+    info->inner_count = 0;
+    info->leaf_count = 0;
+    info->voxel_count = 0;
+    info->payload_count = 0;
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        info->inner_count += info->level_inner[level];
+        info->leaf_count += info->level_leaf[level];
+        info->voxel_count += (uint64_t)info->level_leaf[level] << (3 * (info->depth - level));
+        info->payload_count +=
+            level >= info->payload_level ? (uint64_t)info->level_inner[level] + info->level_leaf[level] : 0;
+    }
+    info->total_bytes = 0;
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)i;
+        info->bytes[i] = count_elements(info, buffer) * svo_i_compact_element_bytes(info, buffer);
+        info->total_bytes += info->bytes[i];
+    }
+}
+
+/* ---- what callers ask ---- */
+
+svo_status svo_compact_get_info(const svo_compact *compact, svo_compact_info *info)
+{
+    return compact == NULL ? SVO_INVALID_ARGUMENT
+                           : svo_i_struct_write(svo_i_device_message(compact->device), "svo_compact_get_info", "info",
+                                                &compact->info, info, SVO_I_STRUCT_SIZES(svo_compact_info, bounds));
+}
+
+cl_mem svo_compact_get_buffer(const svo_compact *compact, svo_compact_buffer buffer)
+{
+    return (unsigned)buffer < SVO_COMPACT_BUFFER_COUNT ? compact->buffers[buffer] : NULL;
+}
+
+svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compact_arrays *arrays)
+{
+    if (compact == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_compact_arrays held = {.nodes = compact->host[SVO_COMPACT_NODES],
+                                     .links = compact->host[SVO_COMPACT_LINKS],
+                                     .bases = compact->host[SVO_COMPACT_BASES],
+                                     .colors = compact->host[SVO_COMPACT_COLORS],
+                                     .normals = compact->host[SVO_COMPACT_NORMALS],
+                                     .materials = compact->host[SVO_COMPACT_MATERIALS],
+                                     .fills = compact->host[SVO_COMPACT_FILLS]};
+    return svo_i_struct_write(svo_i_device_message(compact->device), "svo_compact_get_arrays", "arrays", &held, arrays,
+                              SVO_I_STRUCT_SIZES(svo_compact_arrays, fills));
+}
+
+/* ---- copies ---- */
+
+/* Reads an array into new memory. *out stays NULL for an array that is not held. */
+static svo_status download_array(const svo_compact *compact, cl_command_queue queue, svo_compact_buffer buffer,
+                                 void **out)
+{
+    static const char function[] = "svo_compact_download";
+    const size_t bytes = (size_t)compact->info.bytes[buffer];
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    *out = malloc(bytes);
+    if (*out == NULL) {
+        return svo_i_device_fail(compact->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
+                                 svo_compact_buffer_name(buffer), bytes);
+    }
+    const cl_int error = clEnqueueReadBuffer(queue, compact->buffers[buffer], CL_TRUE, 0, bytes, *out, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(compact->device, function, "clEnqueueReadBuffer", error);
+}
+
+svo_status svo_compact_download(svo_compact *compact, cl_command_queue queue)
+{
+    void *host[SVO_COMPACT_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
+    if (compact == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (compact->downloaded) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_device_queue(compact->device, "svo_compact_download", queue, &queue));
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        SVO_I_TRY_CLEANUP(download_array(compact, queue, (svo_compact_buffer)i, &host[i]));
+    }
+    memcpy(compact->host, host, sizeof host);
+    memset(host, 0, sizeof host);
+    compact->downloaded = true;
+
+cleanup:
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        free(host[i]);
+    }
+    return status;
+}
+
+/* Makes a buffer for an array. *out stays NULL for an array that is not held. */
+static svo_status upload_array(const svo_compact *compact, svo_device *device, cl_command_queue queue,
+                               svo_compact_buffer buffer, cl_mem *out)
+{
+    static const char function[] = "svo_compact_upload";
+    const size_t bytes = (size_t)compact->info.bytes[buffer];
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_device_buffer(device, function, svo_compact_buffer_name(buffer), CL_MEM_READ_ONLY, bytes, out));
+    const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, compact->host[buffer], 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+}
+
+svo_status svo_compact_upload(svo_compact *compact, svo_device *device, cl_command_queue queue)
+{
+    cl_mem buffers[SVO_COMPACT_BUFFER_COUNT] = {NULL};
+    svo_status status = SVO_OK;
+    if (compact == NULL || device == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_compact_upload: %s is NULL",
+                                 compact == NULL ? "compact" : "device");
+    }
+    if (compact->device != NULL && compact->device != device) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_compact_upload: the compact tree is on %s already",
+                                 compact->device->name);
+    }
+    if (compact->device != NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_device_queue(device, "svo_compact_upload", queue, &queue));
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        SVO_I_TRY_CLEANUP(upload_array(compact, device, queue, (svo_compact_buffer)i, &buffers[i]));
+    }
+    memcpy(compact->buffers, buffers, sizeof buffers);
+    memset(buffers, 0, sizeof buffers);
+    compact->device = device;
+
+cleanup:
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    return status;
+}
+
+/* ---- hash ---- */
+
+svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HASH_TEXT_BYTES])
+{
+    static const char function[] = "svo_compact_hash";
+    if (compact == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (text == NULL) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: text is NULL", function);
+    }
+    if (!compact->downloaded) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT,
+                                 "%s: there are no host arrays; call svo_compact_download first", function);
+    }
+    XXH3_state_t stack;
+    XXH3_state_t *state = &stack;
+    const svo_compact_info *info = &compact->info;
+    const uint32_t words[5] = {info->form, info->directory_step_log2, info->depth, info->coverage, info->snap_bits};
+    XXH3_INITSTATE(state);
+    XXH3_128bits_reset(state);
+    XXH3_128bits_update(state, words, sizeof words);
+    XXH3_128bits_update(state, info->origin, sizeof info->origin);
+    XXH3_128bits_update(state, &info->edge, sizeof info->edge);
+    XXH3_128bits_update(state, &info->payload_level, sizeof info->payload_level);
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        XXH3_128bits_update(state, &info->bytes[i], sizeof info->bytes[i]);
+        if (info->bytes[i] > 0) {
+            XXH3_128bits_update(state, compact->host[i], (size_t)info->bytes[i]);
+        }
+    }
+    const XXH128_hash_t hash = XXH3_128bits_digest(state);
+    (void)snprintf(text, SVO_HASH_TEXT_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
+                   (unsigned long long)hash.low64);
+    return SVO_OK;
+}
