@@ -36,6 +36,7 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_solid[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -73,7 +74,8 @@ static size_t bytes_of_type(const char *type)
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
-                 {"svo_ray_params", sizeof(svo_ray_params)}};
+                 {"svo_ray_params", sizeof(svo_ray_params)},
+                 {"svo_solid_params", sizeof(svo_solid_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -346,7 +348,8 @@ static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
     const char *const sources[] = {svo_i_source_subdivide, svo_i_source_sort, svo_i_source_pack,  svo_i_source_filter,
-                                   svo_i_source_voxelize,  svo_i_source_cast, svo_i_source_trace, svo_i_source_view};
+                                   svo_i_source_voxelize,  svo_i_source_cast, svo_i_source_trace, svo_i_source_view,
+                                   svo_i_source_solid};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

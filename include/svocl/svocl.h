@@ -22,6 +22,7 @@
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
+#include "svocl/solid.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"

@@ -232,7 +232,7 @@ SVO_RECORD(svo_ray_node)
 #define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
 #define SVO_SOLID_COUNTERS   8
 
-/* Arguments of the solid kernels. 32 bytes. */
+/* Arguments of the solid kernels. 48 bytes. */
 SVO_RECORD(svo_solid_params)
 {
     SVO_U32 depth; /* 0 */
@@ -243,6 +243,9 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 count; /* 20: nodes, leaves or triangles of the launch */
     SVO_U32 level; /* 24: of those inner nodes */
     SVO_U32 parity; /* 28: not 0: an odd sum is inside; 0: a sum other than 0 */
+    SVO_U32 element_halves; /* 32: 16-bit words of a payload element */
+    SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
+    SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
 };
 
 #if !defined(GL_core_profile)
@@ -258,7 +261,7 @@ SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
-SVO_ASSERT_BYTES(svo_solid_params, 32);
+SVO_ASSERT_BYTES(svo_solid_params, 48);
 #endif
 
 #endif

@@ -24,6 +24,7 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_solid[];
 
 static void release_program(svo_i_attachment *attachment)
 {
@@ -35,9 +36,11 @@ static void release_program(svo_i_attachment *attachment)
 const char *svo_i_program_kind_name(svo_i_program_kind kind)
 {
     static const char *const names[SVO_I_PROGRAM_KINDS] = {
-        [SVO_I_PROGRAM_SUBDIVIDE] = "subdivide", [SVO_I_PROGRAM_SORT] = "sort",         [SVO_I_PROGRAM_PACK] = "pack",
-        [SVO_I_PROGRAM_FILTER] = "filter",       [SVO_I_PROGRAM_VOXELIZE] = "voxelize", [SVO_I_PROGRAM_CAST] = "cast",
-        [SVO_I_PROGRAM_TRACE] = "trace",         [SVO_I_PROGRAM_VIEW] = "view"};
+        [SVO_I_PROGRAM_SUBDIVIDE] = "subdivide", [SVO_I_PROGRAM_SORT] = "sort",
+        [SVO_I_PROGRAM_PACK] = "pack",           [SVO_I_PROGRAM_FILTER] = "filter",
+        [SVO_I_PROGRAM_VOXELIZE] = "voxelize",   [SVO_I_PROGRAM_CAST] = "cast",
+        [SVO_I_PROGRAM_TRACE] = "trace",         [SVO_I_PROGRAM_VIEW] = "view",
+        [SVO_I_PROGRAM_SOLID] = "solid"};
     return names[kind];
 }
 
@@ -47,7 +50,8 @@ const char *svo_i_program_source(svo_i_program_kind kind)
         [SVO_I_PROGRAM_SUBDIVIDE] = svo_i_source_subdivide, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
         [SVO_I_PROGRAM_PACK] = svo_i_source_pack,           [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
         [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,   [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,         [SVO_I_PROGRAM_VIEW] = svo_i_source_view};
+        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,         [SVO_I_PROGRAM_VIEW] = svo_i_source_view,
+        [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
     return sources[kind];
 }
 
