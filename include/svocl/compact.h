@@ -15,12 +15,14 @@
  *
  * SVO_FORM_IMPLIED. nodes has a child mask, one byte, for each node above level depth, breadth-first; 0 means a leaf,
  * except in the root. The first child of node i is 1 + the sum of popcount(mask[j]) over j < i; links[k] is that of node
- * k << directory_step_log2.
+ * k << directory_step_log2. Zeros fill nodes up to a multiple of eight bytes. bases has one element: the first node with
+ * payload, which is at place 0.
  *
- * Payload, as on a built tree, belongs to the nodes from payload_level on. Where a form's payload is not breadth-first,
- * bases[w], beside word w, is the place of the first child's payload in every payload array; the children's payloads lie
- * side by side in ascending octant. Place 0 is the root's if payload_level is 0. bases has SVO_NO_NODE where the children
- * are above payload_level, and 0 beside far words. It is absent where all payload is constant or not held.
+ * Payload, as on a built tree, belongs to the nodes from payload_level on. In SVO_FORM_DESCRIPTOR bases[w], beside word
+ * w, is the place of the first child's payload in every payload array; the children's payloads lie side by side in
+ * ascending octant, groups in the order of their parents' words. Place 0 is the root's if payload_level is 0. bases has
+ * SVO_NO_NODE where the children are above payload_level, and 0 beside far words. In every form bases is absent where all
+ * payload is constant or not held.
  *
  * Thread-safety: several threads may call functions that take a const svo_compact. All others need exclusive use of it
  * and of its device handle.
@@ -141,7 +143,7 @@ typedef struct svo_compact_arrays {
 
 /** Says what svo_compact_create would make, before anything is allocated on the device. What follows from the tree's
  *  counts is exact; the rest is an upper bound, which svo_compact_info.bounds marks: the far words of
- *  SVO_FORM_DESCRIPTOR, for which each node may need one.
+ *  SVO_FORM_DESCRIPTOR, at most 0.33 % of the words.
  *
  * \param tree complete
  * \param options NULL means all defaults

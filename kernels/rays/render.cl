@@ -3,7 +3,7 @@
  * Pictures: rays through the tree's voxels (voxels.clh), shaded.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
- * Reads child_mask, first_child and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
+ * Reads the nodes and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one RGBA8 word per pixel.
  * No atomics, no local memory.
  */
 #include "shared/layout.h"
@@ -56,7 +56,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
     normal.y = hit->axis == 1 ? side : 0.0f;
     normal.z = hit->axis == 2 ? side : 0.0f;
 #ifdef SVO_NORMAL
-    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->node), normals)) / 32767.0f;
+    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->place), normals)) / 32767.0f;
     normal = dot(own, own) > 0.04f ? normalize(own) : normal;
 #else
     (void)normals;
@@ -72,7 +72,7 @@ static float3 svo_cast_normal(const svo_cast_hit *hit, float3 direction, __globa
 static float3 svo_cast_albedo(const svo_cast_hit *hit, __global const uchar *colors)
 {
 #ifdef SVO_COLOR
-    const float3 stored = convert_float3(vload4(SVO_COLOR_INDEX(hit->node), colors).xyz) / 255.0f;
+    const float3 stored = convert_float3(vload4(SVO_COLOR_INDEX(hit->place), colors).xyz) / 255.0f;
     return stored * stored;
 #else
     (void)hit;
@@ -137,8 +137,8 @@ static uint svo_pack_color(float3 light)
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_cast(__global const uchar *child_mask, __global const uint *first_child, __global const uchar *colors,
-           __global const short *normals, __constant const svo_cast_params *params, __global uint *picture)
+svo_k_cast(SVO_NODES_PARAMETERS, __global const uchar *colors, __global const short *normals,
+           __constant const svo_cast_params *params, __global uint *picture)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
     const uint item = (uint)get_local_id(0);
@@ -149,9 +149,9 @@ svo_k_cast(__global const uchar *child_mask, __global const uint *first_child, _
     if (x >= params->width || y >= params->height) {
         return;
     }
+    SVO_NODES_MAKE(nodes);
     svo_cast_tree tree;
-    tree.child_mask = child_mask;
-    tree.first_child = first_child;
+    tree.nodes = nodes;
     tree.depth = params->depth;
     svo_cast_ray ray;
     ray.origin = svo_params_vector(params->eye);

@@ -58,13 +58,15 @@ static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __globa
     const float3 face =
         (float3)(hit->axis == 0 ? side : 0.0f, hit->axis == 1 ? side : 0.0f, hit->axis == 2 ? side : 0.0f);
 #ifdef SVO_NORMAL
-    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->node), normals)) / 32767.0f;
+    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->place), normals)) / 32767.0f;
     return dot(own, own) > 0.04f ? normalize(own) : face;
 #else
     (void)normals;
     return face;
 #endif
 }
+
+#ifndef SVO_COMPACT
 
 static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction)
 {
@@ -85,12 +87,13 @@ static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 directi
     return svo_view_mixed(hit.triangle) * (0.45f + 0.55f * facing);
 }
 
+#endif
+
 static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view, __global const short *normals)
 {
     svo_cast_tree cast;
     svo_cast_hit hit;
-    cast.child_mask = tree->child_mask;
-    cast.first_child = tree->first_child;
+    cast.nodes = tree->voxels;
     cast.depth = tree->params.depth;
     const bool met = svo_cast(&cast, ray, &hit);
     if (view == SVO_VIEW_KIND_STEPS) {
@@ -127,7 +130,12 @@ svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const 
     ray.footprint = params->footprint;
     ray.direction = normalize(svo_view_vector(params->corner) + ((float)x + 0.5f) * svo_view_vector(params->across) +
                               ((float)y + 0.5f) * svo_view_vector(params->down));
+#ifdef SVO_COMPACT
+    (void)eye;
+    const float3 color = svo_view_voxel(&tree, &ray, view, normals);
+#else
     const float3 color = view == SVO_VIEW_KIND_TRIANGLES ? svo_view_triangle(&tree, eye, ray.direction)
                                                          : svo_view_voxel(&tree, &ray, view, normals);
+#endif
     picture[(size_t)y * params->width + x] = svo_view_pack(color);
 }

@@ -150,6 +150,19 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 reserved[3]; /* 68 */
 };
 
+/* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
+SVO_RECORD(svo_compact_params)
+{
+    SVO_U32 first_node; /* 0: of the launch's nodes */
+    SVO_U32 node_count; /* 4 */
+    SVO_U32 child_begin; /* 8: the first node of the next level */
+    SVO_U32 payload_parents; /* 12: the first inner node whose children have payload */
+    SVO_U32 payload_begin; /* 16: what first_payload has for the first node that has payload */
+    SVO_U32 root_payload; /* 20: 1: the root has payload, else 0 */
+    SVO_U32 element_halves; /* 24: of a payload array, in units of two bytes */
+    SVO_U32 keep_below; /* 28: not 0: the next level is visited too */
+};
+
 /* One material. 32 bytes. */
 SVO_RECORD(svo_material_record)
 {
@@ -257,6 +270,7 @@ SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
 SVO_ASSERT_BYTES(svo_filter_params, 80);
+SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);

@@ -16,20 +16,23 @@
 typedef struct svo_i_compact_source {
     svo_compact_info info; /* all of the tree; form and directory_step_log2 as asked for; the levels' counts */
     cl_mem valid; /* u8 per inner node */
-    cl_mem leaf; /* u8 per inner node; NULL: the children of the nodes of level depth - 1, and no others */
+    cl_mem leaf; /* u8 per inner node */
     cl_mem first_inner; /* u32 per inner node */
-    cl_mem first_payload; /* u32 per inner node; NULL: first_inner */
+    cl_mem first_payload; /* u32 per inner node; defined where the children have payload */
     uint32_t payload_begin; /* what first_payload has for the first node that has payload */
     cl_mem payload[SVO_I_PAYLOAD_COUNT]; /* in the order of svo_compact_buffer; NULL: not held, or not carried */
 } svo_i_compact_source;
 
 /* The first inner node of a level. level: up to depth, where it is the number of inner nodes. */
 uint32_t svo_i_source_level_begin(const svo_compact_info *info, uint32_t level);
+/* The first inner node whose children have payload. */
+uint32_t svo_i_source_payload_parents(const svo_compact_info *info);
 
-/* Describes a tree that encoders may read: its info, and the counts of its levels. */
+/* Describes a tree and fills in its arrays, which must outlive the work; of one on the host there are copies that the
+   work owns. */
+svo_status svo_i_source_of_tree(svo_i_compact_work *work, const svo_tree *tree, const svo_compact_options *options,
+                                svo_i_compact_source *source);
+/* The description alone: what svo_tree_info has, the levels' counts, form and directory_step_log2. */
 void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options *options, svo_compact_info *out);
-
-/* Fills in a tree's arrays, those of one on the host through copies that the work owns. */
-svo_status svo_i_source_of_tree(svo_i_compact_work *work, const svo_tree *tree, svo_i_compact_source *source);
 
 #endif

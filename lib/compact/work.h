@@ -27,6 +27,9 @@ svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command
 /* Waits for the newest command, also after a failure, and releases what the work owns. */
 void svo_i_work_end(svo_i_compact_work *work);
 
+/* Waits for the newest command. */
+svo_status svo_i_work_wait(svo_i_compact_work *work);
+
 /* Selects the program of the launches that follow. */
 svo_status svo_i_work_use(svo_i_compact_work *work, svo_i_program_kind kind, const char *defines);
 

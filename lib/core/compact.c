@@ -117,7 +117,8 @@ static uint64_t count_elements(const svo_compact_info *info, svo_compact_buffer 
 {
     switch (buffer) {
     case SVO_COMPACT_NODES:
-        return info->stored_count;
+        /* Masks are read eight at a time. */
+        return info->form == SVO_FORM_IMPLIED ? (info->stored_count + 7) / 8 * 8 : info->stored_count;
     case SVO_COMPACT_LINKS:
         return info->form == SVO_FORM_IMPLIED ? ((info->stored_count - 1) >> info->directory_step_log2) + 1 : 0;
     case SVO_COMPACT_BASES:

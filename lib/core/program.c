@@ -24,6 +24,8 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_compact[];
+extern const char svo_i_source_expand[];
 extern const char svo_i_source_solid[];
 
 static void release_program(svo_i_attachment *attachment)
@@ -40,6 +42,7 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
         [SVO_I_PROGRAM_PACK] = "pack",           [SVO_I_PROGRAM_FILTER] = "filter",
         [SVO_I_PROGRAM_VOXELIZE] = "voxelize",   [SVO_I_PROGRAM_CAST] = "cast",
         [SVO_I_PROGRAM_TRACE] = "trace",         [SVO_I_PROGRAM_VIEW] = "view",
+        [SVO_I_PROGRAM_COMPACT] = "compact",     [SVO_I_PROGRAM_EXPAND] = "expand",
         [SVO_I_PROGRAM_SOLID] = "solid"};
     return names[kind];
 }
@@ -51,6 +54,7 @@ const char *svo_i_program_source(svo_i_program_kind kind)
         [SVO_I_PROGRAM_PACK] = svo_i_source_pack,           [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
         [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,   [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
         [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,         [SVO_I_PROGRAM_VIEW] = svo_i_source_view,
+        [SVO_I_PROGRAM_COMPACT] = svo_i_source_compact,     [SVO_I_PROGRAM_EXPAND] = svo_i_source_expand,
         [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
     return sources[kind];
 }

@@ -21,7 +21,9 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_CAST, /* render */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
-    SVO_I_PROGRAM_SOLID, /* place, cross, carry, chain, fill */
+    SVO_I_PROGRAM_COMPACT, /* scan, and those of kernels/compact that make compact trees */
+    SVO_I_PROGRAM_EXPAND, /* scan, expand */
+    SVO_I_PROGRAM_SOLID, /* those of kernels/solid */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/* Scratch buffers, copies and launches of encoders; scans by kernels/stages/scan.cl. */
+#include "compact/work.h"
+
+#include "shared/layout.h"
+
+svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_compact_work *out)
+{
+    *out = (svo_i_compact_work){.device = device, .function = function};
+    return svo_i_device_queue(device, function, queue, &out->queue);
+}
+
+void svo_i_work_end(svo_i_compact_work *work)
+{
+    if (work->last != NULL) {
+        (void)svo_i_event_settle(work->last);
+        clReleaseEvent(work->last);
+    }
+    for (size_t i = 0; i < work->buffer_count; ++i) {
+        if (work->buffers[i] != NULL) {
+            clReleaseMemObject(work->buffers[i]);
+        }
+    }
+    *work = (svo_i_compact_work){.device = NULL};
+}
+
+svo_status svo_i_work_wait(svo_i_compact_work *work)
+{
+    const cl_int error = work->last != NULL ? clWaitForEvents(1, &work->last) : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(work->device, work->function, "clWaitForEvents", error);
+}
+
+svo_status svo_i_work_use(svo_i_compact_work *work, svo_i_program_kind kind, const char *defines)
+{
+    return svo_i_program_get(work->device, work->function, kind, defines, &work->program, NULL);
+}
+
+/* ---- buffers ---- */
+
+svo_status svo_i_work_result(svo_i_compact_work *work, const char *name, uint64_t bytes, cl_mem *out)
+{
+    return svo_i_device_buffer(work->device, work->function, name, CL_MEM_READ_WRITE, (size_t)bytes, out);
+}
+
+/* The place of a new scratch buffer: one that was released early, else the end. */
+static size_t find_slot(const svo_i_compact_work *work)
+{
+    size_t slot = 0;
+    while (slot < work->buffer_count && work->buffers[slot] != NULL) {
+        ++slot;
+    }
+    return slot;
+}
+
+svo_status svo_i_work_alloc(svo_i_compact_work *work, const char *name, uint64_t bytes, cl_mem *out)
+{
+    const size_t slot = find_slot(work);
+    if (slot == SVO_I_WORK_BUFFERS_MAX) {
+        return svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
+                                 SVO_I_WORK_BUFFERS_MAX);
+    }
+    SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
+    work->buffers[slot] = *out;
+    work->buffer_count = slot == work->buffer_count ? slot + 1 : work->buffer_count;
+    return SVO_OK;
+}
+
+void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
+{
+    for (size_t i = 0; i < work->buffer_count; ++i) {
+        if (*buffer != NULL && work->buffers[i] == *buffer) {
+            clReleaseMemObject(*buffer);
+            work->buffers[i] = NULL;
+        }
+    }
+    *buffer = NULL;
+}
+
+/* ---- commands ---- */
+
+/* Makes event the newest command, or converts the error of its call into a status. */
+static svo_status follow(svo_i_compact_work *work, const char *call, cl_int error, cl_event event)
+{
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(work->device, work->function, call, error);
+    }
+    if (work->last != NULL) {
+        clReleaseEvent(work->last);
+    }
+    work->last = event;
+    return SVO_OK;
+}
+
+static cl_uint wait_count(const svo_i_compact_work *work)
+{
+    return work->last != NULL ? 1 : 0;
+}
+
+static const cl_event *wait_list(const svo_i_compact_work *work)
+{
+    return work->last != NULL ? &work->last : NULL;
+}
+
+svo_status svo_i_work_write(svo_i_compact_work *work, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    cl_event event = NULL;
+    const cl_int error = bytes > 0 ? clEnqueueWriteBuffer(work->queue, buffer, CL_TRUE, 0, (size_t)bytes, data,
+                                                          wait_count(work), wait_list(work), &event)
+                                   : CL_SUCCESS;
+    return bytes > 0 ? follow(work, "clEnqueueWriteBuffer", error, event) : SVO_OK;
+}
+
+svo_status svo_i_work_fill_zero(svo_i_compact_work *work, cl_mem buffer, uint64_t bytes)
+{
+    const cl_uint zero = 0;
+    cl_event event = NULL;
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    const cl_int error = clEnqueueFillBuffer(work->queue, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, 0,
+                                             (size_t)bytes, wait_count(work), wait_list(work), &event);
+    return follow(work, "clEnqueueFillBuffer", error, event);
+}
+
+svo_status svo_i_work_copy(svo_i_compact_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
+                           uint64_t bytes)
+{
+    cl_event event = NULL;
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    const cl_int error = clEnqueueCopyBuffer(work->queue, from, to, (size_t)from_offset, (size_t)to_offset,
+                                             (size_t)bytes, wait_count(work), wait_list(work), &event);
+    return follow(work, "clEnqueueCopyBuffer", error, event);
+}
+
+svo_status svo_i_work_read(svo_i_compact_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
+{
+    cl_event event = NULL;
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    const cl_int error = clEnqueueReadBuffer(work->queue, buffer, CL_TRUE, (size_t)offset, bytes, to, wait_count(work),
+                                             wait_list(work), &event);
+    return follow(work, "clEnqueueReadBuffer", error, event);
+}
+
+svo_status svo_i_work_launch(svo_i_compact_work *work, const char *name, const svo_i_argument *arguments,
+                             cl_uint argument_count, uint64_t items)
+{
+    cl_kernel kernel = NULL;
+    svo_status status = SVO_OK;
+    if (items == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_kernel_create(work->device, work->function, work->program, name, &kernel));
+    SVO_I_TRY_CLEANUP(svo_i_kernel_set(work->device, work->function, kernel, arguments, argument_count));
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = (size_t)((items + local - 1) / local) * local;
+    cl_event event = NULL;
+    const cl_int error = clEnqueueNDRangeKernel(work->queue, kernel, 1, NULL, &global, &local, wait_count(work),
+                                                wait_list(work), &event);
+    SVO_I_TRY_CLEANUP(follow(work, "clEnqueueNDRangeKernel", error, event));
+
+cleanup:
+    clReleaseKernel(kernel);
+    return status;
+}
+
+/* ---- scans ---- */
+
+/* Groups of a scan: one per tile, SVO_SCAN_GROUPS at most. */
+static uint32_t scan_groups(uint64_t numbers)
+{
+    const uint64_t tiles = (numbers + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE;
+    return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
+}
+
+svo_status svo_i_work_scan(svo_i_compact_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
+{
+    const svo_filter_params params = {.leaf_count = (cl_uint)count, .scan_groups = scan_groups(count)};
+    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
+    const cl_mem state = NULL; /* of a build; the kernels of this program do not read it */
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    if (work->partials == NULL) {
+        SVO_I_TRY(svo_i_work_alloc(work, "partials", SVO_SCAN_GROUPS * sizeof(cl_uint), &work->partials));
+    }
+    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(state),
+                                     SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument partials[] = {SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(state),
+                                       SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums),
+                                  SVO_I_ARGUMENT(state),   SVO_I_ARGUMENT(params),         scratch};
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
+    return svo_i_work_launch(work, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
+}
