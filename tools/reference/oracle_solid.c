@@ -27,12 +27,12 @@ typedef struct sweep {
     oracle_solid *out;
 } sweep;
 
-static point corner_of(const sweep *s, size_t triangle, size_t corner)
+static point corner_of(const oracle_mesh *mesh, unsigned axis, size_t triangle, size_t corner)
 {
     size_t at = 3 * triangle + corner;
-    const int32_t *vertex = s->mesh->vertices + 3 * (s->mesh->indices ? s->mesh->indices[at] : at);
+    const int32_t *vertex = mesh->vertices + 3 * (mesh->indices ? mesh->indices[at] : at);
 
-    return (point){vertex[(s->axis + 1) % 3], vertex[(s->axis + 2) % 3], vertex[s->axis]};
+    return (point){vertex[(axis + 1) % 3], vertex[(axis + 2) % 3], vertex[axis]};
 }
 
 /* The sign of the area of the triangle a, b, (u, v) with the third corner moved; 0 only where a and b coincide. */
@@ -65,23 +65,30 @@ static wide divide_up(wide numerator, wide denominator)
     return quotient + (numerator % denominator > 0);
 }
 
-/* Voxel centers of the column below the point where the line meets the triangle's plane. */
-static uint32_t centers_below(const sweep *s, const point *corners, int64_t u, int64_t v)
+/* The height where the line meets the triangle's plane is *height / the area returned, which is above 0. */
+static wide height_of(const point *corners, int64_t u, int64_t v, wide *height)
 {
     const point *a = &corners[0], *b = &corners[1], *c = &corners[2];
     wide area = (wide)(b->u - a->u) * (c->v - a->v) - (wide)(b->v - a->v) * (c->u - a->u);
     /* The slopes of the plane along u and v, times the area. */
     wide slope_u = (wide)(b->height - a->height) * (c->v - a->v) - (wide)(c->height - a->height) * (b->v - a->v);
     wide slope_v = (wide)(c->height - a->height) * (b->u - a->u) - (wide)(b->height - a->height) * (c->u - a->u);
-    wide height = area * a->height + slope_u * (u - a->u) + slope_v * (v - a->v); /* times the area */
-    wide steps;
 
+    *height = area * a->height + slope_u * (u - a->u) + slope_v * (v - a->v);
     if (area < 0) {
         area = -area;
-        height = -height;
+        *height = -*height;
     }
+    return area;
+}
+
+/* Voxel centers of the column below that height. */
+static uint32_t centers_below(const sweep *s, const point *corners, int64_t u, int64_t v)
+{
+    wide height, area = height_of(corners, u, v, &height);
     /* Center k is at 2 k + 1 half voxels, below the height if at most the height rounded up, less one. */
-    steps = divide_up(height, area << (s->snap_bits - s->depth - 1));
+    wide steps = divide_up(height, area << (s->snap_bits - s->depth - 1));
+
     if (steps <= 0)
         return 0;
     return steps / 2 >= s->edge ? s->edge : (uint32_t)(steps / 2);
@@ -94,7 +101,8 @@ static int64_t center_of(const sweep *s, uint32_t voxel)
 
 static void add_triangle(const sweep *s, size_t triangle, uint32_t row)
 {
-    point corners[3] = {corner_of(s, triangle, 0), corner_of(s, triangle, 1), corner_of(s, triangle, 2)};
+    point corners[3] = {corner_of(s->mesh, s->axis, triangle, 0), corner_of(s->mesh, s->axis, triangle, 1),
+                        corner_of(s->mesh, s->axis, triangle, 2)};
     int64_t v = center_of(s, row), low = corners[0].u, high = corners[0].u;
     bool above = false, below = false;
 
@@ -192,4 +200,21 @@ unsigned oracle_solid_votes(const oracle_solid *solid, uint32_t x, uint32_t y, u
     for (unsigned axis = 0; axis < 3; axis++)
         votes += solid->inside[axis][index / 64] >> index % 64 & 1;
     return votes;
+}
+
+int64_t oracle_point_winding(const oracle_mesh *mesh, unsigned axis, const int64_t at[3])
+{
+    int64_t u = at[(axis + 1) % 3], v = at[(axis + 2) % 3], sum = 0;
+
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        point corners[3] = {corner_of(mesh, axis, t, 0), corner_of(mesh, axis, t, 1), corner_of(mesh, axis, t, 2)};
+        int sense = sense_of(corners, u, v);
+        wide height, area;
+
+        if (sense == 0)
+            continue;
+        area = height_of(corners, u, v, &height);
+        sum += height > area * at[axis] ? sense : 0;
+    }
+    return sum;
 }
