@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Compact trees: smaller forms of a built tree's nodes, on a device, on the host, or both. A compact tree is independent
- * of the tree that it was made from. Leaf lists are not carried; svo_compact_expand gives the rest back.
+ * Compact trees: smaller forms of a built tree's nodes, on a device, on the host, or both. A compact tree is
+ * independent of the tree that it was made from. Leaf lists are not carried; svo_compact_expand gives the rest back.
  *
  * A leaf may lie on any level: it then stands for all voxels inside. The root is always an inner node. In every form a
  * child in octant o = x | y << 1 | z << 2 is named by bit o of its parent's masks.
  *
  * SVO_FORM_DESCRIPTOR (after Laine and Karras, "Efficient Sparse Voxel Octrees", 2010). nodes has a word for each inner
- * node: bits 0-7 valid mask, bits 8-15 leaf mask (the child ends here), bit 16 far, bits 17-31 the distance in words from
- * the node to its first inner child. Inner children lie side by side: that in octant o is at first +
+ * node: bits 0-7 valid mask, bits 8-15 leaf mask (the child ends here), bit 16 far, bits 17-31 the distance in words
+ * from the node to its first inner child. Inner children lie side by side: that in octant o is at first +
  * popcount(valid & ~leaf & ((1 << o) - 1)). A distance above 32767 sets far; the field then leads to a far word, which
  * holds the distance. Order: a sibling group, its far words, then each member's descendants in turn; the root is the
  * first word. Far flags are the least fixed point: a far word is there only if its group needs it.
  *
  * SVO_FORM_IMPLIED. nodes has a child mask, one byte, for each node above level depth, breadth-first; 0 means a leaf,
- * except in the root. The first child of node i is 1 + the sum of popcount(mask[j]) over j < i; links[k] is that of node
- * k << directory_step_log2. Zeros fill nodes up to a multiple of eight bytes. bases has one element: the first node with
- * payload, which is at place 0.
+ * except in the root. The first child of node i is 1 + the sum of popcount(mask[j]) over j < i; links[k] is that of
+ * node k << directory_step_log2. Zeros fill nodes up to a multiple of eight bytes. bases has one element: the first
+ * node with payload, which is at place 0.
  *
  * Payload, as on a built tree, belongs to the nodes from payload_level on. In SVO_FORM_DESCRIPTOR bases[w], beside word
  * w, is the place of the first child's payload in every payload array; the children's payloads lie side by side in
  * ascending octant, groups in the order of their parents' words. Place 0 is the root's if payload_level is 0. bases has
- * SVO_NO_NODE where the children are above payload_level, and 0 beside far words. In every form bases is absent where all
- * payload is constant or not held.
+ * SVO_NO_NODE where the children are above payload_level, and 0 beside far words. In every form bases is absent where
+ * all payload is constant or not held.
  *
  * Thread-safety: several threads may call functions that take a const svo_compact. All others need exclusive use of it
  * and of its device handle.
@@ -171,8 +171,8 @@ SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, 
  * \param compact on a device
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the tree, which is on that device
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the tree would have more than 2^32 - 2 nodes), SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the tree would have more than 2^32 - 2 nodes),
+ *          SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_compact_expand(svo_compact *compact, cl_command_queue queue, svo_tree **out);
 
 /** Destroys a compact tree.
@@ -202,7 +202,8 @@ SVO_API cl_mem svo_compact_get_buffer(const svo_compact *compact, svo_compact_bu
  * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_compact_download(svo_compact *compact, cl_command_queue queue);
 
-/** Copies the arrays of a compact tree from a file to a device and waits. The first call copies; later calls do nothing.
+/** Copies the arrays of a compact tree from a file to a device and waits. The first call copies; later calls do
+ *  nothing.
  *
  * \param compact with host arrays, not on another device
  * \param device must outlive the compact tree

@@ -3,8 +3,8 @@
  * SVO_FORM_DESCRIPTOR, second stage: where the word of each inner node is, and where the group of its inner children
  * begins. Top-down, one level a launch; the host sets those of the root.
  *
- * Launch: one work-item per inner node of the level, rounded up to whole groups. Reads the nodes, sizes, far, and groups
- * of the level; writes places and groups of the level below. No atomics, no local memory.
+ * Launch: one work-item per inner node of the level, rounded up to whole groups. Reads the nodes, sizes, far, and
+ * groups of the level; writes places and groups of the level below. No atomics, no local memory.
  */
 #include "compact/group.clh"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SVO_FORM_DESCRIPTOR: sizes of subtrees bottom-up, places top-down, words. The kernels are in kernels/compact, one file
- * per stage.
+ * SVO_FORM_DESCRIPTOR: sizes of subtrees bottom-up, places top-down, words. The kernels are in kernels/compact, one
+ * file per stage.
  */
 #include "compact/descriptor.h"
 
@@ -68,8 +68,8 @@ static svo_status write_words(const words *w, cl_mem nodes)
     return svo_i_work_launch(w->work, "svo_k_compact_words", SVO_I_ARGUMENTS(arguments), params.node_count);
 }
 
-/* A member of a group is far from its children if its elder siblings' descendants take that many words: the group itself
-   and its far words are 16 at most. */
+/* A member of a group is far from its children if its elder siblings' descendants take that many words: the group
+   itself and its far words are 16 at most. */
 #define FAR_WORDS_MIN (SVO_WORD_DISTANCE_MAX - 15u)
 
 void svo_i_descriptor_count(svo_compact_info *info)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Commands of an encoder: scratch buffers, copies, launches. Each command waits for the previous one by an event, so the
- * caller's queue may be out-of-order.
+ * Commands of an encoder: scratch buffers, copies, launches. Each command waits for the previous one by an event, so
+ * the caller's queue may be out-of-order.
  */
 #ifndef SVO_LIB_COMPACT_WORK_H
 #define SVO_LIB_COMPACT_WORK_H
