@@ -331,21 +331,21 @@ static void check_node(deep *d, uint32_t node, size_t word_index, unsigned level
     }
 }
 
-/* Slender tetrahedra through the whole grid: heights that need more than 64 bits. */
+/* Slender tetrahedra, hundreds and thousands of voxels long: codes beyond 32 bits, other widths of the snap. */
 static void grids_of_depth_13_and_16(void **state)
 {
     static const struct {
         unsigned depth;
         double width;
-    } rows[] = {{13, 3.7}, {16, 2.9}};
+    } rows[] = {{13, 17.3}, {16, 11.9}};
     const fixture opened = fixture_cl_of_group(state);
     for (size_t i = 0; i < 2; ++i) {
         const double edge = (double)(1u << rows[i].depth);
-        const double tip = edge * 0.13 + rows[i].width;
-        const double corners[4][3] = {{edge * 0.01, edge * 0.07, edge * 0.03},
-                                      {edge * 0.11 + 0.3, edge * 0.1 + rows[i].width, edge * 0.12},
-                                      {edge * 0.11 + rows[i].width, edge * 0.1 - 0.6, edge * 0.12 + 1.1},
-                                      {tip, edge * 0.105 + rows[i].width, tip + 2}};
+        const double width = rows[i].width;
+        const double corners[4][3] = {{edge * 0.91, edge * 0.67, edge * 0.53},
+                                      {edge * 0.95 + 0.3, edge * 0.69 + width, edge * 0.56},
+                                      {edge * 0.95 + width, edge * 0.69 - 0.6, edge * 0.56 + 1.1},
+                                      {edge * 0.96 + width, edge * 0.7 + width, edge * 0.57 + width}};
         parts made = {.vertex_count = 0};
         parts_add_tetrahedron(&made, corners);
         const svo_mesh mesh = parts_mesh(&made);
