@@ -342,10 +342,11 @@ static void grids_of_depth_13_and_16(void **state)
     for (size_t i = 0; i < 2; ++i) {
         const double edge = (double)(1u << rows[i].depth);
         const double width = rows[i].width;
+        const double base[3] = {edge * 0.95, edge * 0.69, edge * 0.56};
         const double corners[4][3] = {{edge * 0.91, edge * 0.67, edge * 0.53},
-                                      {edge * 0.95 + 0.3, edge * 0.69 + width, edge * 0.56},
-                                      {edge * 0.95 + width, edge * 0.69 - 0.6, edge * 0.56 + 1.1},
-                                      {edge * 0.96 + width, edge * 0.7 + width, edge * 0.57 + width}};
+                                      {base[0] + width, base[1], base[2]},
+                                      {base[0], base[1] + width, base[2]},
+                                      {base[0], base[1], base[2] + width}};
         parts made = {.vertex_count = 0};
         parts_add_tetrahedron(&made, corners);
         const svo_mesh mesh = parts_mesh(&made);
