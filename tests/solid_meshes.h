@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Meshes of closed parts for tests of solids, one after the other into one mesh. Coordinates are voxels of a grid of the
- * caller's from 0, 0, 0 on. Call inside a running cmocka test; the test fails when memory runs out.
+ * Meshes of closed parts for tests of solids, one after the other into one mesh. Coordinates are voxels of a grid of
+ * the caller's from 0, 0, 0 on. Call inside a running cmocka test; the test fails when memory runs out.
  */
 #ifndef SVOCL_TESTS_SOLID_MESHES_H
 #define SVOCL_TESTS_SOLID_MESHES_H

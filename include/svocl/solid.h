@@ -3,20 +3,20 @@
  * Solids: the inside of a mesh, found from its octree.
  *
  * A voxel is inside if its center is: the lines from the center along +x, +y and +z each add up the crossings of the
- * snapped mesh, 1 where they leave through the front of a triangle and -1 where they enter. Edges belong to one of their
- * triangles by the top-left rule and heights are compared as integers, so nothing is rounded: on a closed mesh every
- * line gives the same number. Where the three lines disagree, two of them decide.
+ * snapped mesh, 1 where they leave through the front of a triangle and -1 where they enter. Edges belong to one of
+ * their triangles by the top-left rule and heights are compared as integers, so nothing is rounded: on a closed mesh
+ * every line gives the same number. Where the three lines disagree, two of them decide.
  *
  * No surface passes through an empty child of a node, so one voxel of it decides for all, and there is no dense grid.
- * The result is the tree in the form SVO_COMPACT_DESCRIPTOR with leaves added: the empty children that are inside, each
+ * The result is the tree in the form SVO_FORM_DESCRIPTOR with leaves added: the empty children that are inside, each
  * at its own level, which is the highest. Voxels that the surface touches stay leaves, whatever their center. The built
  * tree does not change.
  *
  * The work grows with the leaf lists, which each leaf reads for the crossings inside it (a crossing is a point of the
- * surface, so it lies in one voxel and the voxel's list has its triangle), and with the empty children, from which a walk
- * along the octree adds them up.
+ * surface, so it lies in one voxel and the voxel's list has its triangle), and with the empty children, from which a
+ * walk along the octree adds them up.
  *
- * Thread-safety: several threads may use one tree; each device handle needs exclusive use.
+ * Thread-safety: svo_solid_create needs exclusive use of the tree's device handle.
  */
 #ifndef SVOCL_SOLID_H
 #define SVOCL_SOLID_H
@@ -82,12 +82,13 @@ typedef struct svo_solid_info {
  *        passes through, so that cells which seem empty lie on both sides of it
  * \param options NULL means all defaults
  * \param queue on the context of the tree's device, in-order or out-of-order; NULL: the device's own
- * \param out receives the solid, in the form SVO_COMPACT_DESCRIPTOR
+ * \param out receives the solid, in the form SVO_FORM_DESCRIPTOR
  * \param info receives the counts; NULL allowed
  * \returns SVO_INVALID_ARGUMENT (a tree without lists or with coverage thin, triangles outside its grid, options),
- *          SVO_COMPILE_FAILED, SVO_CAPACITY_EXCEEDED as svo_compact_create, SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_solid_create(svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
+ *          SVO_UNSUPPORTED (more than 2^31 - 1 inner nodes, or 2^32 - 2 nodes with the interior leaves),
+ *          SVO_COMPILE_FAILED,
+ *          SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                                     svo_compact **out, svo_solid_info *info);
 
 #ifdef __cplusplus

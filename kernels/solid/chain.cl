@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Winding numbers in front of the crossed leaves, along each axis: the sum of a leaf and of all behind it in its column.
- * Sums wrap around. There are fewer than 2^32 triangles, so one is 0 or odd exactly if the true sum is.
+ * Winding numbers in front of the crossed leaves, along each axis: the sum of a leaf and of all behind it in its
+ * column. Sums wrap around. There are fewer than 2^32 triangles, so one is 0 or odd exactly if the true sum is.
  *
  * Launch: one work-item per leaf, rounded up to whole groups. svo_k_solid_chain finds the next crossed leaf, and marks
  * it as not the first of its column; several items may do so, with the same value. svo_k_solid_sum follows the chains,

@@ -5,11 +5,11 @@
  * grid. Voxels of coverage closed list more triangles, whose crossings lie in their neighbors and are not counted here.
  * That is why the lists of a thin tree do not suffice.
  *
- * Launch: svo_k_solid_outside, one work-item per triangle: counts triangles that reach outside the grid, whose crossings
- * no leaf would find. svo_k_solid_cross, one per leaf: lists up to SVO_SHORT_LIST_MAX; longer ones are noted.
- * svo_k_solid_cross_long, a group per noted leaf. All are rounded up to whole groups. Each leaf is written by one item.
- * Atomics: a count, and places in the array of long lists, whose order no result depends on. Local memory, of the last
- * kernel: a word per work-item.
+ * Launch: svo_k_solid_outside, one work-item per triangle: counts triangles that reach outside the grid, whose
+ * crossings no leaf would find. svo_k_solid_cross, one per leaf: lists up to SVO_SHORT_LIST_MAX; longer ones are
+ * noted. svo_k_solid_cross_long, a group per noted leaf. All are rounded up to whole groups. Each leaf is written by
+ * one item. Atomics: a count, and places in the array of long lists, whose order no result depends on. Local memory,
+ * of the last kernel: a word per work-item.
  */
 #include "shared/layout.h"
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Which empty children of inner nodes are inside. No surface passes through an empty cell, so the center of one of its
- * voxels decides for all: its middle one, or the one after the middle. Along each of the three columns through that voxel, the
- * next crossed leaf in direction +axis has its winding number, 0 without one; two of three decide. Where they differ,
- * the surface is open or torn, and the cell is counted as ambiguous.
+ * voxels decides for all: its middle one, or the one after the middle. Along each of the three columns through that
+ * voxel, the next crossed leaf in direction +axis has its winding number, 0 without one; two of three decide. Where
+ * they differ, the surface is open or torn, and the cell is counted as ambiguous.
  *
  * Launch: one work-item per inner node of a level, rounded up to whole groups. Reads the tree, codes, carries,
- * crossings and windings; writes inside_mask, bit o for the child in octant o. No local memory. Atomics: sums of counts, which do not
- * depend on their order.
+ * crossings and windings; writes inside_mask, bit o for the child in octant o. No local memory. Atomics: sums of
+ * counts, which do not depend on their order.
  */
 #include "shared/nodes.clh"
 #include "solid/column.clh"

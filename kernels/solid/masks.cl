@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The masks of a solid: its children are those of the built tree and the empty ones that are inside; of them, the latter
- * and those of level depth are leaves.
+ * The masks of a solid: its children are those of the built tree and the empty ones that are inside; of them, the
+ * latter and those of level depth are leaves.
  *
- * Launch: one work-item per inner node, rounded up to whole groups. Reads child_mask and inside_mask; writes valid, leaf
- * and counts: 1 for the root, then the number of children of each node, whose sums are the places of the children. No atomics, no local memory.
+ * Launch: one work-item per inner node, rounded up to whole groups. Reads child_mask and inside_mask; writes valid,
+ * leaf and counts: 1 for the root, then the number of children of each node, whose sums are the places of the
+ * children. No atomics, no local memory.
  */
 #include "shared/layout.h"
 

@@ -9,7 +9,8 @@
 
 static const char function[] = "svo_solid_create";
 
-/* Places of payload are 32 bits. */
+/* Words of the form and places of payload have 32 bits. */
+#define INNER_MAX UINT64_C(0x7fffffff)
 #define NODES_MAX UINT64_C(0xfffffffe)
 
 const char *svo_solid_rule_name(svo_solid_rule rule)
@@ -81,15 +82,24 @@ static svo_status check_tree(const svo_tree *tree)
 
 /* ---- the solid ---- */
 
+static svo_status check_counts(const svo_tree *tree, const svo_i_inside *inside)
+{
+    const uint64_t nodes = tree->info.node_count + inside->count;
+    const bool too_many_inner = tree->info.inner_count > INNER_MAX;
+    if (!too_many_inner && nodes <= NODES_MAX) {
+        return SVO_OK;
+    }
+    return svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu %snodes are above %llu", function,
+                             (unsigned long long)(too_many_inner ? tree->info.inner_count : nodes),
+                             too_many_inner ? "inner " : "",
+                             (unsigned long long)(too_many_inner ? INNER_MAX : NODES_MAX));
+}
+
 static svo_status encode(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
     svo_i_compact_source source;
-    if (tree->info.node_count + inside->count > NODES_MAX) {
-        return svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu nodes are above %llu", function,
-                                 (unsigned long long)(tree->info.node_count + inside->count),
-                                 (unsigned long long)NODES_MAX);
-    }
+    SVO_I_TRY(check_counts(tree, inside));
     SVO_I_TRY(svo_i_solid_source(work, tree, inside, options, &source));
     compact->info = source.info;
     compact->device = tree->device;
@@ -112,8 +122,8 @@ cleanup:
     return status;
 }
 
-svo_status svo_solid_create(svo_tree *tree, const svo_solid_options *options, cl_command_queue queue, svo_compact **out,
-                            svo_solid_info *info)
+svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
+                            svo_compact **out, svo_solid_info *info)
 {
     const svo_i_struct_sizes sizes = SVO_I_STRUCT_SIZES(svo_solid_info, scratch_bytes);
     svo_solid_options asked;

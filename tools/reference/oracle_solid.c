@@ -4,8 +4,8 @@
  * point where it meets a column's center line; summed up from the far end, that is the winding number of each center.
  *
  * A center line that passes through the projection of an edge or a corner is moved: by epsilon along the first axis of
- * the projection and by -epsilon^2 along the second (Edelsbrunner and Muecke, "Simulation of Simplicity", 1990). Then it
- * meets the inside of one triangle or none. The top-left rule is the same choice.
+ * the projection and by -epsilon^2 along the second (Edelsbrunner and Muecke, "Simulation of Simplicity", 1990). Then
+ * it meets the inside of one triangle or none. The top-left rule is the same choice.
  */
 #include "oracle_solid.h"
 

@@ -60,8 +60,9 @@ typedef struct oracle_solid_difference {
 } oracle_solid_difference;
 
 /*
- * Compares a solid, by the levels of its leaves, with the reference: the leaves of the built tree, and each of its empty
- * cells that is inside by two of three axes, as one leaf. The voxel in the middle of a cell, or after its middle, decides.
+ * Compares a solid, by the levels of its leaves, with the reference: the leaves of the built tree, and each of its
+ * empty cells that is inside by two of three axes, as one leaf. The voxel in the middle of a cell, or after its
+ * middle, decides.
  *
  * child_mask, first_child: of the built tree.
  */

@@ -5,7 +5,8 @@
 
 #include <stdint.h>
 
-/* The sense in which a line along an axis crosses a triangle (x, y, z of its corners) from low to below high; 0: not. */
+/* The sense in which a line along an axis crosses a triangle (x, y, z of its corners) from low to below high; 0: not.
+   */
 typedef int crossing_function(const int32_t *corners, uint32_t axis, const int32_t point[2], int32_t low, int32_t high);
 crossing_function crossing_sound, crossing_tie, crossing_both, crossing_none, crossing_far, crossing_turned;
 
