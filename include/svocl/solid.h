@@ -86,8 +86,7 @@ typedef struct svo_solid_info {
  * \param info receives the counts; NULL allowed
  * \returns SVO_INVALID_ARGUMENT (a tree without lists or with coverage thin, triangles outside its grid, options),
  *          SVO_UNSUPPORTED (more than 2^31 - 1 inner nodes, or 2^32 - 2 nodes with the interior leaves),
- *          SVO_COMPILE_FAILED,
- *          SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+ *          SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                                     svo_compact **out, svo_solid_info *info);
 

@@ -4,6 +4,7 @@
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/plan_report.h"
+#include "support/solid_report.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
@@ -82,6 +83,30 @@ static int plan_alone(program *state)
     return exit_code;
 }
 
+static int report(program *state, const job *done, const char *hash, const solid_result *solid)
+{
+    cJSON *document = state->options.json ? report_to_json(state, done, hash) : NULL;
+    if (state->options.plan) {
+        const int planned = show_plan(state, &done->source, done->opened.device, document);
+        if (planned != PROGRAM_DONE) {
+            cJSON_Delete(document);
+            return planned;
+        }
+    }
+    if (state->options.json) {
+        solid_add_json(document, state, solid);
+        return json_print(state, document);
+    }
+    if (state->options.plan && !state->options.quiet) {
+        table_gap();
+    }
+    if (!state->options.quiet) {
+        report_print(state, done, hash);
+        solid_print(state, solid);
+    }
+    return PROGRAM_DONE;
+}
+
 static int finish(program *state, const job *done)
 {
     char hash[SVO_HASH_TEXT_BYTES];
@@ -93,25 +118,12 @@ static int finish(program *state, const job *done)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    solid_result solid;
+    const int filled = solid_make(state, done->opened.device, done->result.tree, &solid);
     progress_destroy(&state->progress);
-    cJSON *document = state->options.json ? report_to_json(state, done, hash) : NULL;
-    if (state->options.plan) {
-        const int planned = show_plan(state, &done->source, done->opened.device, document);
-        if (planned != PROGRAM_DONE) {
-            cJSON_Delete(document);
-            return planned;
-        }
-    }
-    if (state->options.json) {
-        return json_print(state, document);
-    }
-    if (state->options.plan && !state->options.quiet) {
-        table_gap();
-    }
-    if (!state->options.quiet) {
-        report_print(state, done, hash);
-    }
-    return PROGRAM_DONE;
+    const int reported = filled == PROGRAM_DONE ? report(state, done, hash, &solid) : filled;
+    solid_release(&solid);
+    return reported;
 }
 
 static int check_options(program *state)
@@ -120,6 +132,13 @@ static int check_options(program *state)
     if (given->plan_only && (given->output_path != NULL || given->repeat > 1)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not apply with --plan-only, which builds nothing",
                             given->output_path != NULL ? "-o FILE" : "--repeat");
+    }
+    if (solid_is_wanted(state) && given->plan_only) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--solid does not apply with --plan-only, which builds nothing");
+    }
+    if (solid_is_wanted(state) && given->output_path != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE does not apply with --solid: .svo holds the surface");
     }
     if (given->compress && given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
@@ -137,7 +156,7 @@ int command_build(program *state)
         return plan_alone(state);
     }
     job done;
-    exit_code = job_run(state, state->options.need, 2, &done);
+    exit_code = job_run(state, solid_need(state, state->options.need), solid_is_wanted(state) ? 3 : 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
