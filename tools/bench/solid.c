@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The inside of meshes: svo_solid_create, and OpenVDB's level set of the same snapped triangles, whose interior it finds
- * by filling from outside. Both are compared with the exact reference.
+ * The inside of meshes: svo_solid_create, and OpenVDB's level set of the same snapped triangles, whose interior it
+ * finds by filling from outside. Both are compared with the exact reference.
  */
 #include "bench/solid.h"
 
