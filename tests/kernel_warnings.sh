@@ -20,9 +20,16 @@ fi
 
 failed=0
 for processor in x86-64 haswell; do
-    for kernel in stages/scan stages/filter rays/nearest rays/trace rays/view; do
+    for kernel in stages/scan stages/filter rays/nearest rays/trace rays/trace_voxels rays/view \
+        compact/expand compact/implied compact/payload compact/places compact/sizes compact/words; do
         compile "-march=$processor" -DSVO_LEVELS -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COLOR -DSVO_NORMAL \
             -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_RAY_STREAMS "kernels/$kernel.cl" || failed=1
+    done
+    for form in DESCRIPTOR IMPLIED; do
+        for kernel in rays/render rays/trace_voxels rays/view compact/expand; do
+            compile "-march=$processor" -DSVO_COLOR -DSVO_NORMAL "-DSVO_READ_$form" -DSVO_HAS_BASES \
+                "kernels/$kernel.cl" || failed=1
+        done
     done
 done
 exit "$failed"

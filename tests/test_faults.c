@@ -354,6 +354,75 @@ static svo_status run_enqueue(subject *of)
 }
 
 /*
+ * Scenarios: compact trees.
+ */
+
+/* Makes a form and downloads it. */
+static svo_status make_compact(subject *of, svo_form form, svo_compact **out)
+{
+    const svo_compact_options asked = {.struct_size = sizeof asked, .form = form};
+    TRY_TOLD(svo_compact_create(world.device, of->tree, &asked, world.queue, out));
+    return told(of, world.device, svo_compact_download(*out, world.queue));
+}
+
+static svo_status expand_compact(subject *of, svo_compact *compact)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_tree *expanded = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_expand(compact, world.queue, &expanded)));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_tree_download(expanded, world.queue)));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_tree_hash(expanded, SVO_HASH_ALL, hash)));
+    digest(of, hash, sizeof hash);
+
+cleanup:
+    svo_tree_destroy(&expanded);
+    return status;
+}
+
+static svo_status run_compact(subject *of)
+{
+    svo_status status = SVO_OK;
+    svo_compact *compact = NULL;
+    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+        char hash[SVO_HASH_TEXT_BYTES];
+        SVO_I_TRY_CLEANUP(make_compact(of, (svo_form)form, &compact));
+        SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_hash(compact, hash)));
+        digest(of, hash, sizeof hash);
+        SVO_I_TRY_CLEANUP(expand_compact(of, compact));
+        svo_compact_destroy(&compact);
+    }
+
+cleanup:
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+static svo_status run_compact_rays(subject *of)
+{
+    svo_voxel_hit hits[RAYS];
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
+    svo_render_options options = {
+        .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = SVO_VIEW_SHADED};
+    svo_status status = SVO_OK;
+    svo_compact *compact = NULL;
+    memset(picture, 0, sizeof picture);
+    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    SVO_I_TRY_CLEANUP(make_compact(of, SVO_FORM_DESCRIPTOR, &compact));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_trace(compact, world.rays, hits, RAYS, 0.0F, world.queue)));
+    digest(of, hits, sizeof hits);
+    SVO_I_TRY_CLEANUP(
+        told(of, world.device, svo_tree_trace_voxels(of->tree, world.rays, hits, RAYS, 0.0F, world.queue)));
+    digest(of, hits, sizeof hits);
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_render(compact, &options, world.queue, picture)));
+    digest(of, picture, sizeof picture);
+
+cleanup:
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+/*
  * Scenarios: rays and pictures.
  */
 
@@ -925,6 +994,8 @@ static const scenario scenarios[] = {
     {"rays_enqueue", false, false, prepare_ray_buffers, run_rays_enqueue, NULL, cleanup_ray_buffers},
     {"set_args", false, false, prepare_tree, run_set_args, NULL, destroy_all},
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
+    {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
+    {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},

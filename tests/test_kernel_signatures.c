@@ -37,6 +37,9 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_trace_voxels[];
+extern const char svo_i_source_compact[];
+extern const char svo_i_source_expand[];
 extern const char svo_i_source_solid[];
 
 typedef struct passed_argument {
@@ -74,9 +77,10 @@ static size_t bytes_of_type(const char *type)
                  {"svo_filter_params", sizeof(svo_filter_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
+                 {"float", sizeof(cl_float)},
+                 {"svo_compact_params", sizeof(svo_compact_params)},
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
                  {"svo_ray_params", sizeof(svo_ray_params)},
-                 {"svo_compact_params", sizeof(svo_compact_params)},
                  {"svo_solid_params", sizeof(svo_solid_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
@@ -326,6 +330,28 @@ static void query_all(const fixture *opened, svo_tree *tree)
     succeed(opened, svo_tree_nearest(tree, &point, &nearest, 1, opened->queue));
 }
 
+static void compact_all(const fixture *opened, svo_tree *tree)
+{
+    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+        const svo_compact_options options = {.struct_size = sizeof options, .form = (svo_form)form};
+        const svo_ray ray = {.t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
+        uint8_t picture[8 * 8 * 4];
+        svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
+        svo_voxel_hit hit;
+        svo_compact *compact = NULL;
+        svo_tree *expanded = NULL;
+        svo_camera_frame(tree, 1.0F, &shown.camera);
+        succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &compact));
+        succeed(opened, svo_compact_expand(compact, opened->queue, &expanded));
+        succeed(opened, svo_compact_trace(compact, &ray, &hit, 1, 0.0F, opened->queue));
+        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        shown.view = SVO_VIEW_STEPS;
+        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        svo_tree_destroy(&expanded);
+        svo_compact_destroy(&compact);
+    }
+}
+
 /* A box with material inside, and a leaf with a list that a work-group reads. */
 static void fill_all(const fixture *opened)
 {
@@ -373,7 +399,8 @@ static void every_launch_matches_its_kernel(void **state)
     (void)state;
     const char *const sources[] = {svo_i_source_subdivide, svo_i_source_sort,     svo_i_source_pack,
                                    svo_i_source_filter,    svo_i_source_voxelize, svo_i_source_cast,
-                                   svo_i_source_trace,     svo_i_source_view,     svo_i_source_solid};
+                                   svo_i_source_trace,     svo_i_source_view,     svo_i_source_trace_voxels,
+                                   svo_i_source_compact,   svo_i_source_expand,   svo_i_source_solid};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -385,6 +412,7 @@ static void every_launch_matches_its_kernel(void **state)
     notes.launched_count = 0;
     build_all(&opened, &painted.mesh, &tree);
     query_all(&opened, tree.tree);
+    compact_all(&opened, tree.tree);
     fill_all(&opened);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);

@@ -133,6 +133,36 @@ SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hi
 SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
                                   cl_command_queue queue);
 
+/** Traces rays against the voxels of a tree: the first leaf along each ray, or the first larger node that a pixel of the
+ *  footprint covers. Computed in single precision, by the traversal of svo_trace_voxel (svo_tree_kernel_source).
+ *
+ * \param tree on a device; its needs and coverage do not matter
+ * \param rays see svo_tree_trace_enqueue
+ * \param hits such a buffer, which receives ray_count records of svo_voxel_hit, in the order of the rays
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
+ * \param queue of the context and the device of the tree's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the batch; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED or
+ *          SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_tree_trace_voxels_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
+                                                 float footprint, cl_command_queue queue, cl_uint num_wait,
+                                                 const cl_event *wait, cl_event *event);
+
+/** svo_tree_trace_voxels_enqueue for host arrays; waits for the result.
+ *
+ * \param tree see svo_tree_trace_voxels_enqueue
+ * \param rays ray_count records; NULL allowed when that is 0
+ * \param hits receives ray_count records, in the order of the rays
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param footprint see svo_tree_trace_voxels_enqueue
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_trace_voxels_enqueue returns, on failure. */
+SVO_API svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
+                                         float footprint, cl_command_queue queue);
+
 /** Finds the nearest triangle of the snapped mesh to each point: least distance as reported, then least position in the
  *  mesh. Distances are computed in double precision and rounded to float, on devices with cl_khr_fp64. Triangles must
  *  lie inside the grid, as all do on a fitted one. A point that is not finite, or without a triangle within its

@@ -5,17 +5,26 @@
 #include "compact/descriptor.h"
 #include "compact/implied.h"
 
+#define CL12    "-cl-std=CL1.2"
+#define IMPLIED " -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2="
+#define PLACES  " -DSVO_HAS_BASES"
+#define WORDS   " -DSVO_READ_DESCRIPTOR"
+
+const char *svo_i_form_options(const svo_compact_info *info)
+{
+    static const char *const implied[3][2] = {{CL12 IMPLIED "4", CL12 IMPLIED "4" PLACES},
+                                              {CL12 IMPLIED "5", CL12 IMPLIED "5" PLACES},
+                                              {CL12 IMPLIED "6", CL12 IMPLIED "6" PLACES}};
+    const bool places = svo_i_compact_has_places(info);
+    if (info->form == SVO_FORM_IMPLIED) {
+        return implied[info->directory_step_log2 - SVO_I_DIRECTORY_LOG2_MIN][places ? 1 : 0];
+    }
+    return places ? CL12 WORDS PLACES : CL12 WORDS;
+}
+
 const char *svo_i_form_defines(const svo_compact_info *info)
 {
-    static const char *const implied[3][2] = {
-        {" -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=4", " -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=4 -DSVO_HAS_BASES"},
-        {" -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=5", " -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=5 -DSVO_HAS_BASES"},
-        {" -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=6", " -DSVO_READ_IMPLIED -DSVO_DIRECTORY_LOG2=6 -DSVO_HAS_BASES"}};
-    const bool bases = svo_i_compact_has_places(info);
-    if (info->form == SVO_FORM_IMPLIED) {
-        return implied[info->directory_step_log2 - SVO_I_DIRECTORY_LOG2_MIN][bases ? 1 : 0];
-    }
-    return bases ? " -DSVO_READ_DESCRIPTOR -DSVO_HAS_BASES" : " -DSVO_READ_DESCRIPTOR";
+    return svo_i_form_options(info) + sizeof CL12 - 1;
 }
 
 size_t svo_i_form_expanded_bytes(svo_form form)

@@ -11,6 +11,8 @@
 
 /* The options that select a form's reader in kernels/rays/read.clh, for any kernel; a static string. */
 const char *svo_i_form_defines(const svo_compact_info *info);
+/* The same as a whole: the options for the caller's kernels. */
+const char *svo_i_form_options(const svo_compact_info *info);
 /* Bytes of svo_expanded in kernels/compact/expand.cl. */
 size_t svo_i_form_expanded_bytes(svo_form form);
 /* What stored_count and far_count will be, before payload and links are counted: exact, or bounds. */

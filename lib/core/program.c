@@ -24,6 +24,7 @@ extern const char svo_i_source_voxelize[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
+extern const char svo_i_source_trace_voxels[];
 extern const char svo_i_source_compact[];
 extern const char svo_i_source_expand[];
 extern const char svo_i_source_solid[];
@@ -37,25 +38,35 @@ static void release_program(svo_i_attachment *attachment)
 
 const char *svo_i_program_kind_name(svo_i_program_kind kind)
 {
-    static const char *const names[SVO_I_PROGRAM_KINDS] = {
-        [SVO_I_PROGRAM_SUBDIVIDE] = "subdivide", [SVO_I_PROGRAM_SORT] = "sort",
-        [SVO_I_PROGRAM_PACK] = "pack",           [SVO_I_PROGRAM_FILTER] = "filter",
-        [SVO_I_PROGRAM_VOXELIZE] = "voxelize",   [SVO_I_PROGRAM_CAST] = "cast",
-        [SVO_I_PROGRAM_TRACE] = "trace",         [SVO_I_PROGRAM_VIEW] = "view",
-        [SVO_I_PROGRAM_COMPACT] = "compact",     [SVO_I_PROGRAM_EXPAND] = "expand",
-        [SVO_I_PROGRAM_SOLID] = "solid"};
+    static const char *const names[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_SUBDIVIDE] = "subdivide",
+                                                           [SVO_I_PROGRAM_SORT] = "sort",
+                                                           [SVO_I_PROGRAM_PACK] = "pack",
+                                                           [SVO_I_PROGRAM_FILTER] = "filter",
+                                                           [SVO_I_PROGRAM_VOXELIZE] = "voxelize",
+                                                           [SVO_I_PROGRAM_CAST] = "cast",
+                                                           [SVO_I_PROGRAM_TRACE] = "trace",
+                                                           [SVO_I_PROGRAM_VIEW] = "view",
+                                                           [SVO_I_PROGRAM_TRACE_VOXELS] = "trace_voxels",
+                                                           [SVO_I_PROGRAM_COMPACT] = "compact",
+                                                           [SVO_I_PROGRAM_EXPAND] = "expand",
+                                                           [SVO_I_PROGRAM_SOLID] = "solid"};
     return names[kind];
 }
 
 const char *svo_i_program_source(svo_i_program_kind kind)
 {
-    const char *const sources[SVO_I_PROGRAM_KINDS] = {
-        [SVO_I_PROGRAM_SUBDIVIDE] = svo_i_source_subdivide, [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
-        [SVO_I_PROGRAM_PACK] = svo_i_source_pack,           [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
-        [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,   [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-        [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,         [SVO_I_PROGRAM_VIEW] = svo_i_source_view,
-        [SVO_I_PROGRAM_COMPACT] = svo_i_source_compact,     [SVO_I_PROGRAM_EXPAND] = svo_i_source_expand,
-        [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
+    const char *const sources[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_SUBDIVIDE] = svo_i_source_subdivide,
+                                                      [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
+                                                      [SVO_I_PROGRAM_PACK] = svo_i_source_pack,
+                                                      [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
+                                                      [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,
+                                                      [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
+                                                      [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,
+                                                      [SVO_I_PROGRAM_VIEW] = svo_i_source_view,
+                                                      [SVO_I_PROGRAM_TRACE_VOXELS] = svo_i_source_trace_voxels,
+                                                      [SVO_I_PROGRAM_COMPACT] = svo_i_source_compact,
+                                                      [SVO_I_PROGRAM_EXPAND] = svo_i_source_expand,
+                                                      [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
     return sources[kind];
 }
 
@@ -216,14 +227,20 @@ svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_prog
     return SVO_OK;
 }
 
-svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
-                            cl_uint argument_count)
+svo_status svo_i_kernel_set_from(svo_device *device, const char *function, cl_kernel kernel, cl_uint first_index,
+                                 const svo_i_argument *arguments, cl_uint argument_count)
 {
     for (cl_uint i = 0; i < argument_count; ++i) {
-        const cl_int error = clSetKernelArg(kernel, i, arguments[i].bytes, arguments[i].value);
+        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
         if (error != CL_SUCCESS) {
             return svo_i_device_fail_cl(device, function, "clSetKernelArg", error);
         }
     }
     return SVO_OK;
+}
+
+svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
+                            cl_uint argument_count)
+{
+    return svo_i_kernel_set_from(device, function, kernel, 0, arguments, argument_count);
 }

@@ -21,6 +21,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_CAST, /* render */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
+    SVO_I_PROGRAM_TRACE_VOXELS, /* trace_voxels */
     SVO_I_PROGRAM_COMPACT, /* scan, and those of kernels/compact that make compact trees */
     SVO_I_PROGRAM_EXPAND, /* scan, expand */
     SVO_I_PROGRAM_SOLID, /* those of kernels/solid */
@@ -85,5 +86,8 @@ typedef struct svo_i_argument {
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
+/* Sets arguments from first_index on. */
+svo_status svo_i_kernel_set_from(svo_device *device, const char *function, cl_kernel kernel, cl_uint first_index,
+                                 const svo_i_argument *arguments, cl_uint argument_count);
 
 #endif

@@ -192,26 +192,34 @@ static bool split(double value, float parts[3])
     return true;
 }
 
-static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
+                             svo_ray_params *params)
 {
-    const svo_tree_info *info = &tree->info;
-    bool fits = split(info->scale, params->scale);
+    bool fits = split(grid->scale, params->scale);
     for (int axis = 0; axis < 3 && fits; ++axis) {
         float parts[3] = {0};
         /* A corner this close to zero counts as zero. */
-        fits = split(fabs(info->origin[axis]) < info->edge * 0x1p-60 ? 0.0 : info->origin[axis], parts);
+        fits = split(fabs(grid->origin[axis]) < edge * 0x1p-60 ? 0.0 : grid->origin[axis], parts);
         for (int part = 0; part < 3; ++part) {
             params->origin[3 * part + axis] = parts[part];
         }
     }
     if (!fits) {
-        return svo_i_device_fail(tree->device, SVO_UNSUPPORTED,
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "%s: a grid of edge %g at %g, %g, %g is beyond the range of rays in floats", function,
-                                 info->edge, info->origin[0], info->origin[1], info->origin[2]);
+                                 edge, grid->origin[0], grid->origin[1], grid->origin[2]);
     }
-    params->depth = info->depth;
-    params->snap_bits = info->snap_bits;
-    params->inner_count = (cl_uint)info->inner_count;
+    params->depth = grid->depth;
+    params->snap_bits = grid->snap_bits;
+    return SVO_OK;
+}
+
+static svo_status fill_params(const svo_tree *tree, const char *function, svo_ray_params *params)
+{
+    svo_grid grid = {.depth = 0};
+    SVO_I_TRY(svo_tree_get_grid(tree, &grid));
+    SVO_I_TRY(svo_i_rays_params(tree->device, function, &grid, tree->info.edge, params));
+    params->inner_count = (cl_uint)tree->info.inner_count;
     params->reach = find_bvh(tree).reach;
     return SVO_OK;
 }
@@ -235,18 +243,6 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
     return SVO_OK;
 }
 
-svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                          const svo_i_argument *arguments, cl_uint argument_count)
-{
-    for (cl_uint i = 0; i < argument_count; ++i) {
-        const cl_int error = clSetKernelArg(kernel, first_index + i, arguments[i].bytes, arguments[i].value);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(tree->device, function, "clSetKernelArg", error);
-        }
-    }
-    return SVO_OK;
-}
-
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index)
 {
     svo_ray_params params = {.depth = 0};
@@ -261,7 +257,51 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
         SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};
-    return svo_i_rays_set(tree, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+    return svo_i_kernel_set_from(tree->device, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+}
+
+static svo_status check_target(void *tree, const char *function)
+{
+    return svo_i_rays_check(tree, function);
+}
+
+static svo_status set_target(void *tree, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    return svo_i_rays_set_tree(tree, function, kernel, first_index);
+}
+
+svo_i_ray_target svo_i_rays_target(svo_tree *tree)
+{
+    return (svo_i_ray_target){tree, SVO_TREE_ARGUMENTS, check_target, set_target};
+}
+
+/* Voxels need no leaf lists. */
+static svo_status check_voxels(void *of, const char *function)
+{
+    const svo_tree *tree = of;
+    SVO_I_TRY(svo_i_tree_check(tree, function));
+    return tree->device != NULL
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                   "%s: the tree is not on a device; call svo_tree_upload first", function);
+}
+
+/* The arguments of a tree, without triangles. */
+static svo_status set_voxels(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_tree *tree = of;
+    const cl_mem none = NULL;
+    svo_ray_params params = {.depth = 0};
+    SVO_I_TRY(fill_params(tree, function, &params));
+    const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(none), SVO_I_ARGUMENT(none), SVO_I_ARGUMENT(params)};
+    return svo_i_kernel_set_from(tree->device, function, kernel, first_index, arguments, SVO_TREE_ARGUMENTS);
+}
+
+svo_i_ray_target svo_i_voxels_target(svo_tree *tree)
+{
+    return (svo_i_ray_target){tree, SVO_TREE_ARGUMENTS, check_voxels, set_voxels};
 }
 
 svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)

@@ -5,7 +5,9 @@
 
 #include "core/program.h"
 #include "core/tree.h"
+#include "rays/target.h"
 #include "shared/layout.h"
+#include "svocl/nodes.h"
 
 /* Whether rays can be traced against the tree's triangles. function: for the message. */
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
@@ -13,8 +15,11 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);
 /* Sets the arguments that SVO_TREE_PARAMETERS declares, from first_index on. Makes the BVH if the tree has one. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
-/* Sets other arguments from first_index on. */
-svo_status svo_i_rays_set(const svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index,
-                          const svo_i_argument *arguments, cl_uint argument_count);
+/* What the kernels know of a grid; edge: svo_tree_info.edge. */
+svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
+                             svo_ray_params *params);
+/* A tree's triangles as the target of batches; and its voxels, for which it makes no BVH. */
+svo_i_ray_target svo_i_rays_target(svo_tree *tree);
+svo_i_ray_target svo_i_voxels_target(svo_tree *tree);
 
 #endif

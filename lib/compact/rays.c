@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays against the voxels of compact trees: batches, pictures, and kernels of the caller's. */
+#include "rays/rays.h"
+#include "compact/form.h"
+#include "core/device.h"
+#include "core/foreign.h"
+#include "rays/batch.h"
+#include "rays/picture.h"
+#include "svocl/plan.h"
+
+/* ---- the target ---- */
+
+static svo_status check_target(void *of, const char *function)
+{
+    const svo_compact *compact = of;
+    return compact->device != NULL
+               ? SVO_OK
+               : svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
+                                   "%s: the compact tree is not on a device; call svo_compact_upload first", function);
+}
+
+static svo_grid grid_of(const svo_compact_info *info)
+{
+    return (svo_grid){.depth = info->depth,
+                      .snap_bits = info->snap_bits,
+                      .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                      .scale = info->scale};
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_compact *compact = of;
+    const svo_grid grid = grid_of(&compact->info);
+    svo_ray_params params = {.depth = 0};
+    SVO_I_TRY(svo_i_rays_params(compact->device, function, &grid, compact->info.edge, &params));
+    const svo_i_argument arguments[SVO_COMPACT_ARGUMENTS] = {
+        SVO_I_ARGUMENT(compact->buffers[SVO_COMPACT_NODES]), SVO_I_ARGUMENT(compact->buffers[SVO_COMPACT_LINKS]),
+        SVO_I_ARGUMENT(compact->buffers[SVO_COMPACT_BASES]), SVO_I_ARGUMENT(params)};
+    return svo_i_kernel_set_from(compact->device, function, kernel, first_index, arguments, SVO_COMPACT_ARGUMENTS);
+}
+
+static svo_i_ray_target target_of(svo_compact *compact)
+{
+    return (svo_i_ray_target){compact, SVO_COMPACT_ARGUMENTS, check_target, set_target};
+}
+
+/* ---- batches ---- */
+
+/* footprint: lives as long as the batch. */
+static svo_status make_batch(svo_compact *compact, const char *function, size_t ray_count, const cl_float *footprint,
+                             svo_i_batch *out)
+{
+    *out = (svo_i_batch){.device = compact->device,
+                         .function = function,
+                         .target = target_of(compact),
+                         .program = SVO_I_PROGRAM_TRACE_VOXELS,
+                         .defines = svo_i_form_defines(&compact->info)};
+    return svo_i_batch_of_voxels(out, ray_count, footprint);
+}
+
+svo_status svo_compact_trace_enqueue(svo_compact *compact, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
+                                     cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    svo_i_batch asked;
+    if (compact == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(make_batch(compact, "svo_compact_trace_enqueue", ray_count, &footprint, &asked));
+    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+}
+
+svo_status svo_compact_trace(svo_compact *compact, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
+                             float footprint, cl_command_queue queue)
+{
+    svo_i_batch asked;
+    if (compact == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(make_batch(compact, "svo_compact_trace", ray_count, &footprint, &asked));
+    return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+/* ---- pictures ---- */
+
+static svo_i_picture_source describe(svo_compact *compact, const char *function)
+{
+    const svo_compact_info *info = &compact->info;
+    return (svo_i_picture_source){.device = compact->device,
+                                  .function = function,
+                                  .grid = grid_of(info),
+                                  .form_defines = svo_i_form_defines(info),
+                                  .nodes = {compact->buffers[SVO_COMPACT_NODES], compact->buffers[SVO_COMPACT_LINKS],
+                                            compact->buffers[SVO_COMPACT_BASES]},
+                                  .node_arguments = 3,
+                                  .tree = target_of(compact),
+                                  .colors = compact->buffers[SVO_COMPACT_COLORS],
+                                  .normals = compact->buffers[SVO_COMPACT_NORMALS],
+                                  .one_color = svo_i_compact_is_constant(info, SVO_COMPACT_COLORS),
+                                  .one_normal = svo_i_compact_is_constant(info, SVO_COMPACT_NORMALS),
+                                  .payload_level = info->payload_level};
+}
+
+svo_status svo_compact_render(svo_compact *compact, const svo_render_options *options, cl_command_queue queue,
+                              uint8_t *rgba)
+{
+    static const char function[] = "svo_compact_render";
+    svo_render_options asked;
+    if (compact == NULL || compact->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (options == NULL || rgba == NULL) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 options == NULL ? "options" : "rgba");
+    }
+    SVO_I_TRY(svo_i_picture_options(compact->device, function, options, &asked));
+    if (asked.view == SVO_VIEW_TRIANGLES) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: a compact tree has no triangles to show",
+                                 function);
+    }
+    const svo_i_picture_source source = describe(compact, function);
+    return svo_i_picture_draw(&source, &asked, queue, rgba);
+}
+
+/* ---- kernels of the caller's ---- */
+
+const char *svo_compact_kernel_source(void)
+{
+    return svo_tree_kernel_source();
+}
+
+const char *svo_compact_kernel_options(const svo_compact *compact)
+{
+    return svo_i_form_options(&compact->info);
+}
+
+svo_status svo_compact_set_args(svo_compact *compact, cl_kernel kernel, cl_uint first_index)
+{
+    static const char function[] = "svo_compact_set_args";
+    if (compact == NULL || kernel == NULL) {
+        return svo_i_device_fail(compact != NULL ? compact->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
+                                 function, compact == NULL ? "compact" : "kernel");
+    }
+    SVO_I_TRY(check_target(compact, function));
+    const char *wrong = svo_i_wrong_kernel(compact->device->context, kernel);
+    if (wrong != NULL) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
+    }
+    return set_target(compact, function, kernel, first_index);
+}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* Launches batches, from buffers of the caller and from host arrays. */
+#include "rays/batch.h"
+
+#include <math.h>
+
+#include "core/device.h"
+#include "shared/layout.h"
+
+/* ---- checks ---- */
+
+static svo_status check_batch(const svo_i_batch *asked, const void *input, const void *output)
+{
+    if (asked->count > 0 && (input == NULL || output == NULL)) {
+        return svo_i_device_fail(asked->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", asked->function,
+                                 input == NULL ? asked->input_name : asked->output_name);
+    }
+    if (asked->count > SVO_TRACE_RAYS_MAX) {
+        return svo_i_device_fail(asked->device, SVO_INVALID_ARGUMENT, "%s: %zu %s are above %u", asked->function,
+                                 asked->count, asked->input_name, SVO_TRACE_RAYS_MAX);
+    }
+    return asked->target.check(asked->target.of, asked->function);
+}
+
+/* Whether a caller's buffer holds all records. An empty batch needs none. */
+static svo_status check_buffer(const svo_i_batch *asked, const char *name, cl_mem buffer, size_t bytes)
+{
+    return asked->count > 0 || buffer != NULL
+               ? svo_i_device_check_memory(asked->device, asked->function, name, buffer, bytes)
+               : SVO_OK;
+}
+
+/* ---- launches ---- */
+
+static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_kernel *out)
+{
+    const cl_uint count = (cl_uint)asked->count;
+    const cl_uint first = asked->target.arguments;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(input), SVO_I_ARGUMENT(output), SVO_I_ARGUMENT(count),
+                                        asked->last_argument};
+    cl_program program = NULL;
+    SVO_I_TRY(svo_i_program_get(asked->device, asked->function, asked->program, asked->defines, &program, NULL));
+    SVO_I_TRY(svo_i_kernel_create(asked->device, asked->function, program, asked->kernel_name, out));
+    SVO_I_TRY(asked->target.set(asked->target.of, asked->function, *out, 0));
+    return svo_i_kernel_set_from(asked->device, asked->function, *out, first, arguments,
+                                 asked->last_argument.value != NULL ? 4 : 3);
+}
+
+svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
+                               cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const size_t groups = (asked->count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+    const size_t local = SVO_GROUP_ITEMS / asked->per_item;
+    const size_t global = groups * local;
+    cl_kernel kernel = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_batch(asked, input, output));
+    SVO_I_TRY(svo_i_device_check_queue(asked->device, asked->function, queue));
+    SVO_I_TRY(svo_i_device_check_wait(asked->device, asked->function, num_wait, wait));
+    SVO_I_TRY(check_buffer(asked, asked->input_name, input, asked->count * asked->input_bytes));
+    SVO_I_TRY(check_buffer(asked, asked->output_name, output, asked->count * asked->output_bytes));
+    if (asked->count > 0) {
+        SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &kernel));
+    }
+    /* An empty batch signals its event all the same. */
+    const cl_int error = asked->count > 0
+                             ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
+                             : clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+    if (error != CL_SUCCESS) {
+        status = svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueNDRangeKernel", error);
+    }
+
+cleanup:
+    if (kernel != NULL) {
+        clReleaseKernel(kernel);
+    }
+    return status;
+}
+
+static svo_status write_input(const svo_i_batch *asked, cl_command_queue queue, cl_mem to, const void *input)
+{
+    const size_t bytes = asked->count * asked->input_bytes;
+    const cl_int error = clEnqueueWriteBuffer(queue, to, CL_TRUE, 0, bytes, input, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueWriteBuffer", error);
+}
+
+static svo_status read_output(const svo_i_batch *asked, cl_command_queue queue, cl_mem from, const cl_event *done,
+                              void *output)
+{
+    const size_t bytes = asked->count * asked->output_bytes;
+    const cl_int error = clEnqueueReadBuffer(queue, from, CL_TRUE, 0, bytes, output, 1, done, NULL);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueReadBuffer", error);
+}
+
+/* Host arrays through buffers that live for this call. */
+svo_status svo_i_batch_run(const svo_i_batch *asked, const void *input, void *output, cl_command_queue queue)
+{
+    cl_mem buffers[2] = {NULL, NULL};
+    cl_event done = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_batch(asked, input, output));
+    if (asked->count == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_device_queue(asked->device, asked->function, queue, &queue));
+    SVO_I_TRY_CLEANUP(svo_i_device_buffer(asked->device, asked->function, asked->input_name, CL_MEM_READ_ONLY,
+                                          asked->count * asked->input_bytes, &buffers[0]));
+    SVO_I_TRY_CLEANUP(svo_i_device_buffer(asked->device, asked->function, asked->output_name, CL_MEM_WRITE_ONLY,
+                                          asked->count * asked->output_bytes, &buffers[1]));
+    SVO_I_TRY_CLEANUP(write_input(asked, queue, buffers[0], input));
+    SVO_I_TRY_CLEANUP(svo_i_batch_enqueue(asked, buffers[0], buffers[1], queue, 0, NULL, &done));
+    SVO_I_TRY_CLEANUP(read_output(asked, queue, buffers[1], &done, output));
+
+cleanup:
+    if (done != NULL) {
+        clReleaseEvent(done);
+    }
+    for (int i = 0; i < 2; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    return status;
+}
+
+svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_float *footprint)
+{
+    batch->kernel_name = "svo_k_trace_voxels";
+    batch->input_name = "rays";
+    batch->output_name = "hits";
+    batch->input_bytes = sizeof(svo_ray);
+    batch->output_bytes = sizeof(svo_voxel_hit);
+    batch->count = ray_count;
+    batch->per_item = 1;
+    batch->last_argument = (svo_i_argument){sizeof *footprint, footprint, false};
+    return *footprint >= 0.0F && isfinite(*footprint)
+               ? SVO_OK
+               : svo_i_device_fail(batch->device, SVO_INVALID_ARGUMENT, "%s: footprint %g is negative or not finite",
+                                   batch->function, (double)*footprint);
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
+#include "rays/picture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/device.h"
+#include "core/struct_size.h"
+#include "rays/camera.h"
+#include "shared/layout.h"
+
+_Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SVO_VIEW_DEPTH == SVO_VIEW_KIND_DEPTH &&
+                   (uint32_t)SVO_VIEW_STEPS == SVO_VIEW_KIND_STEPS && (uint32_t)SVO_VIEW_LEVEL == SVO_VIEW_KIND_LEVEL &&
+                   (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
+               "svo_render_view and kernels/rays/view.cl number the views alike");
+
+#define PICTURE_EDGE_MAX 16384u
+/* Rays along each side of a pixel. */
+#define SAMPLES   2u
+#define TILE_EDGE 8u
+
+svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
+                                 svo_render_options *out)
+{
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
+                                SVO_I_STRUCT_SIZES(svo_render_options, camera)));
+    if (out->width < 1 || out->width > PICTURE_EDGE_MAX || out->height < 1 || out->height > PICTURE_EDGE_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %u x %u pixels are not within 1 .. %u", function,
+                                 out->width, out->height, PICTURE_EDGE_MAX);
+    }
+    const double fov = (double)out->camera.vertical_fov;
+    if (!(fov > 0) || !(fov < 3.14159265358979)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: camera.vertical_fov %g is not between 0 and pi",
+                                 function, fov);
+    }
+    if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
+                                 (int)out->view, (int)SVO_VIEW_TRIANGLES);
+    }
+    return SVO_OK;
+}
+
+/* Pictures show nodes of all levels. */
+static svo_status check_payload(const svo_i_picture_source *source)
+{
+    const bool everywhere =
+        (source->colors == NULL || source->one_color) && (source->normals == NULL || source->one_normal);
+    if (source->payload_level == 0 || everywhere) {
+        return SVO_OK;
+    }
+    return svo_i_device_fail(source->device, SVO_INVALID_ARGUMENT,
+                             "%s: the tree has payload from level %u on only, and pictures need all levels",
+                             source->function, source->payload_level);
+}
+
+/* Towards the light: high, and over the right shoulder of whoever looks along the view. */
+static void place_sun(const svo_i_view *looking, const double up[3], double sun[3])
+{
+    double raw[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        raw[axis] = 0.85 * up[axis] + 0.50 * looking->right[axis] - 0.38 * looking->forward[axis];
+    }
+    if (!svo_i_normalize(raw, sun)) {
+        memcpy(sun, up, 3 * sizeof *sun);
+    }
+}
+
+static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
+                              svo_cast_params *params)
+{
+    svo_i_view looking = {{0}, {0}, {0}};
+    if (!svo_i_view_from_camera(&options->camera, &looking)) {
+        return svo_i_device_fail(source->device, SVO_INVALID_ARGUMENT,
+                                 "%s: camera.eye, target and up are not finite, or up is along the line of sight",
+                                 source->function);
+    }
+    const double tangent = tan(0.5 * (double)options->camera.vertical_fov);
+    const double pixel = 2 * tangent / options->height;
+    const double voxels = (double)(1u << source->grid.depth);
+    const double voxels_per_unit = source->grid.scale * voxels / (double)(1u << source->grid.snap_bits);
+    const double up[3] = {(double)options->camera.up[0], (double)options->camera.up[1], (double)options->camera.up[2]};
+    double sky[3] = {0, 1, 0};
+    double sun[3];
+    (void)svo_i_normalize(up, sky);
+    place_sun(&looking, sky, sun);
+    for (int axis = 0; axis < 3; ++axis) {
+        params->eye[axis] = (float)(((double)options->camera.eye[axis] - source->grid.origin[axis]) * voxels_per_unit);
+        params->corner[axis] = (float)(looking.forward[axis] + tangent * looking.up[axis] -
+                                       0.5 * pixel * options->width * looking.right[axis]);
+        params->across[axis] = (float)(pixel * looking.right[axis]);
+        params->down[axis] = (float)(-pixel * looking.up[axis]);
+        params->sun[axis] = (float)sun[axis];
+        params->up[axis] = (float)sky[axis];
+    }
+    params->footprint = (float)pixel;
+    params->width = options->width;
+    params->height = options->height;
+    params->depth = source->grid.depth;
+    params->samples = SAMPLES;
+    params->occlusion_range = (float)(voxels / 14 + 2);
+    return SVO_OK;
+}
+
+/* Buffers and kernel of one picture. */
+typedef struct picture {
+    cl_kernel kernel;
+    cl_mem params, pixels;
+} picture;
+
+static const char *normal_defines(const svo_i_picture_source *source)
+{
+    return source->normals == NULL ? "" : source->one_normal ? " -DSVO_NORMAL -DSVO_ONE_NORMAL" : " -DSVO_NORMAL";
+}
+
+static const char *color_defines(const svo_i_picture_source *source)
+{
+    return source->colors == NULL ? "" : source->one_color ? " -DSVO_COLOR -DSVO_ONE_COLOR" : " -DSVO_COLOR";
+}
+
+/* Makes a kernel of a program. colors: empty for views that show none. */
+static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *colors,
+                              const char *name, cl_kernel *out)
+{
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
+    cl_program program = NULL;
+    (void)snprintf(defines, sizeof defines, "%s%s%s", colors, normal_defines(source), source->form_defines);
+    SVO_I_TRY(svo_i_program_get(source->device, source->function, kind, defines, &program, NULL));
+    return svo_i_kernel_create(source->device, source->function, program, name, out);
+}
+
+/* The kernel of an unlit view, with all arguments set. */
+static svo_status prepare_view(const svo_i_picture_source *source, const svo_render_options *options, picture *drawn)
+{
+    const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
+    const cl_uint shown = options->view;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
+                                        SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->kernel));
+    SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->kernel, 0));
+    return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->tree.arguments, arguments, 5);
+}
+
+/* The kernel of a shaded picture, with all arguments set. */
+static svo_status prepare_shaded(const svo_i_picture_source *source, picture *drawn)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
+                                        SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, color_defines(source), "svo_k_cast", &drawn->kernel));
+    for (cl_uint i = 0; i < source->node_arguments; ++i) {
+        SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->kernel, i,
+                                        &(svo_i_argument){sizeof(cl_mem), &source->nodes[i], true}, 1));
+    }
+    return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->node_arguments, arguments, 4);
+}
+
+static svo_status prepare(const svo_i_picture_source *source, const svo_render_options *options, picture *out)
+{
+    const size_t pixel_bytes = (size_t)options->width * options->height * 4;
+    SVO_I_TRY(svo_i_device_buffer(source->device, source->function, "camera", CL_MEM_READ_ONLY, sizeof(svo_cast_params),
+                                  &out->params));
+    SVO_I_TRY(
+        svo_i_device_buffer(source->device, source->function, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
+    return options->view == SVO_VIEW_SHADED ? prepare_shaded(source, out) : prepare_view(source, options, out);
+}
+
+/* Each command waits for the previous one by an event, since the queue may be out-of-order. */
+static svo_status draw(const svo_i_picture_source *source, cl_command_queue queue, const picture *drawn,
+                       const svo_cast_params *params, uint8_t *rgba)
+{
+    const size_t tiles =
+        (size_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = tiles * local;
+    const size_t pixel_bytes = (size_t)params->width * params->height * 4;
+    cl_event cast = NULL;
+    const char *call = "clEnqueueWriteBuffer";
+    cl_int error = clEnqueueWriteBuffer(queue, drawn->params, CL_TRUE, 0, sizeof *params, params, 0, NULL, NULL);
+    if (error == CL_SUCCESS) {
+        call = "clEnqueueNDRangeKernel";
+        error = clEnqueueNDRangeKernel(queue, drawn->kernel, 1, NULL, &global, &local, 0, NULL, &cast);
+    }
+    if (error == CL_SUCCESS) {
+        call = "clEnqueueReadBuffer";
+        error = clEnqueueReadBuffer(queue, drawn->pixels, CL_TRUE, 0, pixel_bytes, rgba, 1, &cast, NULL);
+    }
+    if (cast != NULL) {
+        clReleaseEvent(cast);
+    }
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(source->device, source->function, call, error);
+}
+
+svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
+                              cl_command_queue queue, uint8_t *rgba)
+{
+    svo_cast_params params = {.depth = 0};
+    picture drawn = {NULL, NULL, NULL};
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_payload(source));
+    SVO_I_TRY(fill_params(source, options, &params));
+    SVO_I_TRY(svo_i_device_queue(source->device, source->function, queue, &queue));
+    SVO_I_TRY_CLEANUP(prepare(source, options, &drawn));
+    SVO_I_TRY_CLEANUP(draw(source, queue, &drawn, &params, rgba));
+
+cleanup:
+    if (drawn.pixels != NULL) {
+        clReleaseMemObject(drawn.pixels);
+    }
+    if (drawn.params != NULL) {
+        clReleaseMemObject(drawn.params);
+    }
+    if (drawn.kernel != NULL) {
+        clReleaseKernel(drawn.kernel);
+    }
+    return status;
+}
