@@ -66,7 +66,7 @@ typedef struct svo_solid_info {
     /** Columns of voxels along x, y and z whose crossings do not add up to 0: the surface has a hole there, or a tear.
      *  All 0 for a closed mesh; then no cell is ambiguous. */
     uint64_t open_columns[3];
-    uint64_t scratch_bytes; /**< device memory that was allocated beside tree and result, and is released */
+    uint64_t scratch_bytes; /**< device memory that finding the inside took; it is released */
 } svo_solid_info;
 
 /** An empty output. */
