@@ -31,6 +31,7 @@ enum option_group {
     OPTION_PICTURE_SIZE = 8192,
     OPTION_MEASURE = 16384, /* amount of work and number of repeats */
     OPTION_REPORT_COMMAND = 32768, /* from, docs */
+    OPTION_FORM = 65536, /* form */
     OPTION_SOLID = 131072 /* solid */
 };
 
@@ -43,6 +44,9 @@ enum option_frontend {
 
 /* Next to the values of svo_builder. */
 #define OPTION_BUILDER_GL_COMPUTE (-1)
+
+/* Next to 1 + the values of svo_form. */
+#define OPTION_FORM_ALL (-1)
 
 #define OPTION_VERSUS_EMBREE  1
 #define OPTION_VERSUS_OPENVDB 2
@@ -82,6 +86,7 @@ typedef struct options {
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
     bool has_repeat;
+    int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
     uint64_t triangles; /* scene: 0: not given */

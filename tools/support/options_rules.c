@@ -11,6 +11,7 @@
 
 #include "scenes/scenes.h"
 #include "support/suggest.h"
+#include "svocl/compact.h"
 #include "svocl/solid.h"
 #include "svocl/trace.h"
 
@@ -46,6 +47,11 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
 static const choice rivals[] = {
     {"none", 0}, {"embree", OPTION_VERSUS_EMBREE}, {"openvdb", OPTION_VERSUS_OPENVDB}, {NULL, 0}};
 static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1 + SVO_SOLID_PARITY}, {NULL, 0}};
+static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
+                               {"implied", 1 + SVO_FORM_IMPLIED},
+                               {"shared", 1 + SVO_FORM_SHARED},
+                               {"all", OPTION_FORM_ALL},
+                               {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"normal", SVO_NEED_NORMAL},
                                {"rays", SVO_NEED_RAYS},
@@ -298,6 +304,8 @@ static const rule rules[] = {
      "also fill the inside: winding or parity of the surface's crossings (not filled)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
+    {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,
+     "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,

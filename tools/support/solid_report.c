@@ -9,7 +9,7 @@ bool solid_is_wanted(const program *state)
     return state->options.solid != 0;
 }
 
-static svo_solid_rule rule_of(const program *state)
+svo_solid_rule solid_rule(const program *state)
 {
     return (svo_solid_rule)(state->options.solid - 1);
 }
@@ -25,7 +25,7 @@ int solid_make(program *state, const svo_device *device, const svo_tree *tree, s
     if (!solid_is_wanted(state)) {
         return PROGRAM_DONE;
     }
-    const svo_solid_options asked = {.struct_size = sizeof asked, .rule = rule_of(state)};
+    const svo_solid_options asked = {.struct_size = sizeof asked, .rule = solid_rule(state)};
     const double compiled_ms = svo_device_compile_ms(device);
     progress_step(state->progress, "finding the inside");
     const double start_ms = input_now_ms();
@@ -62,8 +62,8 @@ void solid_print(const program *state, const solid_result *made)
         return;
     }
     table_gap();
-    table_heading("solid by %s, %s, and %s of compiling", svo_solid_rule_name(rule_of(state)), figure_ms(made->ms).text,
-                  figure_ms(made->compile_ms).text);
+    table_heading("solid by %s, %s, and %s of compiling", svo_solid_rule_name(solid_rule(state)),
+                  figure_ms(made->ms).text, figure_ms(made->compile_ms).text);
     table *rows = table_create("lrr");
     table_cell(rows, "%s", "");
     table_cell(rows, "voxels");
@@ -81,15 +81,15 @@ void solid_print(const program *state, const solid_result *made)
     }
 }
 
-void solid_add_json(cJSON *document, const program *state, const solid_result *made)
+cJSON *solid_add_json(cJSON *document, const program *state, const solid_result *made)
 {
     const svo_solid_info *info = &made->info;
     static const char *const axes[3] = {"x", "y", "z"};
     if (made->solid == NULL) {
-        return;
+        return NULL;
     }
     cJSON *object = cJSON_AddObjectToObject(document, "solid");
-    json_add_text(object, "rule", svo_solid_rule_name(rule_of(state)));
+    json_add_text(object, "rule", svo_solid_rule_name(solid_rule(state)));
     json_add_count(object, "surface_voxels", info->surface_voxels);
     json_add_count(object, "inside_voxels", info->inside_voxels);
     json_add_count(object, "inside_leaves", info->inside_leaves);
@@ -104,4 +104,5 @@ void solid_add_json(cJSON *document, const program *state, const solid_result *m
     json_add_count(object, "scratch_bytes", info->scratch_bytes);
     cJSON_AddNumberToObject(object, "ms", made->ms);
     cJSON_AddNumberToObject(object, "compile_ms", made->compile_ms);
+    return object;
 }

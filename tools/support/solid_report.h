@@ -15,6 +15,8 @@ typedef struct solid_result {
 
 /* Whether --solid is given. */
 bool solid_is_wanted(const program *state);
+/* The rule that it names. */
+svo_solid_rule solid_rule(const program *state);
 /* The svo_need bits that a build needs besides, and its result then has. */
 uint32_t solid_need(const program *state, uint32_t need);
 
@@ -24,7 +26,7 @@ void solid_release(solid_result *made);
 
 /* A table with the voxels, and a line where the surface is not closed; nothing without a solid. */
 void solid_print(const program *state, const solid_result *made);
-/* Adds the object "solid", if there is one. */
-void solid_add_json(cJSON *document, const program *state, const solid_result *made);
+/* Adds the object "solid" and returns it; NULL, and nothing is added, without a solid. */
+cJSON *solid_add_json(cJSON *document, const program *state, const solid_result *made);
 
 #endif

@@ -4,9 +4,9 @@
 #include <inttypes.h>
 
 #include "support/build_report.h"
+#include "support/form_check.h"
 #include "support/snap_check.h"
-#include "support/solid_check.h"
-#include "support/solid_report.h"
+#include "support/solid_verdict.h"
 #include "support/table.h"
 #include "support/tree_check.h"
 #include "svocl/commands.h"
@@ -16,23 +16,13 @@ typedef struct verdict {
     tree_differences tree;
     bool snap_compared; /* false for a tree from a file: the unsnapped mesh is missing */
     snap_differences snap;
-    solid_result solid; /* none without --solid */
-    solid_differences filled;
+    form_checks forms; /* none without --form */
+    solid_verdict solid; /* none without --solid */
 } verdict;
-
-static bool surface_is_exact(const verdict *found)
-{
-    return tree_check_is_exact(&found->tree) && found->snap.grid_values == 0 && found->snap.triangles == 0;
-}
-
-static bool solid_is_exact(const verdict *found)
-{
-    return found->solid.solid == NULL || solid_check_is_exact(&found->filled);
-}
 
 static bool is_exact(const verdict *found)
 {
-    return surface_is_exact(found) && solid_is_exact(found);
+    return tree_check_is_exact(&found->tree) && found->snap.grid_values == 0 && found->snap.triangles == 0;
 }
 
 static void print_row(table *rows, const char *name, uint64_t voxels, uint64_t pairs)
@@ -59,19 +49,11 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
         table_line("%s triangles are snapped differently, %u grid values differ",
                    figure_count(found->snap.triangles).text, found->snap.grid_values);
     }
-    if (surface_is_exact(found)) {
+    if (is_exact(found)) {
         table_line("exact: 0 missed, 0 surplus");
     }
-    solid_print(state, &found->solid);
-    if (found->solid.solid != NULL) {
-        table_line("%s voxels are not as the reference says, of %s inside",
-                   figure_count(found->filled.voxels.wrong_voxels).text,
-                   figure_count(found->filled.voxels.inside_voxels).text);
-        if (found->filled.voxels.split_voxels > 0) {
-            table_line("%s voxels lie on the other side than the one that decides their cell, for the surface is open",
-                       figure_count(found->filled.voxels.split_voxels).text);
-        }
-    }
+    form_check_print(&found->forms);
+    solid_verdict_print(state, &found->solid);
 }
 
 static cJSON *to_json(const program *state, const svo_tree_info *info, const verdict *found, const job *done)
@@ -89,13 +71,9 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
     }
     json_add_count(document, "expected_voxels", found->tree.expected_voxels);
     json_add_count(document, "expected_pairs", found->tree.expected_pairs);
-    solid_add_json(document, state, &found->solid);
-    if (found->solid.solid != NULL) {
-        json_add_count(document, "wrong_solid_voxels", found->filled.voxels.wrong_voxels);
-        json_add_count(document, "split_solid_voxels", found->filled.voxels.split_voxels);
-        cJSON_AddBoolToObject(document, "solid_counts_differ", found->filled.counts_differ);
-    }
     cJSON_AddBoolToObject(document, "exact", is_exact(found));
+    form_check_add_json(document, &found->forms);
+    solid_verdict_add_json(document, state, &found->solid);
     if (done != NULL) {
         report_add_refused(document, done);
         job_add_what_ran(document, done);
@@ -119,13 +97,16 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
             report_print_refused(done);
         }
     }
+    if (!form_check_is_exact(&found->forms)) {
+        return program_fail(state, PROGRAM_FAILED, "%s: a compact form expands to another tree", state->options.input);
+    }
+    if (!solid_verdict_is_exact(&found->solid)) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the solid is not exact: %" PRIu64 " voxels are wrong%s",
+                            state->options.input, found->solid.found.voxels.wrong_voxels,
+                            found->solid.found.counts_differ ? ", and so are its counts" : "");
+    }
     if (is_exact(found)) {
         return PROGRAM_DONE;
-    }
-    if (surface_is_exact(found)) {
-        return program_fail(state, PROGRAM_FAILED, "%s: the solid is not exact: %" PRIu64 " voxels are wrong%s",
-                            state->options.input, found->filled.voxels.wrong_voxels,
-                            found->filled.counts_differ ? ", and its counts" : "");
     }
     const oracle_difference *d = &found->tree.difference;
     return program_fail(state, PROGRAM_FAILED,
@@ -134,33 +115,6 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
                         " snapped triangles differ",
                         state->options.input, d->missed_voxels, d->surplus_voxels, d->missed_pairs, d->surplus_pairs,
                         found->tree.node_differences, found->snap.triangles);
-}
-
-/* Fills the tree and compares, with --solid. */
-static int verify_solid(program *state, const job *done, const svo_tree_info *info, const svo_tree_arrays *arrays,
-                        verdict *found)
-{
-    const svo_solid_rule rule = (svo_solid_rule)(state->options.solid - 1);
-    if (!solid_is_wanted(state)) {
-        return PROGRAM_DONE;
-    }
-    if (info->depth > SOLID_CHECK_DEPTH_MAX) {
-        return program_fail(state, PROGRAM_FAILED, "%s: --solid is compared up to depth %u, not at depth %u",
-                            state->options.input, SOLID_CHECK_DEPTH_MAX, info->depth);
-    }
-    const int exit_code = solid_make(state, done->opened.device, done->result.tree, &found->solid);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    progress_step(state->progress, "comparing the inside with the reference");
-    if (svo_compact_download(found->solid.solid, NULL) != SVO_OK) {
-        return program_fail_library(state, svo_device_message(done->opened.device));
-    }
-    return solid_check(info, arrays, found->solid.solid, &found->solid.info, rule, &found->filled)
-               ? PROGRAM_DONE
-               : program_fail(state, PROGRAM_FAILED,
-                              "%s: the comparison of the inside ran out of memory or the solid is malformed",
-                              state->options.input);
 }
 
 /* done: NULL for a tree from a file. */
@@ -187,9 +141,16 @@ static int verify(program *state, const svo_tree *tree, const job *done)
         return program_fail(state, PROGRAM_FAILED, "%s: the comparison ran out of memory or the tree is malformed",
                             state->options.input);
     }
-    const int exit_code = done != NULL ? verify_solid(state, done, &info, &arrays, &found) : PROGRAM_DONE;
+    if (done != NULL) {
+        progress_step(state->progress, "expanding compact forms");
+        const int exit_code = form_check_run(state, &done->opened, tree, &found.forms);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
+    const int exit_code = done != NULL ? solid_verdict_find(state, &done->opened, tree, &found.solid) : PROGRAM_DONE;
     const int reported = exit_code == PROGRAM_DONE ? report_verdict(state, &info, &found, done) : exit_code;
-    solid_release(&found.solid);
+    solid_verdict_release(&found.solid);
     return reported;
 }
 
@@ -199,8 +160,9 @@ static int verify_tree_file(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (solid_is_wanted(state)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--solid does not apply to a .svo file, give the mesh");
+    if (state->options.form != 0 || state->options.solid != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to a .svo file, give the mesh",
+                            state->options.form != 0 ? "form" : "solid");
     }
     svo_tree *tree = NULL;
     program_begin_progress(state, 3);
@@ -219,7 +181,7 @@ int command_verify(program *state)
     }
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 4 : 2, &done);
+    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 5 : 3, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
