@@ -35,8 +35,8 @@ while IFS= read -r -d '' file; do
         echo "FAILED with exit code $code: ${file#"$folder"/}"
         cat "$work/out" "$work/err"
     fi
-done < <(find "$folder" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.STL' -o -name '*.off' \) \
-    -print0 | sort -z)
+done < <(find "$folder" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.STL' \
+    -o -name '*.off' \) -print0 | sort -z)
 
 echo "$exact exact, $open of them open, $refused refused, $failed failed"
 ((failed == 0 && exact > 0))
