@@ -3,10 +3,11 @@
  * Winding numbers in front of the crossed leaves, along each axis: the sum of a leaf and of all behind it in its
  * column. Sums wrap around. There are fewer than 2^32 triangles, so one is 0 or odd exactly if the true sum is.
  *
- * Launch: one work-item per leaf, rounded up to whole groups. svo_k_solid_chain finds the next crossed leaf, and marks
- * it as not the first of its column; several items may do so, with the same value. svo_k_solid_sum follows the chains,
- * and counts the columns whose sum is not 0 at their first leaf: there the surface is open or torn. Leaves that are not
- * crossed have entries without meaning. No local memory. Atomics: counts, which do not depend on their order.
+ * Launch: one work-item per leaf, rounded up to whole groups. svo_k_solid_chain finds the next crossed leaf along each
+ * axis, and sets that leaf's bit of the axis in follows: it is not the first of its column. svo_k_solid_sum follows the
+ * chains, and counts the columns whose sum is not 0 at their first leaf: there the surface is open or torn. Leaves that
+ * are not crossed have entries without meaning. No local memory. Atomics: bits that are set, and counts, neither of
+ * which depend on their order.
  */
 #include "shared/nodes.clh"
 #include "solid/column.clh"
@@ -14,7 +15,7 @@
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_solid_chain(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
                   __global const uchar *carries, __global const uint *crossings, __global uint *next_leaf,
-                  __global uchar *follows, svo_solid_params params)
+                  volatile __global uint *follows, svo_solid_params params)
 {
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.count) {
@@ -30,14 +31,14 @@ svo_k_solid_chain(__global const uchar *child_mask, __global const uint *first_c
             const uint next = svo_next_crossed(&tree, voxel, axis);
             next_leaf[row + leaf] = next;
             if (next != SVO_SOLID_NO_LEAF) {
-                follows[row + next] = 1;
+                atomic_or(follows + next, 1u << axis);
             }
         }
     }
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_solid_sum(__global const uint *crossings, __global const uint *next_leaf, __global const uchar *follows,
+svo_k_solid_sum(__global const uint *crossings, __global const uint *next_leaf, __global const uint *follows,
                 __global uint *windings, volatile __global uint *counters, svo_solid_params params)
 {
     const uint leaf = (uint)get_global_id(0);
@@ -54,7 +55,7 @@ svo_k_solid_sum(__global const uint *crossings, __global const uint *next_leaf, 
             sum += crossings[row + at];
         }
         windings[row + leaf] = sum;
-        if (sum != 0u && follows[row + leaf] == 0) {
+        if (sum != 0u && (follows[leaf] >> axis & 1u) == 0u) {
             atomic_inc(counters + SVO_SOLID_OPEN_X + axis);
         }
     }

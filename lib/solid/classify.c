@@ -2,7 +2,7 @@
 /*
  * The device's part of a solid. The tree's leaf lists say which triangles may cross a column inside a leaf (cross.cl);
  * chains along columns add the leaves' sums up (chain.cl), and every empty child takes the number of the next crossed
- * leaf (fill.cl). Scratch is 8 bytes per node, 43 per leaf and 2 per inner node.
+ * leaf (fill.cl). Scratch is 8 bytes per node, 44 per leaf and 2 per inner node.
  */
 #include "solid/classify.h"
 
@@ -56,7 +56,7 @@ static svo_status allocate(classifier *c)
                                            [SCRATCH_CROSSINGS] = tree->leaf_count * 3 * sizeof(cl_uint),
                                            [SCRATCH_LONG_LISTS] = tree->leaf_count * sizeof(cl_uint),
                                            [SCRATCH_NEXT] = tree->leaf_count * 3 * sizeof(cl_uint),
-                                           [SCRATCH_FOLLOWS] = tree->leaf_count * 3,
+                                           [SCRATCH_FOLLOWS] = tree->leaf_count * sizeof(cl_uint),
                                            [SCRATCH_WINDINGS] = tree->leaf_count * 3 * sizeof(cl_uint),
                                            [SCRATCH_CARRIES] = tree->inner_count,
                                            [SCRATCH_COUNTERS] = SVO_SOLID_COUNTERS * sizeof(cl_uint),
@@ -150,7 +150,7 @@ static svo_status chain(classifier *c)
         SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]), SVO_I_ARGUMENT(c->buffers[SCRATCH_NEXT]),
         SVO_I_ARGUMENT(c->buffers[SCRATCH_FOLLOWS]),   SVO_I_ARGUMENT(c->buffers[SCRATCH_WINDINGS]),
         SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),  SVO_I_ARGUMENT(c->params)};
-    SVO_I_TRY(svo_i_work_fill_zero(c->work, c->buffers[SCRATCH_FOLLOWS], tree->info.leaf_count * 3));
+    SVO_I_TRY(svo_i_work_fill_zero(c->work, c->buffers[SCRATCH_FOLLOWS], tree->info.leaf_count * sizeof(cl_uint)));
     SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_chain", SVO_I_ARGUMENTS(links), c->params.count));
     SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_sum", SVO_I_ARGUMENTS(sums), c->params.count));
     SVO_I_TRY(read_counters(c, counters));
