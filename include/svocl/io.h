@@ -40,6 +40,20 @@
  * follows from the header's counts and the array's element size; that of list, vertices and indices gives their count.
  * child_mask and first_child are always present. Every node's first_child is set, also that of the empty tree's root
  * (1). A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
+ *
+ * Files of compact trees (compact.h), version 1, differ in this: the magic is 89 53 56 43 0D 0A 1A 0A
+ * ("\x89SVC\r\n\x1a\n"). need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] -
+ * level_begin[l] of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the
+ * array is held. Before them there is one chunk of kind 64:
+ *
+ *     offset bytes
+ *     0      4     u32 form: svo_form
+ *     4      4     u32 minimized: 0 or 1
+ *     8      4     u32 directory_step_log2: 4 .. 6 with SVO_FORM_IMPLIED, else 0
+ *     12     4     u32 reserved: 0
+ *     16     8     u64 stored_count
+ *     24     8     u64 far_count
+ *     32     72    u32 level_leaf[18], entries after depth are 0
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H
@@ -47,6 +61,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/compact.h"
 #include "svocl/mesh.h"
 #include "svocl/status.h"
 #include "svocl/tree.h"
@@ -122,6 +137,47 @@ SVO_API svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *
  * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                         svo_message *message);
+
+/** Writes a file of a compact tree, as svo_tree_save writes one of a tree.
+ *
+ * \param compact with host arrays (svo_compact_download)
+ * \param path of the file
+ * \param options NULL means all defaults: not compressed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_save(const svo_compact *compact, const char *path, const svo_save_options *options,
+                                    svo_message *message);
+
+/** Writes the bytes of such a file through a function, as svo_tree_write does.
+ *
+ * \param compact with host arrays (svo_compact_download)
+ * \param write receives the bytes, in a few large pieces
+ * \param user passed to write
+ * \param options NULL means all defaults: not compressed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (write did not return 0), SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_write(const svo_compact *compact, svo_write_callback write, void *user,
+                                     const svo_save_options *options, svo_message *message);
+
+/** Reads such a file into host arrays. Lengths, checksums and every node are checked. Nothing larger than the file is
+ *  allocated before the header is checked.
+ *
+ * \param path of the file
+ * \param out receives the compact tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_load(const char *path, svo_compact **out, svo_message *message);
+
+/** svo_compact_load from memory.
+ *
+ * \param bytes contents of such a file
+ * \param byte_count their number
+ * \param name stands for the path in messages
+ * \param out receives the compact tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name, svo_compact **out,
+                                           svo_message *message);
 
 /** Options of an import. */
 typedef struct svo_import_options {

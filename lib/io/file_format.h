@@ -21,6 +21,10 @@
 #define FILE_VERSION     1
 #define FILE_HASH_BEGIN  32 /* the header's checksum covers everything from here to the end of the chunk table */
 
+/* Files of compact trees. The header has the same fields; its levels are those of the inner nodes. */
+#define FILE_COMPACT_MAGIC   "\x89SVC\r\n\x1a\n"
+#define FILE_COMPACT_VERSION 1
+
 typedef struct file_header {
     uint8_t magic[FILE_MAGIC_BYTES];
     uint32_t version;
@@ -56,12 +60,28 @@ typedef struct file_chunk {
     uint64_t hash;
 } file_chunk;
 
+/* Chunks of a file at most. */
+#define FILE_CHUNKS_MAX SVO_TREE_BUFFER_COUNT
+
 /* Header and table as they lie in the file, for as many chunks as a file can have. */
 typedef struct file_head {
     file_header header;
-    file_chunk chunks[SVO_TREE_BUFFER_COUNT];
+    file_chunk chunks[FILE_CHUNKS_MAX];
 } file_head;
 
+/* The first chunk of a compact tree's file. */
+#define FILE_COUNTS 64
+typedef struct file_counts {
+    uint32_t form;
+    uint32_t minimized;
+    uint32_t directory_step_log2;
+    uint32_t reserved;
+    uint64_t stored_count;
+    uint64_t far_count;
+    uint32_t level_leaf[SVO_LEVELS_MAX];
+} file_counts;
+
+static_assert(sizeof(file_counts) == 104, "io.h: counts");
 static_assert(offsetof(file_header, file_bytes) == 16, "io.h: file_bytes");
 static_assert(offsetof(file_header, chunk_count) == FILE_HASH_BEGIN, "io.h: chunk_count");
 static_assert(offsetof(file_header, origin) == 56, "io.h: origin");

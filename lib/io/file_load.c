@@ -20,7 +20,7 @@
 #include "core/message.h"
 #include "core/tree.h"
 #include "io/file_check.h"
-#include "io/file_format.h"
+#include "io/file_load.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -31,19 +31,7 @@
 #define SNAP_BITS_MIN 20
 #define SNAP_BITS_MAX 24
 
-typedef struct load_state {
-    const char *name;
-    svo_message *message;
-    const uint8_t *memory; /* the whole file, or NULL: read from file */
-    int file;
-    uint64_t file_bytes;
-    file_head head;
-    svo_tree *tree;
-} load_state;
-
-static svo_status damaged(const load_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static svo_status damaged(const load_state *state, const char *format, ...)
+svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
 {
     svo_message detail;
     va_list arguments;
@@ -54,7 +42,7 @@ static svo_status damaged(const load_state *state, const char *format, ...)
 }
 
 /* Copies bytes that the caller has checked to lie inside the file. */
-static svo_status read_at(const load_state *state, uint64_t offset, void *out, size_t byte_count)
+static svo_status read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count)
 {
     if (state->memory != NULL) {
         memcpy(out, state->memory + offset, byte_count);
@@ -70,7 +58,7 @@ static svo_status read_at(const load_state *state, uint64_t offset, void *out, s
             return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
         }
         if (got == 0) {
-            return damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset);
+            return svo_i_file_damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset);
         }
         to += got;
         offset += (uint64_t)got;
@@ -79,123 +67,253 @@ static svo_status read_at(const load_state *state, uint64_t offset, void *out, s
     return SVO_OK;
 }
 
-/* Checks that this is a complete .svo file of a known version. */
-static svo_status read_identity(load_state *state)
+/* Checks that this is a complete file of a known version. */
+static svo_status read_identity(svo_i_file_load *state, const svo_i_file_kind *kind)
 {
     file_header *header = &state->head.header;
     const size_t there_bytes = state->file_bytes < sizeof *header ? (size_t)state->file_bytes : sizeof *header;
     SVO_I_TRY(read_at(state, 0, header, there_bytes));
     const size_t magic_bytes = there_bytes < FILE_MAGIC_BYTES ? there_bytes : FILE_MAGIC_BYTES;
-    if (magic_bytes == 0 || memcmp(header->magic, FILE_MAGIC, magic_bytes) != 0) {
-        return damaged(state, "not a .svo file");
+    if (magic_bytes == 0 || memcmp(header->magic, kind->magic, magic_bytes) != 0) {
+        return svo_i_file_damaged(state, "not a %s file", kind->name);
     }
     if (there_bytes < sizeof *header) {
-        return damaged(state, "truncated: %zu bytes expected at least, %" PRIu64 " there", sizeof *header,
-                       state->file_bytes);
+        return svo_i_file_damaged(state, "truncated: %zu bytes expected at least, %" PRIu64 " there", sizeof *header,
+                                  state->file_bytes);
     }
-    if (header->version != FILE_VERSION) {
-        return damaged(state, "version %" PRIu32 " is not known, only %d", header->version, FILE_VERSION);
+    if (header->version != kind->version) {
+        return svo_i_file_damaged(state, "version %" PRIu32 " is not known, only %" PRIu32, header->version,
+                                  kind->version);
     }
     if (header->file_bytes > state->file_bytes) {
-        return damaged(state, "truncated: %" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
-                       state->file_bytes);
+        return svo_i_file_damaged(state, "truncated: %" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
+                                  state->file_bytes);
     }
     if (header->file_bytes < state->file_bytes) {
-        return damaged(state, "%" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes, state->file_bytes);
+        return svo_i_file_damaged(state, "%" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
+                                  state->file_bytes);
     }
     return SVO_OK;
 }
 
-static svo_status read_chunk_table(load_state *state)
+static svo_status read_chunk_table(svo_i_file_load *state, const svo_i_file_kind *kind)
 {
     file_header *header = &state->head.header;
-    if (header->chunk_count > SVO_TREE_BUFFER_COUNT) {
-        return damaged(state, "header: %" PRIu32 " chunks, at most %d are known", header->chunk_count,
-                       SVO_TREE_BUFFER_COUNT);
+    if (header->chunk_count > kind->chunks_max) {
+        return svo_i_file_damaged(state, "header: %" PRIu32 " chunks, at most %" PRIu32 " are known",
+                                  header->chunk_count, kind->chunks_max);
     }
     const size_t table_bytes = header->chunk_count * sizeof(file_chunk);
     const size_t head_bytes = sizeof *header + table_bytes;
     if (header->header_bytes != head_bytes || head_bytes > state->file_bytes) {
-        return damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes, head_bytes);
+        return svo_i_file_damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes,
+                                  head_bytes);
     }
     SVO_I_TRY(read_at(state, sizeof *header, state->head.chunks, table_bytes));
     const uint64_t hash = XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, head_bytes - FILE_HASH_BEGIN);
     if (hash != header->header_hash) {
-        return damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash, header->header_hash);
+        return svo_i_file_damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash,
+                                  header->header_hash);
     }
     return SVO_OK;
 }
 
-static svo_status check_values(const load_state *state)
+static svo_status check_values(const svo_i_file_load *state)
 {
     const file_header *header = &state->head.header;
     if (header->depth < SVO_DEPTH_MIN || header->depth > SVO_DEPTH_MAX) {
-        return damaged(state, "header: depth %" PRIu32 " is outside %d .. %d", header->depth, SVO_DEPTH_MIN,
-                       SVO_DEPTH_MAX);
+        return svo_i_file_damaged(state, "header: depth %" PRIu32 " is outside %d .. %d", header->depth, SVO_DEPTH_MIN,
+                                  SVO_DEPTH_MAX);
     }
     if (header->snap_bits < SNAP_BITS_MIN || header->snap_bits > SNAP_BITS_MAX) {
-        return damaged(state, "header: snap_bits %" PRIu32 " is outside %d .. %d", header->snap_bits, SNAP_BITS_MIN,
-                       SNAP_BITS_MAX);
+        return svo_i_file_damaged(state, "header: snap_bits %" PRIu32 " is outside %d .. %d", header->snap_bits,
+                                  SNAP_BITS_MIN, SNAP_BITS_MAX);
     }
     if (header->coverage > SVO_COVERAGE_THIN) {
-        return damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
+        return svo_i_file_damaged(state, "header: coverage %" PRIu32 " is not known", header->coverage);
     }
     if ((header->need & ~(uint32_t)SVO_NEED_ALL) != 0) {
-        return damaged(state, "header: need 0x%" PRIx16 " has unknown bits", header->need);
+        return svo_i_file_damaged(state, "header: need 0x%" PRIx16 " has unknown bits", header->need);
     }
     const uint32_t can_be_constant = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL;
     if ((header->constant & ~(header->need & can_be_constant)) != 0) {
-        return damaged(state,
-                       "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
-                       header->constant, header->need);
+        return svo_i_file_damaged(
+            state, "header: constant 0x%" PRIx16 " has bits that need 0x%" PRIx16 " has not, or unknown ones",
+            header->constant, header->need);
     }
     if (header->weights > SVO_WEIGHTS_CENTER) {
-        return damaged(state, "header: weights %" PRIu16 " are not known", header->weights);
+        return svo_i_file_damaged(state, "header: weights %" PRIu16 " are not known", header->weights);
     }
     if (header->payload_level > header->depth) {
-        return damaged(state, "header: payload_level %" PRIu16 " is above depth %" PRIu32, header->payload_level,
-                       header->depth);
+        return svo_i_file_damaged(state, "header: payload_level %" PRIu16 " is above depth %" PRIu32,
+                                  header->payload_level, header->depth);
     }
     for (int axis = 0; axis < 3; ++axis) {
         if (!isfinite(header->origin[axis])) {
-            return damaged(state, "header: origin is not finite");
+            return svo_i_file_damaged(state, "header: origin is not finite");
         }
     }
     if (!isfinite(header->edge) || !isfinite(header->scale) || header->edge <= 0 || header->scale <= 0) {
-        return damaged(state, "header: edge %g or scale %g is not above 0", header->edge, header->scale);
+        return svo_i_file_damaged(state, "header: edge %g or scale %g is not above 0", header->edge, header->scale);
     }
     if (!(header->snap_error >= 0) || !isfinite(header->snap_error)) {
-        return damaged(state, "header: snap_error %g is not a distance", header->snap_error);
+        return svo_i_file_damaged(state, "header: snap_error %g is not a distance", header->snap_error);
     }
     if (header->refused_triangles > header->triangles || header->triangles > UINT32_MAX) {
-        return damaged(state, "header: %" PRIu64 " of %" PRIu64 " triangles refused", header->refused_triangles,
-                       header->triangles);
+        return svo_i_file_damaged(state, "header: %" PRIu64 " of %" PRIu64 " triangles refused",
+                                  header->refused_triangles, header->triangles);
     }
     return SVO_OK;
 }
 
-static svo_status check_levels(const load_state *state)
+static svo_status check_levels(const svo_i_file_load *state)
 {
     const file_header *header = &state->head.header;
     const uint32_t *level_begin = header->level_begin;
     if (level_begin[0] != 0 || level_begin[1] != 1) {
-        return damaged(state, "header: level 0 is %" PRIu32 " .. %" PRIu32 ", not the root alone", level_begin[0],
-                       level_begin[1]);
+        return svo_i_file_damaged(state, "header: level 0 is %" PRIu32 " .. %" PRIu32 ", not the root alone",
+                                  level_begin[0], level_begin[1]);
     }
     for (uint32_t level = 1; level <= header->depth; ++level) {
         const uint64_t parents = level_begin[level] - level_begin[level - 1];
         if (level_begin[level + 1] < level_begin[level] || level_begin[level + 1] - level_begin[level] > 8 * parents) {
-            return damaged(state, "header: level %" PRIu32 " is %" PRIu32 " .. %" PRIu32 " below %" PRIu64 " nodes",
-                           level, level_begin[level], level_begin[level + 1], parents);
+            return svo_i_file_damaged(state,
+                                      "header: level %" PRIu32 " is %" PRIu32 " .. %" PRIu32 " below %" PRIu64 " nodes",
+                                      level, level_begin[level], level_begin[level + 1], parents);
         }
     }
     for (uint32_t i = header->depth + 2; i < SVO_LEVELS_MAX; ++i) {
         if (level_begin[i] != 0) {
-            return damaged(state, "header: level_begin[%" PRIu32 "] is not 0", i);
+            return svo_i_file_damaged(state, "header: level_begin[%" PRIu32 "] is not 0", i);
         }
     }
     return SVO_OK;
 }
+
+svo_status svo_i_file_read_head(svo_i_file_load *state, const svo_i_file_kind *kind)
+{
+    SVO_I_TRY(read_identity(state, kind));
+    SVO_I_TRY(read_chunk_table(state, kind));
+    SVO_I_TRY(check_values(state));
+    return check_levels(state);
+}
+
+svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk *chunk, const char *array,
+                                  uint64_t offset)
+{
+    if (chunk->codec != FILE_CODEC_STORED && chunk->codec != FILE_CODEC_ZSTD) {
+        return svo_i_file_damaged(state, "chunk %s: codec %" PRIu32 " is not known", array, chunk->codec);
+    }
+    if (chunk->offset != offset || chunk->stored_bytes > state->file_bytes - offset) {
+        return svo_i_file_damaged(
+            state, "chunk %s: %" PRIu64 " bytes at %" PRIu64 ", %" PRIu64 " bytes at %" PRIu64 " are free", array,
+            chunk->stored_bytes, chunk->offset, state->file_bytes - offset, offset);
+    }
+    const uint64_t plain_bytes_max =
+        chunk->codec == FILE_CODEC_STORED
+            ? chunk->stored_bytes
+            : (chunk->stored_bytes / ZSTD_BLOCK_STORED_BYTES_MIN + 1) * ZSTD_BLOCK_PLAIN_BYTES_MAX;
+    if (chunk->plain_bytes > plain_bytes_max ||
+        (chunk->codec == FILE_CODEC_STORED && chunk->plain_bytes != plain_bytes_max)) {
+        return svo_i_file_damaged(state, "chunk %s: %" PRIu64 " bytes in the file cannot hold %" PRIu64, array,
+                                  chunk->stored_bytes, chunk->plain_bytes);
+    }
+    return SVO_OK;
+}
+
+static svo_status out_of_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count)
+{
+    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %" PRIu64 " bytes of memory",
+                      state->name, array, byte_count);
+}
+
+static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain)
+{
+    const size_t stored_bytes = (size_t)chunk->stored_bytes;
+    svo_status status = SVO_OK;
+    size_t got = 0;
+    void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
+    if (packed == NULL) {
+        return out_of_memory(state, array, chunk->stored_bytes);
+    }
+    SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
+    got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
+    if (ZSTD_isError(got)) {
+        status = svo_i_file_damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
+    } else if (got != chunk->plain_bytes) {
+        status = svo_i_file_damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got,
+                                    chunk->plain_bytes);
+    }
+cleanup:
+    free(packed);
+    return status;
+}
+
+svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out)
+{
+    if (chunk->plain_bytes > SIZE_MAX || chunk->stored_bytes > SIZE_MAX) {
+        return out_of_memory(state, array, chunk->plain_bytes);
+    }
+    const size_t plain_bytes = (size_t)chunk->plain_bytes;
+    void *plain = NULL;
+    if (plain_bytes > 0) {
+        plain = malloc(plain_bytes);
+        if (plain == NULL) {
+            return out_of_memory(state, array, chunk->plain_bytes);
+        }
+        *out = plain;
+        SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, array, plain)
+                                                  : read_at(state, chunk->offset, plain, plain_bytes));
+    }
+    const uint64_t hash = XXH3_64bits(plain != NULL ? plain : "", plain_bytes);
+    return hash == chunk->hash
+               ? SVO_OK
+               : svo_i_file_damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash,
+                                    chunk->hash);
+}
+
+svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset)
+{
+    if (chunk_index != state->head.header.chunk_count) {
+        return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind %" PRIu32 " is not expected", chunk_index,
+                                  state->head.chunks[chunk_index].kind);
+    }
+    if (offset != state->file_bytes) {
+        return svo_i_file_damaged(state, "the chunks end at byte %" PRIu64 ", the file at %" PRIu64, offset,
+                                  state->file_bytes);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out)
+{
+    struct stat entry;
+    *out = (svo_i_file_load){.name = path, .message = message};
+    /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
+    out->file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (out->file < 0) {
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    }
+    svo_status status = SVO_OK;
+    if (fstat(out->file, &entry) != 0) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    } else if (!S_ISREG(entry.st_mode)) {
+        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
+                            S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
+    } else {
+        out->file_bytes = (uint64_t)entry.st_size;
+        return SVO_OK;
+    }
+    close(out->file);
+    return status;
+}
+
+void svo_i_file_load_close(svo_i_file_load *state)
+{
+    close(state->file);
+}
+
+/* ---- built trees ---- */
 
 static void fill_info(svo_tree_info *info, const file_header *header)
 {
@@ -219,29 +337,6 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->leaf_count = info->node_count - info->inner_count;
 }
 
-/* A chunk's place and codec; check_chunk_length compares its length with the counts. */
-static svo_status check_chunk_place(const load_state *state, const file_chunk *chunk, uint64_t offset)
-{
-    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
-    if (chunk->codec != FILE_CODEC_STORED && chunk->codec != FILE_CODEC_ZSTD) {
-        return damaged(state, "chunk %s: codec %" PRIu32 " is not known", array, chunk->codec);
-    }
-    if (chunk->offset != offset || chunk->stored_bytes > state->file_bytes - offset) {
-        return damaged(state, "chunk %s: %" PRIu64 " bytes at %" PRIu64 ", %" PRIu64 " bytes at %" PRIu64 " are free",
-                       array, chunk->stored_bytes, chunk->offset, state->file_bytes - offset, offset);
-    }
-    const uint64_t plain_bytes_max =
-        chunk->codec == FILE_CODEC_STORED
-            ? chunk->stored_bytes
-            : (chunk->stored_bytes / ZSTD_BLOCK_STORED_BYTES_MIN + 1) * ZSTD_BLOCK_PLAIN_BYTES_MAX;
-    if (chunk->plain_bytes > plain_bytes_max ||
-        (chunk->codec == FILE_CODEC_STORED && chunk->plain_bytes != plain_bytes_max)) {
-        return damaged(state, "chunk %s: %" PRIu64 " bytes in the file cannot hold %" PRIu64, array,
-                       chunk->stored_bytes, chunk->plain_bytes);
-    }
-    return SVO_OK;
-}
-
 /* Three counts are not in the header but follow from their chunk's length. */
 static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
 {
@@ -257,10 +352,9 @@ static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
     }
 }
 
-static svo_status check_chunk_length(load_state *state, const file_chunk *chunk)
+static svo_status check_chunk_length(svo_i_file_load *state, svo_tree_info *info, const file_chunk *chunk)
 {
     const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
-    svo_tree_info *info = &state->tree->info;
     const uint64_t element_bytes = svo_i_tree_element_bytes(kind);
     uint64_t *count = count_from_length(info, kind);
     if (count != NULL) {
@@ -268,152 +362,79 @@ static svo_status check_chunk_length(load_state *state, const file_chunk *chunk)
     }
     const uint64_t element_count = svo_i_tree_element_count(info, kind);
     if (chunk->plain_bytes != element_count * element_bytes || element_count > UINT32_MAX) {
-        return damaged(state, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
-                       svo_tree_buffer_name(kind), chunk->plain_bytes, element_count, element_bytes);
+        return svo_i_file_damaged(state, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
+                                  svo_tree_buffer_name(kind), chunk->plain_bytes, element_count, element_bytes);
     }
     return SVO_OK;
 }
 
-static svo_status check_chunk_table(load_state *state)
+static svo_status check_chunk_table(svo_i_file_load *state, svo_tree_info *info)
 {
     const file_header *header = &state->head.header;
     uint64_t offset = header->header_bytes;
     uint32_t chunk_index = 0;
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        if (!svo_i_tree_holds(&state->tree->info, (svo_tree_buffer)i)) {
+        if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
             continue;
         }
         const char *array = svo_tree_buffer_name((svo_tree_buffer)i);
         if (chunk_index == header->chunk_count) {
-            return damaged(state, "chunk %s is missing", array);
+            return svo_i_file_damaged(state, "chunk %s is missing", array);
         }
         const file_chunk *chunk = &state->head.chunks[chunk_index++];
         if (chunk->kind != i) {
-            return damaged(state, "chunk %" PRIu32 ": kind is %" PRIu32 ", %" PRIu32 " (%s) expected", chunk_index - 1,
-                           chunk->kind, i, array);
+            return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind is %" PRIu32 ", %" PRIu32 " (%s) expected",
+                                      chunk_index - 1, chunk->kind, i, array);
         }
-        SVO_I_TRY(check_chunk_place(state, chunk, offset));
-        SVO_I_TRY(check_chunk_length(state, chunk));
+        SVO_I_TRY(svo_i_file_check_place(state, chunk, array, offset));
+        SVO_I_TRY(check_chunk_length(state, info, chunk));
         offset += chunk->stored_bytes;
     }
-    if (chunk_index != header->chunk_count) {
-        return damaged(state, "chunk %" PRIu32 ": kind %" PRIu32 " is not expected", chunk_index,
-                       state->head.chunks[chunk_index].kind);
-    }
-    if (offset != state->file_bytes) {
-        return damaged(state, "the chunks end at byte %" PRIu64 ", the file at %" PRIu64, offset, state->file_bytes);
-    }
-    return SVO_OK;
+    return svo_i_file_check_end(state, chunk_index, offset);
 }
 
-static svo_status out_of_memory(const load_state *state, const char *array, uint64_t byte_count)
+static svo_status load_chunks(svo_i_file_load *state, svo_tree *tree)
 {
-    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %" PRIu64 " bytes of memory",
-                      state->name, array, byte_count);
-}
-
-static svo_status unpack_chunk(const load_state *state, const file_chunk *chunk, void *plain)
-{
-    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
-    const size_t stored_bytes = (size_t)chunk->stored_bytes;
-    svo_status status = SVO_OK;
-    size_t got = 0;
-    void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
-    if (packed == NULL) {
-        return out_of_memory(state, array, chunk->stored_bytes);
-    }
-    SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
-    got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
-    if (ZSTD_isError(got)) {
-        status = damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
-    } else if (got != chunk->plain_bytes) {
-        status = damaged(state, "chunk %s: %zu bytes unpacked, %" PRIu64 " expected", array, got, chunk->plain_bytes);
-    }
-cleanup:
-    free(packed);
-    return status;
-}
-
-/* Reads one chunk into tree->host, which owns the array as soon as it is allocated. */
-static svo_status load_chunk(load_state *state, const file_chunk *chunk)
-{
-    const char *array = svo_tree_buffer_name((svo_tree_buffer)chunk->kind);
-    if (chunk->plain_bytes > SIZE_MAX || chunk->stored_bytes > SIZE_MAX) {
-        return out_of_memory(state, array, chunk->plain_bytes);
-    }
-    const size_t plain_bytes = (size_t)chunk->plain_bytes;
-    void *plain = NULL;
-    if (plain_bytes > 0) {
-        plain = malloc(plain_bytes);
-        if (plain == NULL) {
-            return out_of_memory(state, array, chunk->plain_bytes);
-        }
-        state->tree->host[chunk->kind] = plain;
-        SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, plain)
-                                                  : read_at(state, chunk->offset, plain, plain_bytes));
-    }
-    const uint64_t hash = XXH3_64bits(plain != NULL ? plain : "", plain_bytes);
-    if (hash != chunk->hash) {
-        return damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash, chunk->hash);
-    }
-    return svo_i_tree_repeat(state->tree, (svo_tree_buffer)chunk->kind, &state->tree->host[chunk->kind])
-               ? SVO_OK
-               : out_of_memory(state, array, state->tree->info.node_count * chunk->plain_bytes);
-}
-
-static svo_status load_chunks(load_state *state)
-{
-    SVO_I_TRY(check_chunk_table(state));
+    SVO_I_TRY(check_chunk_table(state, &tree->info));
     for (uint32_t i = 0; i < state->head.header.chunk_count; ++i) {
-        SVO_I_TRY(load_chunk(state, &state->head.chunks[i]));
+        const file_chunk *chunk = &state->head.chunks[i];
+        const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
+        SVO_I_TRY(svo_i_file_load_chunk(state, chunk, svo_tree_buffer_name(kind), &tree->host[kind]));
+        if (!svo_i_tree_repeat(tree, kind, &tree->host[kind])) {
+            return out_of_memory(state, svo_tree_buffer_name(kind), tree->info.node_count * chunk->plain_bytes);
+        }
     }
-    state->tree->downloaded = true;
-    return svo_i_file_check_structure(state->tree, state->name, state->message);
+    tree->downloaded = true;
+    return svo_i_file_check_structure(tree, state->name, state->message);
 }
 
-static svo_status load(load_state *state, svo_tree **out)
+static svo_status load(svo_i_file_load *state, svo_tree **out)
 {
+    static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_VERSION, SVO_TREE_BUFFER_COUNT};
     svo_status status = SVO_OK;
-    SVO_I_TRY(read_identity(state));
-    SVO_I_TRY(read_chunk_table(state));
-    SVO_I_TRY(check_values(state));
-    SVO_I_TRY(check_levels(state));
-    state->tree = svo_i_tree_new();
-    if (state->tree == NULL) {
+    SVO_I_TRY(svo_i_file_read_head(state, &kind));
+    svo_tree *tree = svo_i_tree_new();
+    if (tree == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
     }
-    fill_info(&state->tree->info, &state->head.header);
-    SVO_I_TRY_CLEANUP(load_chunks(state));
-    *out = state->tree;
-    state->tree = NULL;
+    fill_info(&tree->info, &state->head.header);
+    SVO_I_TRY_CLEANUP(load_chunks(state, tree));
+    *out = tree;
+    tree = NULL;
 cleanup:
-    svo_tree_destroy(&state->tree);
+    svo_tree_destroy(&tree);
     return status;
 }
 
 svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
 {
+    svo_i_file_load state;
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
     }
-    load_state state = {.name = path, .message = message};
-    /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
-    state.file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (state.file < 0) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
-    }
-    svo_status status = SVO_OK;
-    struct stat entry;
-    if (fstat(state.file, &entry) != 0) {
-        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
-    } else if (!S_ISREG(entry.st_mode)) {
-        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
-                            S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
-    } else {
-        state.file_bytes = (uint64_t)entry.st_size;
-        status = load(&state, out);
-    }
-    close(state.file);
+    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    const svo_status status = load(&state, out);
+    svo_i_file_load_close(&state);
     return status;
 }
 
@@ -424,6 +445,6 @@ svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
                           bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
     }
-    load_state state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
     return load(&state, out);
 }

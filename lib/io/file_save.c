@@ -15,24 +15,13 @@
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
-#include "io/file_format.h"
+#include "io/file_save.h"
 #include "output/output.h"
 
 #define COMPRESSION_LEVEL 3
 
-typedef struct save_state {
-    const svo_tree *tree;
-    const char *name; /* begins messages: the path or the function */
-    svo_message *message;
-    svo_write_callback write;
-    void *user;
-    bool compress;
-    file_head head;
-    void *packed[SVO_TREE_BUFFER_COUNT]; /* compressed chunks, in the order of head.chunks; NULL: written as they are */
-} save_state;
-
 /* Compresses an array if that makes it smaller; *packed stays NULL if not. The caller frees it. */
-static svo_status pack(const save_state *state, const void *plain, size_t plain_bytes, void **packed,
+static svo_status pack(const svo_i_file_save *state, const void *plain, size_t plain_bytes, void **packed,
                        uint64_t *packed_bytes)
 {
     const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
@@ -60,23 +49,20 @@ static svo_status pack(const save_state *state, const void *plain, size_t plain_
     return SVO_OK;
 }
 
-static svo_status measure_chunk(const save_state *state, file_chunk *chunk, void **packed)
+static svo_status measure_chunk(const svo_i_file_save *state, const svo_i_file_array *array, file_chunk *chunk,
+                                void **packed)
 {
-    const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
-    const void *plain = state->tree->host[kind];
-    size_t plain_bytes = 0;
-    if (!svo_i_mul_size((size_t)svo_i_tree_element_count(&state->tree->info, kind), svo_i_tree_element_bytes(kind),
-                        &plain_bytes) ||
-        (plain_bytes > 0 && plain == NULL)) {
+    const size_t plain_bytes = (size_t)array->bytes;
+    if (array->bytes > SIZE_MAX || (plain_bytes > 0 && array->plain == NULL)) {
         return svo_i_fail(state->message, SVO_INVALID_ARGUMENT, "%s: the tree's array %s is missing", state->name,
-                          svo_tree_buffer_name(kind));
+                          array->name);
     }
     chunk->plain_bytes = plain_bytes;
-    chunk->hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
+    chunk->hash = XXH3_64bits(plain_bytes > 0 ? array->plain : "", plain_bytes);
     chunk->codec = FILE_CODEC_STORED;
     chunk->stored_bytes = plain_bytes;
     if (state->compress && plain_bytes > 0) {
-        SVO_I_TRY(pack(state, plain, plain_bytes, packed, &chunk->stored_bytes));
+        SVO_I_TRY(pack(state, array->plain, plain_bytes, packed, &chunk->stored_bytes));
         chunk->codec = *packed != NULL ? FILE_CODEC_ZSTD : FILE_CODEC_STORED;
     }
     return SVO_OK;
@@ -101,28 +87,20 @@ static void fill_header(file_header *header, const svo_tree_info *info)
     header->refused_triangles = info->refused_triangles;
     header->fragments = info->fragments;
     memcpy(header->level_begin, info->level_begin, (info->depth + 2) * sizeof header->level_begin[0]);
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        header->chunk_count += svo_i_tree_holds(info, (svo_tree_buffer)i) ? 1 : 0;
-    }
-    header->header_bytes = (uint32_t)(sizeof *header + header->chunk_count * sizeof(file_chunk));
 }
 
-/* Fills the header and the chunk table, and compresses the chunks. */
-static svo_status measure(save_state *state)
+/* Fills the chunk table and the rest of the header, and compresses the chunks. */
+static svo_status measure(svo_i_file_save *state)
 {
     file_header *header = &state->head.header;
-    fill_header(header, &state->tree->info);
+    header->chunk_count = state->array_count;
+    header->header_bytes = (uint32_t)(sizeof *header + header->chunk_count * sizeof(file_chunk));
     uint64_t offset = header->header_bytes;
-    uint32_t chunk_index = 0;
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        if (!svo_i_tree_holds(&state->tree->info, (svo_tree_buffer)i)) {
-            continue;
-        }
-        file_chunk *chunk = &state->head.chunks[chunk_index];
-        *chunk = (file_chunk){.kind = i, .offset = offset};
-        SVO_I_TRY(measure_chunk(state, chunk, &state->packed[chunk_index]));
+    for (uint32_t i = 0; i < state->array_count; ++i) {
+        file_chunk *chunk = &state->head.chunks[i];
+        *chunk = (file_chunk){.kind = state->arrays[i].kind, .offset = offset};
+        SVO_I_TRY(measure_chunk(state, &state->arrays[i], chunk, &state->packed[i]));
         offset += chunk->stored_bytes;
-        ++chunk_index;
     }
     header->file_bytes = offset;
     header->header_hash =
@@ -130,7 +108,7 @@ static svo_status measure(save_state *state)
     return SVO_OK;
 }
 
-static svo_status put(const save_state *state, uint64_t offset, const void *bytes, size_t byte_count)
+static svo_status put(const svo_i_file_save *state, uint64_t offset, const void *bytes, size_t byte_count)
 {
     if (byte_count > 0 && state->write(state->user, bytes, byte_count) != 0) {
         return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: %zu bytes at %" PRIu64 " could not be written",
@@ -139,60 +117,28 @@ static svo_status put(const save_state *state, uint64_t offset, const void *byte
     return SVO_OK;
 }
 
-static svo_status write_all(const save_state *state)
+static svo_status write_all(const svo_i_file_save *state)
 {
     const file_header *header = &state->head.header;
     SVO_I_TRY(put(state, 0, &state->head, header->header_bytes));
     for (uint32_t i = 0; i < header->chunk_count; ++i) {
         const file_chunk *chunk = &state->head.chunks[i];
-        const void *bytes = state->packed[i] != NULL ? state->packed[i] : state->tree->host[chunk->kind];
+        const void *bytes = state->packed[i] != NULL ? state->packed[i] : state->arrays[i].plain;
         SVO_I_TRY(put(state, chunk->offset, bytes, (size_t)chunk->stored_bytes));
     }
     return SVO_OK;
 }
 
-static svo_status write_tree(save_state *state)
+svo_status svo_i_file_write(svo_i_file_save *state)
 {
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(measure(state));
     SVO_I_TRY_CLEANUP(write_all(state));
 cleanup:
-    for (size_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+    for (size_t i = 0; i < FILE_CHUNKS_MAX; ++i) {
         free(state->packed[i]);
     }
     return status;
-}
-
-/* Checks what svo_tree_save and svo_tree_write have in common. */
-static svo_status start(const char *function, const svo_tree *tree, const svo_save_options *options,
-                        svo_message *message, save_state *state)
-{
-    svo_save_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
-    const char *undefined = svo_i_tree_undefined(tree);
-    if (undefined != NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
-    }
-    if (!tree->downloaded) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                          "%s: the tree has no host arrays; call svo_tree_download first", function);
-    }
-    *state = (save_state){.tree = tree, .name = function, .message = message, .compress = asked.compress != 0};
-    return SVO_OK;
-}
-
-svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user, const svo_save_options *options,
-                          svo_message *message)
-{
-    if (tree == NULL || write == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_write: %s is NULL", tree == NULL ? "tree" : "write");
-    }
-    save_state state = {.tree = tree};
-    SVO_I_TRY(start("svo_tree_write", tree, options, message, &state));
-    state.write = write;
-    state.user = user;
-    return write_tree(&state);
 }
 
 /* An output and the first error of writing to it. */
@@ -213,25 +159,75 @@ static svo_status fail_errno(svo_message *message, const char *path, int error)
     return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
 }
 
+svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path)
+{
+    sink to = {.output = {.descriptor = -1}};
+    state->name = path;
+    state->write = write_to_sink;
+    state->user = &to;
+    to.error = svo_i_output_open(path, NULL, &to.output);
+    if (to.error != 0) {
+        return fail_errno(state->message, path, to.error);
+    }
+    svo_status status = svo_i_file_write(state);
+    if (status == SVO_OK) {
+        to.error = svo_i_output_commit(&to.output);
+    }
+    svo_i_output_abandon(&to.output);
+    return to.error != 0 ? fail_errno(state->message, path, to.error) : status;
+}
+
+/* ---- built trees ---- */
+
+/* Checks what svo_tree_save and svo_tree_write have in common. */
+static svo_status start(const char *function, const svo_tree *tree, const svo_save_options *options,
+                        svo_message *message, svo_i_file_save *state)
+{
+    svo_save_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    const char *undefined = svo_i_tree_undefined(tree);
+    if (undefined != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
+    }
+    if (!tree->downloaded) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: the tree has no host arrays; call svo_tree_download first", function);
+    }
+    *state = (svo_i_file_save){.name = function, .message = message, .compress = asked.compress != 0};
+    fill_header(&state->head.header, &tree->info);
+    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        const svo_tree_buffer kind = (svo_tree_buffer)i;
+        if (svo_i_tree_holds(&tree->info, kind)) {
+            state->arrays[state->array_count++] = (svo_i_file_array){
+                .kind = i,
+                .name = svo_tree_buffer_name(kind),
+                .plain = tree->host[i],
+                .bytes = svo_i_tree_element_count(&tree->info, kind) * svo_i_tree_element_bytes(kind)};
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user, const svo_save_options *options,
+                          svo_message *message)
+{
+    if (tree == NULL || write == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_write: %s is NULL", tree == NULL ? "tree" : "write");
+    }
+    svo_i_file_save state = {.name = "svo_tree_write"};
+    SVO_I_TRY(start("svo_tree_write", tree, options, message, &state));
+    state.write = write;
+    state.user = user;
+    return svo_i_file_write(&state);
+}
+
 svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options, svo_message *message)
 {
     if (tree == NULL || path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: %s is NULL", tree == NULL ? "tree" : "path");
     }
-    sink to = {.output = {.descriptor = -1}};
-    save_state state = {.tree = tree};
+    svo_i_file_save state = {.name = path};
     SVO_I_TRY(start("svo_tree_save", tree, options, message, &state));
-    state.name = path;
-    state.write = write_to_sink;
-    state.user = &to;
-    to.error = svo_i_output_open(path, NULL, &to.output);
-    if (to.error != 0) {
-        return fail_errno(message, path, to.error);
-    }
-    svo_status status = write_tree(&state);
-    if (status == SVO_OK) {
-        to.error = svo_i_output_commit(&to.output);
-    }
-    svo_i_output_abandon(&to.output);
-    return to.error != 0 ? fail_errno(message, path, to.error) : status;
+    return svo_i_file_save_to(&state, path);
 }

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The last step of loading a compact tree: its nodes are read in their order, and each must be where the order has it.
+ * So kernels that follow them stay inside the arrays.
+ */
+#include "io/compact_check.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "shared/descriptor.h"
+#include "svocl/tree_types.h"
+
+typedef struct check {
+    const svo_compact_info *info;
+    const char *name;
+    svo_message *message;
+    const uint32_t *words;
+    const uint32_t *bases; /* NULL: none */
+    uint8_t *levels; /* of a word's node, plus 1; 0: a far word. NULL without bases */
+    uint64_t next; /* the next word whose place is not taken */
+    uint64_t far_count;
+    uint64_t inner[SVO_LEVELS_MAX], leaf[SVO_LEVELS_MAX]; /* counted */
+} check;
+
+static svo_status damaged(const check *c, uint64_t at, const char *what)
+{
+    return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: node %" PRIu64 ": %s", c->name, at, what);
+}
+
+static uint32_t count_bits(uint32_t mask)
+{
+    uint32_t count = 0;
+    for (; mask != 0; mask &= mask - 1) {
+        ++count;
+    }
+    return count;
+}
+
+/* The counted levels are those of the header. */
+static svo_status check_levels(const check *c)
+{
+    for (uint32_t level = 0; level <= c->info->depth; ++level) {
+        if (c->inner[level] != c->info->level_inner[level] || c->leaf[level] != c->info->level_leaf[level]) {
+            return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                              "%s: level %" PRIu32 " has %" PRIu64 " inner nodes and %" PRIu64 " leaves, %" PRIu32
+                              " and %" PRIu32 " expected",
+                              c->name, level, c->inner[level], c->leaf[level], c->info->level_inner[level],
+                              c->info->level_leaf[level]);
+        }
+    }
+    return SVO_OK;
+}
+
+/* ---- descriptors ---- */
+
+/* The masks of a word. *inner: its inner children. */
+static svo_status check_masks(check *c, uint64_t place, uint32_t level, uint32_t *inner)
+{
+    const uint32_t valid = c->words[place] & 255;
+    const uint32_t leaf = c->words[place] >> SVO_WORD_LEAF_SHIFT & 255;
+    if (valid == 0 && (level > 0 || c->info->leaf_count > 0)) {
+        return damaged(c, place, "it has no child");
+    }
+    if ((leaf & ~valid) != 0) {
+        return damaged(c, place, "a leaf is not among its children");
+    }
+    if (level + 1 == c->info->depth && leaf != valid) {
+        return damaged(c, place, "a child below the deepest level is not a leaf");
+    }
+    c->leaf[level + 1] += count_bits(leaf);
+    *inner = count_bits(valid & ~leaf);
+    return SVO_OK;
+}
+
+/* Takes the next words. */
+static svo_status take(check *c, uint64_t place, uint32_t count)
+{
+    if (count > c->info->stored_count - c->next) {
+        return damaged(c, place, "its children or a far word lie beyond the end");
+    }
+    c->next += count;
+    return SVO_OK;
+}
+
+/* The far words of a group, in the order of its members. */
+static svo_status check_far_words(check *c, uint64_t group, uint32_t count)
+{
+    for (uint64_t place = group; place < group + count; ++place) {
+        if ((c->words[place] & SVO_WORD_FAR) != 0) {
+            if (place + (c->words[place] >> SVO_WORD_DISTANCE_SHIFT) != c->next) {
+                return damaged(c, place, "its far word is not behind its group");
+            }
+            ++c->far_count;
+            SVO_I_TRY(take(c, place, 1));
+        }
+    }
+    return SVO_OK;
+}
+
+/* The distance of a node whose children begin at c->next. */
+static svo_status check_distance(const check *c, uint64_t place)
+{
+    const uint32_t field = c->words[place] >> SVO_WORD_DISTANCE_SHIFT;
+    const bool far = (c->words[place] & SVO_WORD_FAR) != 0;
+    const uint64_t distance = far ? c->words[place + field] : field;
+    if (place + distance != c->next) {
+        return damaged(c, place, "its distance does not lead to its children");
+    }
+    return far == (distance > SVO_WORD_DISTANCE_MAX) ? SVO_OK
+                                                     : damaged(c, place, "it has a far word that it does not need");
+}
+
+/* A node and all below it; no deeper than the tree. */
+static svo_status check_node(check *c, uint64_t place, uint32_t level)
+{
+    uint32_t count = 0;
+    SVO_I_TRY(check_masks(c, place, level, &count));
+    ++c->inner[level];
+    if (c->levels != NULL) {
+        c->levels[place] = (uint8_t)(level + 1);
+    }
+    if (count == 0) {
+        return c->words[place] >> 16 == 0 ? SVO_OK : damaged(c, place, "it has a distance but no inner child");
+    }
+    SVO_I_TRY(check_distance(c, place));
+    const uint64_t group = c->next;
+    SVO_I_TRY(take(c, place, count));
+    SVO_I_TRY(check_far_words(c, group, count));
+    for (uint64_t member = group; member < group + count; ++member) {
+        SVO_I_TRY(check_node(c, member, level + 1));
+    }
+    return SVO_OK;
+}
+
+static svo_status check_bases(const check *c)
+{
+    uint64_t next = c->info->payload_level == 0 ? 1 : 0;
+    for (uint64_t place = 0; place < c->info->stored_count; ++place) {
+        const uint32_t level = c->levels[place];
+        const bool has_payload = level > 0 && level >= c->info->payload_level;
+        const uint64_t expected = level == 0 ? 0 : has_payload ? next : SVO_NO_NODE;
+        if (c->bases[place] != expected) {
+            return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                              "%s: node %" PRIu64 ": its base is %" PRIu32 ", %" PRIu64 " expected", c->name, place,
+                              c->bases[place], expected);
+        }
+        next += has_payload ? count_bits(c->words[place] & 255) : 0;
+    }
+    return SVO_OK;
+}
+
+static svo_status check_words(check *c)
+{
+    if ((c->words[0] & SVO_WORD_FAR) != 0) {
+        return damaged(c, 0, "the root has a far word");
+    }
+    c->next = 1;
+    SVO_I_TRY(check_node(c, 0, 0));
+    if (c->next != c->info->stored_count || c->far_count != c->info->far_count) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                          "%s: %" PRIu64 " words, %" PRIu64 " of them far, %" PRIu64 " and %" PRIu64 " expected",
+                          c->name, c->next, c->far_count, c->info->stored_count, c->info->far_count);
+    }
+    SVO_I_TRY(check_levels(c));
+    return c->bases != NULL ? check_bases(c) : SVO_OK;
+}
+
+static svo_status check_descriptor(check *c, const svo_compact *compact)
+{
+    c->words = compact->host[SVO_COMPACT_NODES];
+    c->bases = compact->host[SVO_COMPACT_BASES];
+    if (c->bases != NULL) {
+        c->levels = calloc((size_t)c->info->stored_count, 1);
+        if (c->levels == NULL) {
+            return svo_i_fail(c->message, SVO_OUT_OF_HOST_MEMORY, "%s: checking needs %" PRIu64 " bytes", c->name,
+                              c->info->stored_count);
+        }
+    }
+    const svo_status status = check_words(c);
+    free(c->levels);
+    return status;
+}
+
+/* ---- implied ---- */
+
+/* Masks, breadth-first, and the directory; *end: the node after the last. */
+static svo_status check_implied_nodes(check *c, const uint8_t *masks, const uint32_t *directory, uint64_t *end)
+{
+    const uint64_t step_mask = (UINT64_C(1) << c->info->directory_step_log2) - 1;
+    uint64_t level_end = 1;
+    uint32_t level = 0;
+    *end = 1;
+    for (uint64_t node = 0; node < c->info->stored_count; ++node) {
+        if (node == level_end) {
+            ++level;
+            level_end = *end;
+        }
+        if (level == c->info->depth || node == level_end) {
+            return damaged(c, node, "it is below the deepest level, or its level is empty");
+        }
+        if ((node & step_mask) == 0 && directory[node >> c->info->directory_step_log2] != *end) {
+            return damaged(c, node, "its first child is not as the directory says");
+        }
+        const bool is_leaf = masks[node] == 0 && node > 0;
+        c->leaf[level] += is_leaf ? 1 : 0;
+        c->inner[level] += is_leaf ? 0 : 1;
+        *end += count_bits(masks[node]);
+    }
+    /* What is below the last level that has masks are voxels. */
+    c->leaf[c->info->depth] = *end - c->info->stored_count;
+    return level + 1 == c->info->depth || *end == c->info->stored_count
+               ? SVO_OK
+               : damaged(c, c->info->stored_count, "its mask is missing");
+}
+
+static svo_status check_implied(check *c, const svo_compact *compact)
+{
+    const uint8_t *masks = compact->host[SVO_COMPACT_NODES];
+    const uint32_t *bases = compact->host[SVO_COMPACT_BASES];
+    uint64_t end = 0;
+    uint64_t begin = 0;
+    if (masks[0] == 0 && c->info->leaf_count > 0) {
+        return damaged(c, 0, "it has no child");
+    }
+    SVO_I_TRY(check_implied_nodes(c, masks, compact->host[SVO_COMPACT_LINKS], &end));
+    SVO_I_TRY(check_levels(c));
+    for (uint64_t i = c->info->stored_count; i < c->info->bytes[SVO_COMPACT_NODES]; ++i) {
+        if (masks[i] != 0) {
+            return damaged(c, i, "a byte after the last node is not 0");
+        }
+    }
+    for (uint32_t level = 0; level < c->info->payload_level; ++level) {
+        begin += (uint64_t)c->info->level_inner[level] + c->info->level_leaf[level];
+    }
+    return bases == NULL || bases[0] == begin ? SVO_OK : damaged(c, bases[0], "payload does not begin at this node");
+}
+
+svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo_message *message)
+{
+    check c = {.info = &compact->info, .name = name, .message = message};
+    return compact->info.form == SVO_FORM_IMPLIED ? check_implied(&c, compact) : check_descriptor(&c, compact);
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: MIT */
+/* Compact trees to files and back: what file_save.c and file_load.c do not know of them. io.h has the format. */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/compact.h"
+#include "core/message.h"
+#include "core/struct_size.h"
+#include "io/compact_check.h"
+#include "io/file_load.h"
+#include "io/file_save.h"
+#include "svocl/plan.h"
+
+#define PAYLOAD \
+    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
+#define DIRECTORY_LOG2_MIN 4u
+#define DIRECTORY_LOG2_MAX 6u
+
+/* ---- saving ---- */
+
+static void fill_header(const svo_compact_info *info, file_header *header)
+{
+    memcpy(header->magic, FILE_COMPACT_MAGIC, FILE_MAGIC_BYTES);
+    header->version = FILE_COMPACT_VERSION;
+    header->depth = info->depth;
+    header->snap_bits = info->snap_bits;
+    header->coverage = info->coverage;
+    header->need = (uint16_t)info->need;
+    header->constant = (uint16_t)info->constant;
+    header->weights = (uint16_t)info->weights;
+    header->payload_level = (uint16_t)info->payload_level;
+    memcpy(header->origin, info->origin, sizeof header->origin);
+    header->edge = info->edge;
+    header->scale = info->scale;
+    header->snap_error = info->snap_error;
+    header->triangles = info->triangles;
+    header->refused_triangles = info->refused_triangles;
+    header->fragments = info->fragments;
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        header->level_begin[level + 1] = header->level_begin[level] + info->level_inner[level];
+    }
+}
+
+static void fill_counts(const svo_compact_info *info, file_counts *counts)
+{
+    *counts = (file_counts){.form = info->form,
+                            .minimized = info->minimized,
+                            .directory_step_log2 = info->directory_step_log2,
+                            .stored_count = info->stored_count,
+                            .far_count = info->far_count};
+    memcpy(counts->level_leaf, info->level_leaf, sizeof counts->level_leaf);
+}
+
+/* counts: lives as long as the writing. */
+static svo_status start(const char *function, const svo_compact *compact, const svo_save_options *options,
+                        svo_message *message, file_counts *counts, svo_i_file_save *out)
+{
+    svo_save_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    if (!compact->downloaded) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: there are no host arrays; call svo_compact_download first", function);
+    }
+    *out = (svo_i_file_save){.name = function, .message = message, .compress = asked.compress != 0};
+    fill_header(&compact->info, &out->head.header);
+    fill_counts(&compact->info, counts);
+    out->arrays[out->array_count++] = (svo_i_file_array){FILE_COUNTS, "counts", counts, sizeof *counts};
+    for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        if (compact->info.bytes[i] > 0) {
+            out->arrays[out->array_count++] = (svo_i_file_array){i, svo_compact_buffer_name((svo_compact_buffer)i),
+                                                                 compact->host[i], compact->info.bytes[i]};
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_compact_write(const svo_compact *compact, svo_write_callback write, void *user,
+                             const svo_save_options *options, svo_message *message)
+{
+    file_counts counts;
+    svo_i_file_save state;
+    if (compact == NULL || write == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_write: %s is NULL",
+                          compact == NULL ? "compact" : "write");
+    }
+    SVO_I_TRY(start("svo_compact_write", compact, options, message, &counts, &state));
+    state.write = write;
+    state.user = user;
+    return svo_i_file_write(&state);
+}
+
+svo_status svo_compact_save(const svo_compact *compact, const char *path, const svo_save_options *options,
+                            svo_message *message)
+{
+    file_counts counts;
+    svo_i_file_save state;
+    if (compact == NULL || path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_save: %s is NULL",
+                          compact == NULL ? "compact" : "path");
+    }
+    SVO_I_TRY(start("svo_compact_save", compact, options, message, &counts, &state));
+    return svo_i_file_save_to(&state, path);
+}
+
+/* ---- loading ---- */
+
+static void fill_info(const file_header *header, const file_counts *counts, svo_compact_info *info)
+{
+    *info = (svo_compact_info){.struct_size = sizeof *info,
+                               .form = (svo_form)counts->form,
+                               .minimized = counts->minimized,
+                               .directory_step_log2 = counts->directory_step_log2,
+                               .depth = header->depth,
+                               .snap_bits = header->snap_bits,
+                               .coverage = header->coverage,
+                               .need = header->need,
+                               .constant = header->constant,
+                               .weights = header->weights,
+                               .payload_level = header->payload_level,
+                               .origin = {header->origin[0], header->origin[1], header->origin[2]},
+                               .edge = header->edge,
+                               .scale = header->scale,
+                               .snap_error = header->snap_error,
+                               .triangles = header->triangles,
+                               .refused_triangles = header->refused_triangles,
+                               .fragments = header->fragments,
+                               .stored_count = counts->stored_count,
+                               .far_count = counts->far_count};
+    for (uint32_t level = 0; level < header->depth; ++level) {
+        info->level_inner[level] = header->level_begin[level + 1] - header->level_begin[level];
+    }
+    memcpy(info->level_leaf, counts->level_leaf, sizeof info->level_leaf);
+}
+
+/* Leaves and inner nodes of a level are children of the level above. */
+static svo_status check_leaf_counts(const svo_i_file_load *state, const file_counts *counts)
+{
+    const file_header *header = &state->head.header;
+    if (header->level_begin[header->depth + 1] != header->level_begin[header->depth]) {
+        return svo_i_file_damaged(state, "header: there are inner nodes on level %" PRIu32, header->depth);
+    }
+    for (uint32_t level = 0; level < SVO_LEVELS_MAX; ++level) {
+        const bool known = level > 0 && level <= header->depth;
+        const uint64_t inner = known ? header->level_begin[level + 1] - header->level_begin[level] : 0;
+        const uint64_t parents = known ? header->level_begin[level] - header->level_begin[level - 1] : 0;
+        if (counts->level_leaf[level] + inner > 8 * parents) {
+            return svo_i_file_damaged(state, "counts: level %" PRIu32 " has %" PRIu32 " leaves", level,
+                                      counts->level_leaf[level]);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_counts(const svo_i_file_load *state, const file_counts *counts)
+{
+    const bool implied = counts->form == SVO_FORM_IMPLIED;
+    const uint64_t inner = state->head.header.level_begin[state->head.header.depth];
+    const uint32_t step_log2 = counts->directory_step_log2;
+    uint64_t stored = inner + counts->far_count;
+    if (counts->form >= SVO_FORM_SHARED || counts->minimized > 1 || counts->reserved != 0) {
+        return svo_i_file_damaged(state, "counts: form %" PRIu32 ", minimized %" PRIu32 " or %" PRIu32 " is not known",
+                                  counts->form, counts->minimized, counts->reserved);
+    }
+    if (implied ? step_log2 < DIRECTORY_LOG2_MIN || step_log2 > DIRECTORY_LOG2_MAX : step_log2 != 0) {
+        return svo_i_file_damaged(state, "counts: directory_step_log2 %" PRIu32 " does not fit the form", step_log2);
+    }
+    SVO_I_TRY(check_leaf_counts(state, counts));
+    for (uint32_t level = 0; implied && level < state->head.header.depth; ++level) {
+        stored += counts->level_leaf[level];
+    }
+    if (counts->far_count > (implied ? 0 : inner) || counts->stored_count != stored || stored > UINT32_MAX) {
+        return svo_i_file_damaged(state, "counts: %" PRIu64 " nodes and %" PRIu64 " far words are not %" PRIu64, inner,
+                                  counts->far_count, counts->stored_count);
+    }
+    return SVO_OK;
+}
+
+/* The chunk after the table must be the counts. */
+static svo_status load_counts(const svo_i_file_load *state, file_counts *counts, uint64_t *offset)
+{
+    const file_header *header = &state->head.header;
+    const file_chunk *chunk = &state->head.chunks[0];
+    svo_status status = SVO_OK;
+    void *plain = NULL;
+    if (header->chunk_count == 0 || chunk->kind != FILE_COUNTS || chunk->plain_bytes != sizeof *counts) {
+        return svo_i_file_damaged(state, "chunk counts is missing");
+    }
+    if ((header->need & ~PAYLOAD) != 0) {
+        return svo_i_file_damaged(state, "header: need 0x%" PRIx16 " is not of payload alone", header->need);
+    }
+    SVO_I_TRY(svo_i_file_check_place(state, chunk, "counts", header->header_bytes));
+    SVO_I_TRY_CLEANUP(svo_i_file_load_chunk(state, chunk, "counts", &plain));
+    memcpy(counts, plain, sizeof *counts);
+    *offset = header->header_bytes + chunk->stored_bytes;
+
+cleanup:
+    free(plain);
+    return status;
+}
+
+static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo_compact *compact)
+{
+    uint32_t chunk_index = 1;
+    for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const char *name = svo_compact_buffer_name((svo_compact_buffer)i);
+        const file_chunk *chunk = &state->head.chunks[chunk_index];
+        if (compact->info.bytes[i] == 0) {
+            continue;
+        }
+        if (chunk_index == state->head.header.chunk_count || chunk->kind != i) {
+            return svo_i_file_damaged(state, "chunk %s is missing", name);
+        }
+        SVO_I_TRY(svo_i_file_check_place(state, chunk, name, offset));
+        if (chunk->plain_bytes != compact->info.bytes[i]) {
+            return svo_i_file_damaged(state, "chunk %s: %" PRIu64 " bytes, %" PRIu64 " expected", name,
+                                      chunk->plain_bytes, compact->info.bytes[i]);
+        }
+        SVO_I_TRY(svo_i_file_load_chunk(state, chunk, name, &compact->host[i]));
+        offset += chunk->stored_bytes;
+        ++chunk_index;
+    }
+    return svo_i_file_check_end(state, chunk_index, offset);
+}
+
+static svo_status load(svo_i_file_load *state, svo_compact **out)
+{
+    static const svo_i_file_kind kind = {"compact tree's", FILE_COMPACT_MAGIC, FILE_COMPACT_VERSION,
+                                         1 + SVO_COMPACT_BUFFER_COUNT};
+    file_counts counts = {.form = 0};
+    uint64_t offset = 0;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_file_read_head(state, &kind));
+    SVO_I_TRY(load_counts(state, &counts, &offset));
+    SVO_I_TRY(check_counts(state, &counts));
+    svo_compact *compact = svo_i_compact_new();
+    if (compact == NULL) {
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", state->name);
+    }
+    fill_info(&state->head.header, &counts, &compact->info);
+    svo_i_compact_count(&compact->info);
+    SVO_I_TRY_CLEANUP(load_arrays(state, offset, compact));
+    SVO_I_TRY_CLEANUP(svo_i_compact_check(compact, state->name, state->message));
+    compact->downloaded = true;
+    *out = compact;
+    compact = NULL;
+
+cleanup:
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+svo_status svo_compact_load(const char *path, svo_compact **out, svo_message *message)
+{
+    svo_i_file_load state;
+    if (path == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load: %s is NULL", path == NULL ? "path" : "out");
+    }
+    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    const svo_status status = load(&state, out);
+    svo_i_file_load_close(&state);
+    return status;
+}
+
+svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name, svo_compact **out,
+                                   svo_message *message)
+{
+    if (bytes == NULL || name == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load_memory: %s is NULL",
+                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
+    }
+    svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    return load(&state, out);
+}

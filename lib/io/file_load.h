@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads a header and chunks: of a built tree, or of a compact one. Nothing larger than the file is allocated. */
+#ifndef SVO_LIB_IO_FILE_LOAD_H
+#define SVO_LIB_IO_FILE_LOAD_H
+
+#include "io/file_format.h"
+
+/* A file that is read, from a descriptor or from memory. */
+typedef struct svo_i_file_load {
+    const char *name; /* begins messages */
+    svo_message *message;
+    const uint8_t *memory; /* the whole file, or NULL: read from file */
+    int file;
+    uint64_t file_bytes;
+    file_head head;
+} svo_i_file_load;
+
+/* What tells a format's files from others. */
+typedef struct svo_i_file_kind {
+    const char *name; /* ".svo" */
+    const char *magic; /* FILE_MAGIC_BYTES */
+    uint32_t version;
+    uint32_t chunks_max; /* at most FILE_CHUNKS_MAX */
+} svo_i_file_kind;
+
+/* Opens a file; closed by svo_i_file_load_close. */
+svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out);
+void svo_i_file_load_close(svo_i_file_load *state);
+
+/* Reads header and chunk table into state->head and checks the header's values, levels included. */
+svo_status svo_i_file_read_head(svo_i_file_load *state, const svo_i_file_kind *kind);
+/* Checks a chunk's place, which must be offset, its codec, and that its bytes can hold what it says. array: its name. */
+svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk *chunk, const char *array,
+                                  uint64_t offset);
+/* Checks that there are no further chunks or bytes. */
+svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
+/* Reads a chunk whose place was checked. *out, by malloc, is set as soon as there is memory, also on failure. */
+svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out);
+
+/* SVO_FILE_DAMAGED, with the file's name before the words. */
+svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#endif
