@@ -257,7 +257,7 @@ svo_status svo_compact_load(const char *path, svo_compact **out, svo_message *me
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load: %s is NULL", path == NULL ? "path" : "out");
     }
-    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    SVO_I_TRY(svo_i_file_load_open(path, message, &state));
     const svo_status status = load(&state, out);
     svo_i_file_load_close(&state);
     return status;

@@ -285,7 +285,7 @@ svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_ind
     return SVO_OK;
 }
 
-svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out)
+svo_status svo_i_file_load_open(const char *path, svo_message *message, svo_i_file_load *out)
 {
     struct stat entry;
     *out = (svo_i_file_load){.name = path, .message = message};
@@ -432,7 +432,7 @@ svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
     }
-    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    SVO_I_TRY(svo_i_file_load_open(path, message, &state));
     const svo_status status = load(&state, out);
     svo_i_file_load_close(&state);
     return status;

@@ -24,7 +24,7 @@ typedef struct svo_i_file_kind {
 } svo_i_file_kind;
 
 /* Opens a file; closed by svo_i_file_load_close. */
-svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out);
+svo_status svo_i_file_load_open(const char *path, svo_message *message, svo_i_file_load *out);
 void svo_i_file_load_close(svo_i_file_load *state);
 
 /* Reads header and chunk table into state->head and checks the header's values, levels included. */
