@@ -6,7 +6,6 @@
 #include "io/compact_check.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 
 #include "shared/descriptor.h"
 #include "svocl/tree_types.h"
@@ -171,14 +170,14 @@ static svo_status check_descriptor(check *c, const svo_compact *compact)
     c->words = compact->host[SVO_COMPACT_NODES];
     c->bases = compact->host[SVO_COMPACT_BASES];
     if (c->bases != NULL) {
-        c->levels = calloc((size_t)c->info->stored_count, 1);
+        c->levels = svo_i_alloc_zeroed(&compact->memory, (size_t)c->info->stored_count, 1);
         if (c->levels == NULL) {
             return svo_i_fail(c->message, SVO_OUT_OF_HOST_MEMORY, "%s: checking needs %" PRIu64 " bytes", c->name,
                               c->info->stored_count);
         }
     }
     const svo_status status = check_words(c);
-    free(c->levels);
+    svo_i_free(c->levels);
     return status;
 }
 

@@ -137,7 +137,7 @@ svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *optio
     if (info != NULL) {
         SVO_I_TRY(svo_i_struct_check(svo_i_device_message(tree->device), function, "info", info, sizes));
     }
-    svo_compact *compact = svo_i_compact_new();
+    svo_compact *compact = svo_i_compact_new(&tree->device->memory);
     if (compact == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", function);
     }
