@@ -30,6 +30,9 @@ static void build_reports_surface_and_inside_apart(void **state)
     document = run_json("$SVOCL build scene:cube -d 5 --need rays --json");
     assert_null(cJSON_GetObjectItemCaseSensitive(document, "solid"));
     cJSON_Delete(document);
+    /* The file is that of a compact tree. */
+    run_well("$SVOCL build scene:cube -d 4 --solid parity -o a.solid && head -c 4 a.solid | tail -c 3 | grep -q SVC");
+    run_well("rm a.solid");
     run_well("$SVOCL build scene:cube -d 4 --solid parity");
     assert_non_null(strstr(last.output, "solid by parity"));
     assert_null(strstr(last.output, "not closed"));
@@ -55,7 +58,6 @@ static void what_does_not_apply_is_refused(void **state)
     (void)state;
     need_builds();
     run_badly("$SVOCL build scene:cube -d 4 --solid wind", 2, "did you mean 'winding'?");
-    run_badly("$SVOCL build scene:cube -d 4 --solid winding -o a.svo", 2, "-o FILE does not apply with --solid");
     run_badly("$SVOCL build scene:cube -d 4 --solid winding --plan-only", 2, "--solid does not apply");
     run_badly("$SVOCL build scene:cube -d 4 --solid winding --coverage thin", 1, "coverage is thin");
     run_badly("$SVOCL build scene:cube -d 4 --solid winding --origin 0,0,0 --edge 0.25", 1, "outside the tree's grid");

@@ -19,6 +19,7 @@
 #include "meshes.h"
 #include "oracle_solid.h"
 #include "solid_meshes.h"
+#include "svocl/io.h"
 
 /* A solid, compared with the reference. */
 typedef struct solved {
@@ -476,6 +477,60 @@ static void constant_payload_stays_constant_if_it_can(void **state)
     parts_free(&made);
 }
 
+/* Rays see a solid as they see all of its voxels; files keep it. */
+static void solids_are_traced_and_saved(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const char path[] = "test_solid.tmp";
+    const svo_solid_options options = {.struct_size = sizeof options, .color = {1, 2, 3, 4}, .material = 1};
+    enum { RAYS = 400 };
+    svo_ray rays[RAYS];
+    svo_voxel_hit hits[RAYS];
+    svo_voxel_hit full_hits[RAYS];
+    uint64_t seed = 9;
+    svo_compact *solid = NULL;
+    svo_compact *loaded = NULL;
+    svo_compact *flat = NULL;
+    svo_tree *full = NULL;
+    svo_message message = {""};
+    char hashes[2][SVO_HASH_TEXT_BYTES];
+    unsigned inside = 0;
+    built tree;
+    build_painted(&opened, SVO_NEED_COLOR, 0, &tree);
+    succeed(&opened, svo_solid_create(tree.tree, &options, opened.queue, &solid, NULL));
+    succeed(&opened, svo_compact_expand(solid, opened.queue, &full));
+    succeed(&opened, svo_compact_create(opened.device, full, NULL, opened.queue, &flat));
+    for (int i = 0; i < RAYS; ++i) {
+        rays[i] = (svo_ray){.t_max = 100.0F};
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].origin[axis] = (float)(random_unit(&seed) * 16.0);
+            rays[i].direction[axis] = (float)(random_unit(&seed) - 0.5);
+        }
+    }
+    succeed(&opened, svo_compact_trace(solid, rays, hits, RAYS, 0.0F, opened.queue));
+    succeed(&opened, svo_compact_trace(flat, rays, full_hits, RAYS, 0.0F, opened.queue));
+    for (int i = 0; i < RAYS; ++i) {
+        assert_int_equal(hits[i].node == SVO_NO_NODE, full_hits[i].node == SVO_NO_NODE);
+        assert_true(hits[i].node == SVO_NO_NODE || hits[i].t == full_hits[i].t);
+        inside += hits[i].node != SVO_NO_NODE && hits[i].level < 4 ? 1 : 0;
+    }
+    assert_true(inside > 10);
+    succeed(&opened, svo_compact_download(solid, opened.queue));
+    succeed(&opened, svo_compact_hash(solid, hashes[0]));
+    if (svo_compact_save(solid, path, NULL, &message) != SVO_OK ||
+        svo_compact_load(path, NULL, &loaded, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    (void)remove(path);
+    assert_int_equal(svo_compact_hash(loaded, hashes[1]), SVO_OK);
+    assert_string_equal(hashes[0], hashes[1]);
+    svo_tree_destroy(&full);
+    svo_compact_destroy(&loaded);
+    svo_compact_destroy(&flat);
+    svo_compact_destroy(&solid);
+    built_destroy(&tree);
+}
+
 static void same_bytes_on_any_queue(void **state)
 {
     parts made = {.vertex_count = 0};
@@ -586,6 +641,7 @@ int main(void)
         cmocka_unit_test(grids_of_depth_13_and_16),
         cmocka_unit_test(interior_has_the_stated_color_and_material),
         cmocka_unit_test(constant_payload_stays_constant_if_it_can),
+        cmocka_unit_test(solids_are_traced_and_saved),
         cmocka_unit_test(same_bytes_on_any_queue),
         cmocka_unit_test(trees_that_do_not_say_what_is_inside_are_refused),
         cmocka_unit_test(wrong_arguments_are_refused),

@@ -301,7 +301,7 @@ static const rule rules[] = {
     {"payload-level", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(payload_level), 0, SVO_DEPTH_MAX, NULL,
      "first level with payload, 0 to 16 (0: all levels)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
-     "also fill the inside: winding or parity of the surface's crossings (not filled)"},
+     "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,

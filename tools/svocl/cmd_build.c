@@ -15,7 +15,15 @@ static int write_bytes(void *user, const void *bytes, size_t byte_count)
     return file->error;
 }
 
-static int save(program *state, const svo_tree *tree)
+/* Writes the solid where there is one, else the tree. */
+static svo_status write_result(const svo_tree *tree, const svo_compact *solid, output_file *file,
+                               const svo_save_options *save_options, svo_message *message)
+{
+    return solid != NULL ? svo_compact_write(solid, write_bytes, file, save_options, message)
+                         : svo_tree_write(tree, write_bytes, file, save_options, message);
+}
+
+static int save(program *state, const svo_tree *tree, const solid_result *solid)
 {
     output_file file;
     if (state->options.output_path == NULL) {
@@ -30,7 +38,7 @@ static int save(program *state, const svo_tree *tree)
         return exit_code;
     }
     /* A write that failed is reported by output_commit. */
-    if (svo_tree_write(tree, write_bytes, &file, &save_options, &message) != SVO_OK && file.error == 0) {
+    if (write_result(tree, solid->solid, &file, &save_options, &message) != SVO_OK && file.error == 0) {
         output_abandon(&file);
         return program_fail_library(state, message.text);
     }
@@ -114,16 +122,20 @@ static int finish(program *state, const job *done)
     if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, hash) != SVO_OK) {
         return program_fail_library(state, svo_device_message(done->opened.device));
     }
-    const int exit_code = save(state, done->result.tree);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
     solid_result solid;
-    const int filled = solid_make(state, done->opened.device, done->result.tree, &solid);
+    int exit_code = solid_make(state, done->opened.device, done->result.tree, &solid);
+    if (exit_code == PROGRAM_DONE && solid.solid != NULL && svo_compact_download(solid.solid, NULL) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = save(state, done->result.tree, &solid);
+    }
     progress_destroy(&state->progress);
-    const int reported = filled == PROGRAM_DONE ? report(state, done, hash, &solid) : filled;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = report(state, done, hash, &solid);
+    }
     solid_release(&solid);
-    return reported;
+    return exit_code;
 }
 
 static int check_options(program *state)
@@ -136,9 +148,6 @@ static int check_options(program *state)
     if (solid_is_wanted(state) && given->plan_only) {
         return program_fail(state, PROGRAM_WRONG_USAGE,
                             "--solid does not apply with --plan-only, which builds nothing");
-    }
-    if (solid_is_wanted(state) && given->output_path != NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE does not apply with --solid: .svo holds the surface");
     }
     if (given->compress && given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
