@@ -442,6 +442,25 @@ static svo_status run_rays(subject *of)
     return SVO_OK;
 }
 
+/* The inside of a mesh that is not closed. */
+static svo_status run_solid(subject *of)
+{
+    svo_compact *solid = NULL;
+    svo_solid_info info = SVO_SOLID_INFO_INIT;
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    svo_status status = svo_solid_create(of->tree, NULL, world.queue, &solid, &info);
+    if (status == SVO_OK) {
+        status = svo_compact_download(solid, world.queue);
+    }
+    if (status == SVO_OK) {
+        status = svo_compact_hash(solid, hash);
+    }
+    digest(of, &info, sizeof info);
+    digest(of, hash, sizeof hash);
+    svo_compact_destroy(&solid);
+    return told(of, world.device, status);
+}
+
 static svo_status run_render(subject *of)
 {
     uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
@@ -1019,6 +1038,7 @@ static const scenario scenarios[] = {
     {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
     {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
+    {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
     {"upload", false, false, prepare_loaded, run_upload, NULL, destroy_all},

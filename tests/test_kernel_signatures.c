@@ -20,6 +20,7 @@
 #include "fixture.h"
 #include "meshes.h"
 #include "shared/layout.h"
+#include "solid_meshes.h"
 
 #define KERNELS_MAX   64 /* names */
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
@@ -44,6 +45,7 @@ extern const char svo_i_source_scene_build[];
 extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
+extern const char svo_i_source_solid[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -85,7 +87,8 @@ static size_t bytes_of_type(const char *type)
                  {"svo_minimize_params", sizeof(svo_minimize_params)},
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
                  {"svo_ray_params", sizeof(svo_ray_params)},
-                 {"svo_scene_params", sizeof(svo_scene_params)}};
+                 {"svo_scene_params", sizeof(svo_scene_params)},
+                 {"svo_solid_params", sizeof(svo_solid_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -383,6 +386,28 @@ static void compact_all(const fixture *opened, svo_tree *tree)
     }
 }
 
+/* A box with material inside, and a leaf with a list that a work-group reads. */
+static void fill_all(const fixture *opened)
+{
+    static const double low[3] = {0.1, 0.1, 0.1};
+    static const double high[3] = {0.9, 0.9, 0.9};
+    static const double tiny[4][3] = {{0.5, 0.5, 0.5}, {0.51, 0.5, 0.5}, {0.5, 0.51, 0.5}, {0.5, 0.5, 0.51}};
+    const svo_plan_options options = {.need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_NORMAL, .edge = 1.0};
+    parts made = {.vertex_count = 0};
+    svo_compact *solid = NULL;
+    built tree;
+    parts_add_box(&made, low, high, false, -1);
+    for (int i = 0; i < SVO_SHORT_LIST_MAX / 3; ++i) {
+        parts_add_tetrahedron(&made, tiny);
+    }
+    const svo_mesh mesh = parts_mesh(&made);
+    fixture_build(opened, &mesh, DEPTH, &options, &tree);
+    succeed(opened, svo_solid_create(tree.tree, NULL, opened->queue, &solid, NULL));
+    svo_compact_destroy(&solid);
+    built_destroy(&tree);
+    parts_free(&made);
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -406,11 +431,12 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {
-        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
-        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
-        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
-        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast};
+    const char *const sources[] = {svo_i_source_subdivide,   svo_i_source_sort,         svo_i_source_pack,
+                                   svo_i_source_filter,      svo_i_source_voxelize,     svo_i_source_cast,
+                                   svo_i_source_trace,       svo_i_source_view,         svo_i_source_trace_voxels,
+                                   svo_i_source_compact,     svo_i_source_expand,       svo_i_source_minimize,
+                                   svo_i_source_scene_build, svo_i_source_scene_bounds, svo_i_source_scene_trace,
+                                   svo_i_source_scene_cast,  svo_i_source_solid};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -424,6 +450,7 @@ static void every_launch_matches_its_kernel(void **state)
     query_all(&opened, tree.tree);
     compact_all(&opened, tree.tree);
     place_all(&opened, tree.tree);
+    fill_all(&opened);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

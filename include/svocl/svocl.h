@@ -25,6 +25,7 @@
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/scene.h"
+#include "svocl/solid.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"

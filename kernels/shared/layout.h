@@ -274,7 +274,7 @@ SVO_RECORD(svo_ray_node)
 SVO_RECORD(svo_scene_tree)
 {
     SVO_U32
-        begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root; see svo_cast_shift */
+    begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root; see svo_cast_shift */
     SVO_U32 color_begin; /* 12: its first color, in colors */
     SVO_U32 normal_begin; /* 16: its first normal, in normals */
     SVO_U32 flags; /* 20: SVO_SCENE_TREE_* */
@@ -338,6 +338,33 @@ SVO_RECORD(svo_scene_picture)
     SVO_U32 reserved[7]; /* 84 */
 };
 
+/* ---- solids ---- */
+
+/* Counters of the solid kernels. */
+#define SVO_SOLID_OUTSIDE    0 /* triangles that reach outside the grid */
+#define SVO_SOLID_LONG_LISTS 1 /* leaves whose list a work-group reads */
+#define SVO_SOLID_OPEN_X     2 /* columns whose crossings do not cancel, along x, y and z */
+#define SVO_SOLID_TESTS      5 /* empty cells of the launch */
+#define SVO_SOLID_INSIDE     6 /* of those, inside */
+#define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
+#define SVO_SOLID_COUNTERS   8
+
+/* Arguments of the solid kernels. 48 bytes. */
+SVO_RECORD(svo_solid_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
+    SVO_U32 leaf_begin; /* 8: first leaf */
+    SVO_U32 leaf_count; /* 12 */
+    SVO_U32 first; /* 16: first inner node of the launch */
+    SVO_U32 count; /* 20: nodes, leaves or triangles of the launch */
+    SVO_U32 level; /* 24: of those inner nodes */
+    SVO_U32 parity; /* 28: not 0: an odd sum is inside; 0: a sum other than 0 */
+    SVO_U32 element_halves; /* 32: 16-bit words of a payload element */
+    SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
+    SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -358,6 +385,7 @@ SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
+SVO_ASSERT_BYTES(svo_solid_params, 48);
 #endif
 
 #endif

@@ -31,6 +31,7 @@ extern const char svo_i_source_scene_build[];
 extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
+extern const char svo_i_source_solid[];
 
 static void release_program(svo_i_attachment *attachment)
 {
@@ -56,7 +57,8 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_SCENE_BOUNDS] = "scene_bounds",
                                                            [SVO_I_PROGRAM_SCENE_TRACE] = "scene_trace",
                                                            [SVO_I_PROGRAM_SCENE_CAST] = "scene_cast",
-                                                           [SVO_I_PROGRAM_MINIMIZE] = "minimize"};
+                                                           [SVO_I_PROGRAM_MINIMIZE] = "minimize",
+                                                           [SVO_I_PROGRAM_SOLID] = "solid"};
     return names[kind];
 }
 
@@ -77,7 +79,8 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_SCENE_BOUNDS] = svo_i_source_scene_bounds,
                                                       [SVO_I_PROGRAM_SCENE_TRACE] = svo_i_source_scene_trace,
                                                       [SVO_I_PROGRAM_SCENE_CAST] = svo_i_source_scene_cast,
-                                                      [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize};
+                                                      [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize,
+                                                      [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
     return sources[kind];
 }
 

@@ -6,6 +6,7 @@
 #include <openvdb/tools/MeshToVolume.h>
 
 #include <chrono>
+#include <cstring>
 #include <exception>
 
 namespace
@@ -68,6 +69,34 @@ double openvdb_voxelize(const float *points, size_t point_count, const uint32_t 
         const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
         *active_voxels = grid->activeVoxelCount();
         *memory_bytes = grid->memUsage();
+        return taken.count();
+    } catch (const std::exception &) {
+        return -1.0;
+    }
+}
+
+double openvdb_fill(const float *points, size_t point_count, const uint32_t *indices, size_t triangle_count,
+                    unsigned depth, uint64_t *inside)
+{
+    try {
+        openvdb::initialize();
+        const triangles mesh(points, point_count, indices, triangle_count);
+        const auto voxels = openvdb::math::Transform::createLinearTransform(1.0);
+        const auto start = std::chrono::steady_clock::now();
+        const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, *voxels, 3.0f, 3.0f);
+        const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+        const auto reader = grid->getConstAccessor();
+        const int edge = 1 << depth;
+        uint64_t index = 0;
+        std::memset(inside, 0, ((size_t{1} << 3 * depth) + 63) / 64 * sizeof *inside);
+        for (int z = 0; z < edge; ++z) {
+            for (int y = 0; y < edge; ++y) {
+                for (int x = 0; x < edge; ++x, ++index) {
+                    const bool is_inside = reader.getValue(openvdb::Coord(x, y, z)) < 0.0f;
+                    inside[index / 64] |= uint64_t{is_inside} << index % 64;
+                }
+            }
+        }
         return taken.count();
     } catch (const std::exception &) {
         return -1.0;

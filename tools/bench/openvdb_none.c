@@ -23,3 +23,15 @@ double openvdb_voxelize(const float *points, size_t point_count, const uint32_t 
     *memory_bytes = 0;
     return -1.0;
 }
+
+double openvdb_fill(const float *points, size_t point_count, const uint32_t *indices, size_t triangle_count,
+                    unsigned depth, uint64_t *inside)
+{
+    (void)points;
+    (void)point_count;
+    (void)indices;
+    (void)triangle_count;
+    (void)depth;
+    (void)inside;
+    return -1.0;
+}

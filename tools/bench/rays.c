@@ -355,6 +355,9 @@ static int show(const ray_bench *bench)
 int bench_rays_alone(program *state)
 {
     options *given = &state->options;
+    if (given->versus == OPTION_VERSUS_OPENVDB) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs openvdb does not apply to bench rays");
+    }
     if (given->versus != 0 && !embree_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
     }

@@ -31,7 +31,8 @@ enum option_group {
     OPTION_PICTURE_SIZE = 8192,
     OPTION_MEASURE = 16384, /* amount of work and number of repeats */
     OPTION_REPORT_COMMAND = 32768, /* from, docs */
-    OPTION_FORM = 65536 /* form */
+    OPTION_FORM = 65536, /* form */
+    OPTION_SOLID = 131072 /* solid */
 };
 
 enum option_frontend {
@@ -46,6 +47,9 @@ enum option_frontend {
 
 /* Next to 1 + the values of svo_form. */
 #define OPTION_FORM_ALL (-1)
+
+#define OPTION_VERSUS_EMBREE  1
+#define OPTION_VERSUS_OPENVDB 2
 
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
@@ -83,13 +87,14 @@ typedef struct options {
     uint64_t payload_level; /* build */
     bool has_repeat;
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
+    int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
     uint32_t width, height; /* pixels */
     int view; /* svo_render_view */
     uint64_t count; /* stress: amount of work */
-    int versus; /* bench: 0 nothing, 1 Embree */
+    int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
     uint64_t quick; /* measurements: a flag */

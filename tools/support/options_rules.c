@@ -12,6 +12,7 @@
 #include "scenes/scenes.h"
 #include "support/suggest.h"
 #include "svocl/compact.h"
+#include "svocl/solid.h"
 #include "svocl/trace.h"
 
 static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
@@ -43,7 +44,9 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {"level", SVO_VIEW_LEVEL},
                                {"triangles", SVO_VIEW_TRIANGLES},
                                {NULL, 0}};
-static const choice rivals[] = {{"none", 0}, {"embree", 1}, {NULL, 0}};
+static const choice rivals[] = {
+    {"none", 0}, {"embree", OPTION_VERSUS_EMBREE}, {"openvdb", OPTION_VERSUS_OPENVDB}, {NULL, 0}};
+static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1 + SVO_SOLID_PARITY}, {NULL, 0}};
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
@@ -297,6 +300,8 @@ static const rule rules[] = {
      "count the fragments before allocating memory for them"},
     {"payload-level", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(payload_level), 0, SVO_DEPTH_MAX, NULL,
      "first level with payload, 0 to 16 (0: all levels)"},
+    {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
+     "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,
@@ -304,7 +309,7 @@ static const rule rules[] = {
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
-     "also measure this library, interleaved: embree (none)"},
+     "also measure this library, interleaved: embree for rays, openvdb for solid (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays per set (1000000)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "print JSON on standard output"},

@@ -2,6 +2,7 @@
 /* svocl bench: runs measurements and writes them as tables or JSON. The subjects are in bench/ and errors/. */
 #include <string.h>
 
+#include "bench/openvdb.h"
 #include "bench/rays.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
@@ -82,8 +83,12 @@ static int check_options(program *state)
     if (given->has_depth) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
     }
-    if (given->versus != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs does not apply to bench %s", given->subject);
+    if (given->versus != 0 && (given->versus != OPTION_VERSUS_OPENVDB || strcmp(given->subject, "solid") != 0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs %s does not apply to bench %s",
+                            given->versus == OPTION_VERSUS_OPENVDB ? "openvdb" : "embree", given->subject);
+    }
+    if (given->versus == OPTION_VERSUS_OPENVDB && !openvdb_is_there()) {
+        return program_fail(state, PROGRAM_FAILED, "--vs openvdb: this program was built without libopenvdb-dev");
     }
     const char *name = given->need != 0                            ? "need"
                        : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"

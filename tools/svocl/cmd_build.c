@@ -4,6 +4,7 @@
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/plan_report.h"
+#include "support/solid_report.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
@@ -14,7 +15,15 @@ static int write_bytes(void *user, const void *bytes, size_t byte_count)
     return file->error;
 }
 
-static int save(program *state, const svo_tree *tree)
+/* Writes the solid where there is one, else the tree. */
+static svo_status write_result(const svo_tree *tree, const svo_compact *solid, output_file *file,
+                               const svo_save_options *save_options, svo_message *message)
+{
+    return solid != NULL ? svo_compact_write(solid, write_bytes, file, save_options, message)
+                         : svo_tree_write(tree, write_bytes, file, save_options, message);
+}
+
+static int save(program *state, const svo_tree *tree, const solid_result *solid)
 {
     output_file file;
     if (state->options.output_path == NULL) {
@@ -29,7 +38,7 @@ static int save(program *state, const svo_tree *tree)
         return exit_code;
     }
     /* A write that failed is reported by output_commit. */
-    if (svo_tree_write(tree, write_bytes, &file, &save_options, &message) != SVO_OK && file.error == 0) {
+    if (write_result(tree, solid->solid, &file, &save_options, &message) != SVO_OK && file.error == 0) {
         output_abandon(&file);
         return program_fail_library(state, message.text);
     }
@@ -82,18 +91,8 @@ static int plan_alone(program *state)
     return exit_code;
 }
 
-static int finish(program *state, const job *done)
+static int report(program *state, const job *done, const char *hash, const solid_result *solid)
 {
-    char hash[SVO_HASH_TEXT_BYTES];
-    progress_step(state->progress, "hashing");
-    if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, hash) != SVO_OK) {
-        return program_fail_library(state, svo_device_message(done->opened.device));
-    }
-    const int exit_code = save(state, done->result.tree);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    progress_destroy(&state->progress);
     cJSON *document = state->options.json ? report_to_json(state, done, hash) : NULL;
     if (state->options.plan) {
         const int planned = show_plan(state, &done->source, done->opened.device, document);
@@ -103,6 +102,7 @@ static int finish(program *state, const job *done)
         }
     }
     if (state->options.json) {
+        solid_add_json(document, state, solid);
         return json_print(state, document);
     }
     if (state->options.plan && !state->options.quiet) {
@@ -110,8 +110,32 @@ static int finish(program *state, const job *done)
     }
     if (!state->options.quiet) {
         report_print(state, done, hash);
+        solid_print(state, solid);
     }
     return PROGRAM_DONE;
+}
+
+static int finish(program *state, const job *done)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    progress_step(state->progress, "hashing");
+    if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, hash) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    solid_result solid;
+    int exit_code = solid_make(state, done->opened.device, done->result.tree, &solid);
+    if (exit_code == PROGRAM_DONE && solid.solid != NULL && svo_compact_download(solid.solid, NULL) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = save(state, done->result.tree, &solid);
+    }
+    progress_destroy(&state->progress);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = report(state, done, hash, &solid);
+    }
+    solid_release(&solid);
+    return exit_code;
 }
 
 static int check_options(program *state)
@@ -120,6 +144,10 @@ static int check_options(program *state)
     if (given->plan_only && (given->output_path != NULL || given->repeat > 1)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not apply with --plan-only, which builds nothing",
                             given->output_path != NULL ? "-o FILE" : "--repeat");
+    }
+    if (solid_is_wanted(state) && given->plan_only) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--solid does not apply with --plan-only, which builds nothing");
     }
     if (given->compress && given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
@@ -137,7 +165,7 @@ int command_build(program *state)
         return plan_alone(state);
     }
     job done;
-    exit_code = job_run(state, state->options.need, 2, &done);
+    exit_code = job_run(state, solid_need(state, state->options.need), solid_is_wanted(state) ? 3 : 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

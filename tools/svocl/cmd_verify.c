@@ -6,6 +6,7 @@
 #include "support/build_report.h"
 #include "support/form_check.h"
 #include "support/snap_check.h"
+#include "support/solid_verdict.h"
 #include "support/table.h"
 #include "support/tree_check.h"
 #include "svocl/commands.h"
@@ -16,6 +17,7 @@ typedef struct verdict {
     bool snap_compared; /* false for a tree from a file: the unsnapped mesh is missing */
     snap_differences snap;
     form_checks forms; /* none without --form */
+    solid_verdict solid; /* none without --solid */
 } verdict;
 
 static bool is_exact(const verdict *found)
@@ -51,6 +53,7 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
         table_line("exact: 0 missed, 0 surplus");
     }
     form_check_print(&found->forms);
+    solid_verdict_print(state, &found->solid);
 }
 
 static cJSON *to_json(const program *state, const svo_tree_info *info, const verdict *found, const job *done)
@@ -70,6 +73,7 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
     json_add_count(document, "expected_pairs", found->tree.expected_pairs);
     cJSON_AddBoolToObject(document, "exact", is_exact(found));
     form_check_add_json(document, &found->forms);
+    solid_verdict_add_json(document, state, &found->solid);
     if (done != NULL) {
         report_add_refused(document, done);
         job_add_what_ran(document, done);
@@ -95,6 +99,11 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
     }
     if (!form_check_is_exact(&found->forms)) {
         return program_fail(state, PROGRAM_FAILED, "%s: a compact form expands to another tree", state->options.input);
+    }
+    if (!solid_verdict_is_exact(&found->solid)) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the solid is not exact: %" PRIu64 " voxels are wrong%s",
+                            state->options.input, found->solid.found.voxels.wrong_voxels,
+                            found->solid.found.counts_differ ? ", and so are its counts" : "");
     }
     if (is_exact(found)) {
         return PROGRAM_DONE;
@@ -139,7 +148,10 @@ static int verify(program *state, const svo_tree *tree, const job *done)
             return exit_code;
         }
     }
-    return report_verdict(state, &info, &found, done);
+    const int exit_code = done != NULL ? solid_verdict_find(state, &done->opened, tree, &found.solid) : PROGRAM_DONE;
+    const int reported = exit_code == PROGRAM_DONE ? report_verdict(state, &info, &found, done) : exit_code;
+    solid_verdict_release(&found.solid);
+    return reported;
 }
 
 static int verify_tree_file(program *state)
@@ -148,8 +160,9 @@ static int verify_tree_file(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (state->options.form != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "option --form does not apply to a .svo file, give the mesh");
+    if (state->options.form != 0 || state->options.solid != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to a .svo file, give the mesh",
+                            state->options.form != 0 ? "form" : "solid");
     }
     svo_tree *tree = NULL;
     program_begin_progress(state, 3);
@@ -168,7 +181,7 @@ int command_verify(program *state)
     }
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, 3, &done);
+    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 5 : 3, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Winding numbers in front of the crossed leaves, along each axis: the sum of a leaf and of all behind it in its
+ * column. Sums wrap around. There are fewer than 2^32 triangles, so one is 0 or odd exactly if the true sum is.
+ *
+ * Launch: one work-item per leaf, rounded up to whole groups. svo_k_solid_chain finds the next crossed leaf along each
+ * axis, and sets that leaf's bit of the axis in follows: it is not the first of its column. svo_k_solid_sum follows the
+ * chains, and counts the columns whose sum is not 0 at their first leaf: there the surface is open or torn. Leaves that
+ * are not crossed have entries without meaning. No local memory. Atomics: bits that are set, and counts, neither of
+ * which depend on their order.
+ */
+#include "shared/nodes.clh"
+#include "solid/column.clh"
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_solid_chain(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
+                  __global const uchar *carries, __global const uint *crossings, __global uint *next_leaf,
+                  volatile __global uint *follows, svo_solid_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= params.count) {
+        return;
+    }
+    const svo_solid_tree tree = {child_mask,   first_child,       carries,          crossings,
+                                 params.depth, params.leaf_begin, params.leaf_count};
+    uint voxel[3];
+    svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const size_t row = axis * (size_t)params.leaf_count;
+        if (crossings[row + leaf] != 0u) {
+            const uint next = svo_next_crossed(&tree, voxel, axis);
+            next_leaf[row + leaf] = next;
+            if (next != SVO_SOLID_NO_LEAF) {
+                atomic_or(follows + next, 1u << axis);
+            }
+        }
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_solid_sum(__global const uint *crossings, __global const uint *next_leaf, __global const uint *follows,
+                __global uint *windings, volatile __global uint *counters, svo_solid_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= params.count) {
+        return;
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const size_t row = axis * (size_t)params.leaf_count;
+        if (crossings[row + leaf] == 0u) {
+            continue;
+        }
+        uint sum = 0;
+        for (uint at = leaf; at != SVO_SOLID_NO_LEAF; at = next_leaf[row + at]) {
+            sum += crossings[row + at];
+        }
+        windings[row + leaf] = sum;
+        if (sum != 0u && (follows[leaf] >> axis & 1u) == 0u) {
+            atomic_inc(counters + SVO_SOLID_OPEN_X + axis);
+        }
+    }
+}

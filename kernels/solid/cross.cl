@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The signed crossings of the columns' center lines, gathered by leaf. Every point of the surface lies in one voxel,
+ * half-open, and that voxel's list has the triangle; so each crossing is found once, without a search and without a
+ * grid. Voxels of coverage closed list more triangles, whose crossings lie in their neighbors and are not counted here.
+ * That is why the lists of a thin tree do not suffice.
+ *
+ * Launch: svo_k_solid_outside, one work-item per triangle: counts triangles that reach outside the grid, whose
+ * crossings no leaf would find. svo_k_solid_cross, one per leaf: lists up to SVO_SHORT_LIST_MAX; longer ones are
+ * noted. svo_k_solid_cross_long, a group per noted leaf. All are rounded up to whole groups. Each leaf is written by
+ * one item. Atomics: a count, and places in the array of long lists, whose order no result depends on. Local memory,
+ * of the last kernel: a word per work-item.
+ */
+#include "shared/layout.h"
+
+#include "shared/group.clh"
+#include "shared/nodes.clh"
+#include "solid/crossing.clh"
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_solid_outside(__global const int *vertices, __global const uint *indices, volatile __global uint *counters,
+                    svo_solid_params params)
+{
+    const uint triangle = (uint)get_global_id(0);
+    if (triangle >= params.count) {
+        return;
+    }
+    bool outside = false;
+    for (uint k = 0; k < 9u; ++k) {
+        const int at = vertices[3u * (size_t)indices[3u * (size_t)triangle + k / 3u] + k % 3u];
+        outside = outside || at < 0 || (uint)at >> (params.depth + params.voxel_log2) != 0u;
+    }
+    if (outside) {
+        atomic_inc(counters + SVO_SOLID_OUTSIDE);
+    }
+}
+
+/* The voxel's sum of the triangle's crossings, for each axis. */
+static void svo_add_crossings(__global const int *vertices, __global const uint *corners, const uint *voxel,
+                              uint voxel_log2, uint *sums)
+{
+    int triangle[9];
+    for (uint k = 0; k < 9u; ++k) {
+        triangle[k] = vertices[3u * (size_t)corners[k / 3u] + k % 3u];
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const uint middle = 1u << (voxel_log2 - 1u);
+        const int point[2] = {(int)((voxel[(axis + 1u) % 3u] << voxel_log2) + middle),
+                              (int)((voxel[(axis + 2u) % 3u] << voxel_log2) + middle)};
+        const int low = (int)(voxel[axis] << voxel_log2);
+        svo_side_view seen;
+        const int sense = svo_cross_line(triangle, axis, point, &seen);
+        if (sense != 0 && !svo_crosses_below(&seen, point, low) &&
+            svo_crosses_below(&seen, point, low + (int)(1u << voxel_log2))) {
+            sums[axis] += (uint)sense;
+        }
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __global const uint *list_begin,
+                  __global const uint *list, __global const ulong *codes, __global uint *crossings,
+                  __global uint *long_lists, volatile __global uint *counters, svo_solid_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= params.count) {
+        return;
+    }
+    const uint begin = list_begin[leaf];
+    const uint end = list_begin[leaf + 1u];
+    uint sums[3] = {0, 0, 0};
+    if (end - begin > SVO_SHORT_LIST_MAX) {
+        long_lists[atomic_inc(counters + SVO_SOLID_LONG_LISTS)] = leaf;
+        return;
+    }
+    uint voxel[3];
+    svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
+    for (uint i = begin; i < end; ++i) {
+        svo_add_crossings(vertices, indices + 3u * (size_t)list[i], voxel, params.voxel_log2, sums);
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        crossings[axis * (size_t)params.leaf_count + leaf] = sums[axis];
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_solid_cross_long(__global const int *vertices, __global const uint *indices, __global const uint *list_begin,
+                       __global const uint *list, __global const ulong *codes, __global uint *crossings,
+                       __global const uint *long_lists, __local uint *scratch, svo_solid_params params)
+{
+    const uint leaf = long_lists[get_group_id(0)];
+    const uint end = list_begin[leaf + 1u];
+    uint sums[3] = {0, 0, 0};
+    uint voxel[3];
+    svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
+    for (uint i = list_begin[leaf] + (uint)get_local_id(0); i < end; i += SVO_GROUP_ITEMS) {
+        svo_add_crossings(vertices, indices + 3u * (size_t)list[i], voxel, params.voxel_log2, sums);
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const uint sum = svo_group_sum(sums[axis], scratch);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (get_local_id(0) == 0u) {
+            crossings[axis * (size_t)params.leaf_count + leaf] = sum;
+        }
+    }
+}
