@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes as files: svocl render SCENE.json. What is placed is seen, and whatever is wrong is one line with its place. */
+/* Scenes as files: svocl render SCENE.json. What is placed is seen, and whatever is wrong is one line with its place.
+   */
 #include "run_program.h"
 
 #include <stdio.h>

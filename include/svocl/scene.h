@@ -2,9 +2,9 @@
 /** \file
  * Scenes: many placed trees that rays traverse together.
  *
- * A scene copies its trees into one set of buffers and keeps instances of them, each a tree and a 3 x 4 matrix. Over the
- * instances' world boxes it holds a hierarchy, built on the device: Morton codes of the boxes' centers, ties broken by
- * index, a radix tree (Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012).
+ * A scene copies its trees into one set of buffers and keeps instances of them, each a tree and a 3 x 4 matrix. Over
+ * the instances' world boxes it holds a hierarchy, built on the device: Morton codes of the boxes' centers, ties broken
+ * by index, a radix tree (Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", 2012).
  * svo_scene_set_transforms moves instances and refits the boxes; svo_scene_rebuild makes the hierarchy anew, which pays
  * after instances moved far. Hits do not depend on the hierarchy: they are those of all instances in turn, bit for bit.
  *
@@ -46,9 +46,9 @@ typedef struct svo_scene_options {
     const svo_instance *instances; /**< instance_count */
     uint32_t tree_count; /**< 1 .. SVO_SCENE_TREES_MAX */
     uint32_t instance_count; /**< 1 .. SVO_SCENE_INSTANCES_MAX */
-    /** What of the trees to copy besides their nodes, bits of svo_need: SVO_NEED_COLOR and SVO_NEED_NORMAL for pictures,
-     *  of those trees that hold them on all levels; SVO_NEED_RAYS for triangles, which every tree must then hold.
-     *  SVO_NEED_DEFAULT: colors and normals. SVO_NEED_NONE: nothing. */
+    /** What of the trees to copy besides their nodes, bits of svo_need: SVO_NEED_COLOR and SVO_NEED_NORMAL for
+     *  pictures, of those trees that hold them on all levels; SVO_NEED_RAYS for triangles, which every tree must then
+     *  hold. SVO_NEED_DEFAULT: colors and normals. SVO_NEED_NONE: nothing. */
     uint32_t need;
     uint32_t reserved; /**< zero */
 } svo_scene_options;
@@ -80,7 +80,8 @@ typedef struct svo_scene_info {
  * \param device the trees'
  * \param options see svo_scene_options; instances may be NULL
  * \param info receives the numbers
- * \returns SVO_INVALID_ARGUMENT or SVO_UNSUPPORTED on failure, or what svo_tree_prepare_rays returns: with SVO_NEED_RAYS
+ * \returns SVO_INVALID_ARGUMENT or SVO_UNSUPPORTED on failure, or what svo_tree_prepare_rays returns: with
+ * SVO_NEED_RAYS
  *          the trees' BVHs are made, whose sizes are not known before. */
 SVO_API svo_status svo_scene_plan(svo_device *device, const svo_scene_options *options, svo_scene_info *info);
 
@@ -138,9 +139,9 @@ typedef enum svo_scene_flags {
 
 /** Traces rays against the voxels of a scene.
  *
- * Each instance's hit is that of svo_tree_trace_voxels or svo_compact_trace for the ray in the tree. A footprint divides by the length
- * of the matrix's longest column: nodes are drawn as leaves when the instance shows them smaller than a pixel. The
- * first call of a device handle compiles the kernel; later calls allocate nothing on the device.
+ * Each instance's hit is that of svo_tree_trace_voxels or svo_compact_trace for the ray in the tree. A footprint
+ * divides by the length of the matrix's longest column: nodes are drawn as leaves when the instance shows them smaller
+ * than a pixel. The first call of a device handle compiles the kernel; later calls allocate nothing on the device.
  *
  * \param scene not NULL
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0

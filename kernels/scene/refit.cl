@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The boxes of the hierarchy, from the instances upwards (Karras 2012, as link.cl). Each work-item carries the box of an
- * instance to its parent and goes on from there if it is the second to arrive; the first one stops. So the union is of
- * complete boxes, and least and greatest bounds are the same whoever comes second.
+ * The boxes of the hierarchy, from the instances upwards (Karras 2012, as link.cl). Each work-item carries the box of
+ * an instance to its parent and goes on from there if it is the second to arrive; the first one stops. So the union is
+ * of complete boxes, and least and greatest bounds are the same whoever comes second.
  *
  * Launch: one work-item per instance, one dimension, rounded up to whole groups. Reads the instances' boxes and the
  * parents; writes the nodes' boxes. Atomics: a counter per node, zero before and afterwards, says who is second. The

@@ -273,8 +273,7 @@ SVO_RECORD(svo_ray_node)
 /* Where a tree lies in the scene's buffers. 32 bytes. */
 SVO_RECORD(svo_scene_tree)
 {
-    SVO_U32
-    begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root; see svo_cast_shift */
+    SVO_U32 begin[3]; /* 0: its first elements in the arrays of nodes, which count from its own root */
     SVO_U32 color_begin; /* 12: its first color, in colors */
     SVO_U32 normal_begin; /* 16: its first normal, in normals */
     SVO_U32 flags; /* 20: SVO_SCENE_TREE_* */

@@ -122,15 +122,20 @@ static svo_status write_array(const svo_scene *scene, const char *function, cl_c
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clEnqueueWriteBuffer", error);
 }
 
+static svo_status enqueue_copies(const svo_i_arena *arena, const svo_scene *scene, const char *function,
+                                 cl_command_queue queue)
+{
+    for (uint32_t i = 0; i < arena->tree_count; ++i) {
+        SVO_I_TRY(copy_tree(&arena->sources[i], &arena->places[i], scene, function, queue));
+    }
+    return SVO_OK;
+}
+
 static svo_status copy_trees(const svo_i_arena *arena, const svo_scene *scene, const char *function,
                              cl_command_queue queue)
 {
-    svo_status status = SVO_OK;
-    for (uint32_t i = 0; i < arena->tree_count && status == SVO_OK; ++i) {
-        status = copy_tree(&arena->sources[i], &arena->places[i], scene, function, queue);
-    }
-    /* Also after a failure: buffers may be released next. */
-    const cl_int error = clFinish(queue);
+    const svo_status status = enqueue_copies(arena, scene, function, queue);
+    const cl_int error = clFinish(queue); /* also after a failure: buffers may be released next */
     SVO_I_TRY(status);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clFinish", error);
 }

@@ -48,20 +48,27 @@ static svo_status launch(const svo_scene *scene, const char *function, cl_comman
 }
 
 /* Their order does not matter: each has its own bounds. */
+static svo_status launch_each(const svo_scene *scene, const char *function, cl_command_queue queue, cl_kernel kernel,
+                              const svo_i_scene_source *sources)
+{
+    for (uint32_t i = 0; i < scene->info.tree_count; ++i) {
+        if (!sources[i].empty) {
+            SVO_I_TRY(launch(scene, function, queue, kernel, i, level_of(&sources[i])));
+        }
+    }
+    return SVO_OK;
+}
+
 static svo_status launch_all(const svo_scene *scene, const char *function, cl_command_queue queue,
                              const svo_i_scene_source *sources)
 {
     cl_program program = NULL;
     cl_kernel kernel = NULL;
-    svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_program_get(scene->device, function, SVO_I_PROGRAM_SCENE_BOUNDS, scene->form, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(scene->device, function, program, "svo_k_scene_bounds", &kernel));
-    for (uint32_t i = 0; i < scene->info.tree_count && status == SVO_OK; ++i) {
-        status = sources[i].empty ? SVO_OK : launch(scene, function, queue, kernel, i, level_of(&sources[i]));
-    }
+    const svo_status status = launch_each(scene, function, queue, kernel, sources);
     clReleaseKernel(kernel);
-    /* Also after a failure: buffers may be released next. */
-    const cl_int error = clFinish(queue);
+    const cl_int error = clFinish(queue); /* also after a failure: buffers may be released next */
     SVO_I_TRY(status);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clFinish", error);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Matrices of instances: checks, inverses, normals and boxes. Everything is computed in double, add, subtract, multiply,
-   divide and square root alone, so the records are the same bytes on every machine. */
+/* Matrices of instances: checks, inverses, normals and boxes. Everything is computed in double, add, subtract,
+   multiply, divide and square root alone, so the records are the same bytes on every machine. */
 #include "scene/place.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: their checks, buffers, instances. arena.c holds the trees, hierarchy.c the boxes; trace.c and picture.c launch
-   rays. */
+/* Scenes: their checks, buffers, instances. arena.c holds the trees, hierarchy.c the boxes; trace.c and picture.c
+   launch rays. */
 #include "svocl/scene.h"
 
 #include <string.h>

@@ -7,8 +7,8 @@
 #include "shared/layout.h"
 #include "svocl/scene.h"
 
-/* The buffers. The first ones are the arguments that SVO_SCENE_PARAMETERS declares, in order; built trees have two arrays
-   of nodes, compact ones three. */
+/* The buffers. The first ones are the arguments that SVO_SCENE_PARAMETERS declares, in order; built trees have two
+   arrays of nodes, compact ones three. */
 typedef enum svo_i_scene_buffer {
     SVO_I_SCENE_NODES_0 = 0, /* as SVO_NODES_PARAMETERS of kernels/rays/read.clh */
     SVO_I_SCENE_NODES_1,
