@@ -12,7 +12,7 @@
 
 static void *allocate(size_t count, size_t bytes)
 {
-    void *made = calloc(count + 1, bytes);
+    void *made = svo_i_alloc_zeroed(NULL, count + 1, bytes);
     if (made == NULL) {
         abort();
     }
@@ -50,7 +50,7 @@ static void fill_randomly(svo_tree *tree)
 
 svo_tree *hand_tree(uint32_t depth, mask_of_node *masks, void *user, uint32_t need, uint32_t payload_level)
 {
-    svo_tree *tree = svo_i_tree_new();
+    svo_tree *tree = svo_i_tree_new(NULL);
     size_t capacity = 1024;
     size_t count = 1;
     uint64_t *codes = allocate(capacity, sizeof *codes);
@@ -69,8 +69,8 @@ svo_tree *hand_tree(uint32_t depth, mask_of_node *masks, void *user, uint32_t ne
     size_t node = 0;
     for (uint32_t level = 0; level < depth; ++level) {
         info->level_begin[level + 1] = (uint32_t)count;
-        child_mask = realloc(child_mask, count);
-        first_child = realloc(first_child, count * sizeof *first_child);
+        child_mask = svo_i_grow(NULL, child_mask, count);
+        first_child = svo_i_grow(NULL, first_child, count * sizeof *first_child);
         for (; node < info->level_begin[level + 1]; ++node) {
             child_mask[node] = masks(user, level, codes[node]);
             first_child[node] = (uint32_t)count;
@@ -78,7 +78,7 @@ svo_tree *hand_tree(uint32_t depth, mask_of_node *masks, void *user, uint32_t ne
                 if ((child_mask[node] >> octant & 1) != 0) {
                     if (count == capacity) {
                         capacity *= 2;
-                        codes = realloc(codes, capacity * sizeof *codes);
+                        codes = svo_i_grow(NULL, codes, capacity * sizeof *codes);
                     }
                     codes[count++] = codes[node] << 3 | octant;
                 }
@@ -93,7 +93,7 @@ svo_tree *hand_tree(uint32_t depth, mask_of_node *masks, void *user, uint32_t ne
     tree->host[SVO_TREE_FIRST_CHILD] = first_child;
     fill_randomly(tree);
     tree->downloaded = true;
-    free(codes);
+    svo_i_free(codes);
     return tree;
 }
 
@@ -258,13 +258,13 @@ void reference_words_make(const svo_tree *tree, reference_words *out)
             note_payload(&e, node, level);
         }
     }
-    free(node_of_word);
+    svo_i_free(node_of_word);
 }
 
 void reference_words_free(reference_words *made)
 {
-    free(made->words);
-    free(made->bases);
-    free(made->order);
+    svo_i_free(made->words);
+    svo_i_free(made->bases);
+    svo_i_free(made->order);
     *made = (reference_words){.words = NULL};
 }

@@ -14,7 +14,7 @@ typedef uint8_t mask_of_node(void *user, uint32_t level, uint64_t code);
 /* A tree on the host alone. need: payload of random numbers from payload_level on. */
 svo_tree *hand_tree(uint32_t depth, mask_of_node *masks, void *user, uint32_t need, uint32_t payload_level);
 
-/* The words of SVO_FORM_DESCRIPTOR and what lies beside them; by malloc. */
+/* The words of SVO_FORM_DESCRIPTOR and what lies beside them. Released by reference_words_free. */
 typedef struct reference_words {
     uint32_t *words;
     uint32_t *bases; /* as svo_compact_arrays has them if there are places */

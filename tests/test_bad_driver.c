@@ -489,9 +489,9 @@ static void strings_that_are_null_are_a_status(void **state)
     changed_loader loader = {context, true};
     assert_int_equal(svo_i_gl_context_make_current(context, NULL), SVO_OK);
     spoil(context);
-    assert_int_equal(svo_i_gl_load(&loaded, get_changed, &loader, &message), SVO_NO_GL);
+    assert_int_equal(svo_i_gl_load(&loaded, get_changed, &loader, NULL, &message), SVO_NO_GL);
     loader.says_nothing = false;
-    assert_int_equal(svo_i_gl_load(&loaded, get_changed, &loader, &message), SVO_OK);
+    assert_int_equal(svo_i_gl_load(&loaded, get_changed, &loader, NULL, &message), SVO_OK);
     assert_false(svo_i_gl_has_extension(&loaded, "GL_ARB_buffer_storage"));
     svo_i_gl_unload(&loaded);
     svo_i_gl_context_release_current(context);

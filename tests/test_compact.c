@@ -454,7 +454,7 @@ static void wrong_arguments_are_refused(void **state)
     const fixture opened = fixture_cl_of_group(state);
     svo_device *const device = opened.device;
     svo_tree *tree = hand_tree(2, full_mask, NULL, 0, 0);
-    svo_tree *empty = svo_i_tree_new();
+    svo_tree *empty = svo_i_tree_new(NULL);
     svo_tree *expanded = NULL;
     svo_compact *made = NULL;
     svo_compact_info info = SVO_COMPACT_INFO_INIT;

@@ -100,7 +100,7 @@ static void assert_damaged(const bytes *file, const char *what, size_t at)
 {
     svo_compact *loaded = NULL;
     svo_message message = {""};
-    const svo_status status = svo_compact_load_memory(file->data, file->count, "cut", &loaded, &message);
+    const svo_status status = svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, &message);
     if (status != SVO_FILE_DAMAGED || strncmp(message.text, "cut: ", 5) != 0 || strchr(message.text, '\n') != NULL ||
         loaded != NULL) {
         fail_msg("%s %zu: %s, \"%s\"", what, at, svo_status_name(status), message.text);
@@ -111,7 +111,7 @@ static void assert_damaged(const bytes *file, const char *what, size_t at)
 static void assert_damaged_or_same(const bytes *file, const svo_compact *packed, size_t bit)
 {
     svo_compact *loaded = NULL;
-    if (packed != NULL && svo_compact_load_memory(file->data, file->count, "cut", &loaded, NULL) == SVO_OK) {
+    if (packed != NULL && svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, NULL) == SVO_OK) {
         assert_same(packed, loaded);
         svo_compact_destroy(&loaded);
         return;
@@ -147,7 +147,7 @@ static void what_is_saved_is_loaded(void **state)
         svo_tree *trees[2] = {NULL, NULL};
         const svo_save_options options = {.struct_size = sizeof options, .compress = turn % 4 < 2};
         if (svo_compact_save(made, path_of("a.svc"), &options, &message) != SVO_OK ||
-            svo_compact_load(path_of("a.svc"), &loaded, &message) != SVO_OK) {
+            svo_compact_load(path_of("a.svc"), NULL, &loaded, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         assert_same(made, loaded);
@@ -212,7 +212,7 @@ static void damaged_structure_is_noticed(void **state)
         }
         repair(&file);
         svo_compact *loaded = NULL;
-        assert_int_equal(svo_compact_load_memory(file.data, file.count, "whole", &loaded, NULL), SVO_OK);
+        assert_int_equal(svo_compact_load_memory(file.data, file.count, "whole", NULL, &loaded, NULL), SVO_OK);
         svo_compact_destroy(&loaded);
         free(file.data);
         svo_compact_destroy(&made);
@@ -225,7 +225,7 @@ static void wrong_arguments_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     svo_compact *made = make(&opened, 2, 0, SVO_FORM_DESCRIPTOR);
-    svo_compact *nowhere = svo_i_compact_new();
+    svo_compact *nowhere = svo_i_compact_new(NULL);
     svo_compact *loaded = NULL;
     svo_message message = {""};
     bytes nothing = {NULL, 0};
@@ -242,13 +242,13 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_compact_write(made, NULL, &nothing, NULL, &message), SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_compact_write: write is NULL");
     assert_int_equal(svo_compact_write(made, refuse, NULL, NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_compact_load(NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load(path_of("none.svc"), &loaded, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory(NULL, 0, "a", &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, "a", &loaded, &message), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_compact_load(NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, &loaded, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory(NULL, 0, "a", NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, &loaded, &message), SVO_FILE_DAMAGED);
     assert_string_equal(message.text, "a: not a compact tree's file");
     assert_null(loaded);
     svo_compact_destroy(&nowhere);

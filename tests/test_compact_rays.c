@@ -358,8 +358,8 @@ static void wrong_arguments_are_refused(void **state)
     svo_voxel_hit hit;
     uint8_t rgba[4];
     svo_render_options options = {.struct_size = sizeof options, .width = 1, .height = 1};
-    svo_compact *nowhere = svo_i_compact_new();
-    svo_tree *host_tree = svo_i_tree_new();
+    svo_compact *nowhere = svo_i_compact_new(NULL);
+    svo_tree *host_tree = svo_i_tree_new(NULL);
     built tree;
     fixture_build(&opened, scene_mesh(cube), 3, &(svo_plan_options){.need = SVO_NEED_NORMAL, .payload_level = 3},
                   &tree);

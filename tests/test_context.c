@@ -424,10 +424,10 @@ static void missing_function_is_named(void **state)
     svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glBindBufferRange", NULL};
-    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_NO_GL);
+    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, NULL, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "glBindBufferRange"));
     assert_null(gl.GetError);
-    assert_int_equal(svo_i_gl_load(&gl, get_nothing, NULL, &message), SVO_NO_GL);
+    assert_int_equal(svo_i_gl_load(&gl, get_nothing, NULL, NULL, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "no function gl"));
     svo_i_gl_unload(&gl);
     svo_i_gl_context_release_current(context);
@@ -442,7 +442,7 @@ static void old_version_is_refused(void **state)
     svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glGetIntegerv", (svo_i_function)report_old_version};
-    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_NO_GL);
+    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, NULL, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "below 4.3"));
     svo_i_gl_context_release_current(context);
     svo_gl_context_destroy(&context);
@@ -457,13 +457,13 @@ static void optional_functions_need_a_promise(void **state)
     svo_gl_context *context = machine_any_context_or_skip();
     make_current(context);
     changed_loader loader = {context, "glGetIntegerv", (svo_i_function)report_4_3_without_extensions};
-    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_OK);
+    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, NULL, &message), SVO_OK);
     assert_int_equal(gl.version, 43);
     assert_null(gl.BufferStorage);
     svo_i_gl_unload(&gl);
 
     loader = (changed_loader){context, "glConservativeRasterParameteriNV", (svo_i_function)report_old_version};
-    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, &message), SVO_OK);
+    assert_int_equal(svo_i_gl_load(&gl, get_changed, &loader, NULL, &message), SVO_OK);
     assert_int_equal(gl.ConservativeRasterParameteriNV != NULL,
                      svo_i_gl_has_extension(&gl, "GL_NV_conservative_raster_pre_snap_triangles"));
     svo_i_gl_unload(&gl);

@@ -52,14 +52,22 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
+/* An array that a tree owns. */
+static void *allocate_array(size_t bytes)
+{
+    void *memory = svo_i_alloc_zeroed(NULL, 1, bytes);
+    assert_non_null(memory);
+    return memory;
+}
+
 /* Fills the arrays parallel to nodes and leaves with values that differ per element. */
 static void fill_payload(svo_tree *tree)
 {
     svo_tree_info *info = &tree->info;
-    uint8_t *colors = allocate(info->node_count * 4);
-    int16_t *normals = allocate(info->node_count * 6);
-    uint16_t *materials = allocate(info->node_count * 2);
-    uint16_t *fills = allocate(info->node_count * 2);
+    uint8_t *colors = allocate_array(info->node_count * 4);
+    int16_t *normals = allocate_array(info->node_count * 6);
+    uint16_t *materials = allocate_array(info->node_count * 2);
+    uint16_t *fills = allocate_array(info->node_count * 2);
     for (uint64_t i = 0; i < info->node_count; ++i) {
         memset(colors + 4 * i, (int)(i * 7 % 256), 4);
         normals[3 * i] = (int16_t)(i * 100);
@@ -74,8 +82,8 @@ static void fill_payload(svo_tree *tree)
     /* Leaf k meets triangle 0 and, if k is odd, triangle 1. */
     info->vertex_count = 4;
     info->list_triangle_count = 2;
-    uint32_t *list_begin = allocate((info->leaf_count + 1) * sizeof *list_begin);
-    uint32_t *list = allocate(2 * info->leaf_count * sizeof *list);
+    uint32_t *list_begin = allocate_array((info->leaf_count + 1) * sizeof *list_begin);
+    uint32_t *list = allocate_array(2 * info->leaf_count * sizeof *list);
     uint32_t count = 0;
     for (uint32_t leaf = 0; leaf < info->leaf_count; ++leaf) {
         list[count++] = 0;
@@ -88,9 +96,9 @@ static void fill_payload(svo_tree *tree)
     info->fragments = count;
     tree->host[SVO_TREE_LIST_BEGIN] = list_begin;
     tree->host[SVO_TREE_LIST] = list;
-    int32_t *vertices = allocate(12 * sizeof *vertices);
-    uint32_t *indices = allocate(6 * sizeof *indices);
-    uint32_t *triangle_ids = allocate(2 * sizeof *triangle_ids);
+    int32_t *vertices = allocate_array(12 * sizeof *vertices);
+    uint32_t *indices = allocate_array(6 * sizeof *indices);
+    uint32_t *triangle_ids = allocate_array(2 * sizeof *triangle_ids);
     memcpy(vertices, (const int32_t[]){0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, -9}, 12 * sizeof *vertices);
     memcpy(indices, (const uint32_t[]){0, 1, 2, 1, 2, 3}, 6 * sizeof *indices);
     memcpy(triangle_ids, (const uint32_t[]){1, 4}, 2 * sizeof *triangle_ids);
@@ -123,7 +131,7 @@ static svo_tree *make_tree(const uint32_t *codes, size_t count, uint32_t need)
     for (int level = DEPTH; level > 0 && count > 0; --level) {
         counts[level - 1] = raise_level(levels[level], counts[level], levels[level - 1], masks[level - 1]);
     }
-    svo_tree *tree = svo_i_tree_new();
+    svo_tree *tree = svo_i_tree_new(NULL);
     assert_non_null(tree);
     svo_tree_info *info = &tree->info;
     *info = (svo_tree_info){.depth = DEPTH, .snap_bits = 20, .need = NEED_ALL, .edge = 2, .scale = 3, .triangles = 9};
@@ -133,8 +141,8 @@ static svo_tree *make_tree(const uint32_t *codes, size_t count, uint32_t need)
     info->inner_count = info->level_begin[DEPTH];
     info->node_count = info->level_begin[DEPTH + 1];
     info->leaf_count = info->node_count - info->inner_count;
-    uint8_t *child_mask = allocate(info->inner_count);
-    uint32_t *first_child = allocate(info->inner_count * sizeof *first_child);
+    uint8_t *child_mask = allocate_array(info->inner_count);
+    uint32_t *first_child = allocate_array(info->inner_count * sizeof *first_child);
     uint32_t next_child = 1;
     size_t node = 0;
     for (int level = 0; level < DEPTH; ++level) {
@@ -150,7 +158,7 @@ static svo_tree *make_tree(const uint32_t *codes, size_t count, uint32_t need)
     info->need = need;
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
-            free(tree->host[i]);
+            svo_i_free(tree->host[i]);
             tree->host[i] = NULL;
         }
     }

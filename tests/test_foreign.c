@@ -163,7 +163,7 @@ static void queues_of_another_context_are_refused(void **state)
     succeed(&own, svo_build(own.plan, opened.frontend, opened.queue, &unmade, NULL));
     REFUSED(svo_tree_prepare_rays, unmade, queue);
     svo_tree_destroy(&unmade);
-    unmade = svo_i_tree_new(); /* like one from a file: on no device yet */
+    unmade = svo_i_tree_new(NULL); /* like one from a file: on no device yet */
     assert_non_null(unmade);
     REFUSED(svo_tree_upload, unmade, opened.device, queue);
     svo_tree_destroy(&unmade);

@@ -568,7 +568,7 @@ static void test_damaged_answers(void **unused)
         assert_non_null(part.bytes);
         memcpy(part.bytes, good->bytes, i);
         assert_int_equal(svo_i_stream_parse(&part, "name", false, NULL, NULL, NULL), SVO_IMPORT_FAILED);
-        free(part.textures);
+        svo_i_free(part.textures);
         free(part.bytes);
     }
     size_t refused = 0;
@@ -582,7 +582,7 @@ static void test_damaged_answers(void **unused)
             assert_true(strncmp(message.text, "name: ", 6) == 0);
             ++refused;
         }
-        free(flipped.textures);
+        svo_i_free(flipped.textures);
         free(flipped.bytes);
     }
     assert_true(refused > 0);

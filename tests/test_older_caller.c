@@ -257,6 +257,14 @@ static svo_status use_mesh_buffers(const void *from, svo_message *message)
 }
 
 #ifdef HAVE_GL
+static svo_status use_context_options(const void *from, svo_message *message)
+{
+    svo_gl_context *made = NULL;
+    const svo_status status = svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, from, &made, message);
+    svo_gl_context_destroy(&made);
+    return status;
+}
+
 static svo_status use_gl_options(const void *from, svo_message *message)
 {
     svo_gl_context *context = NULL;
@@ -278,6 +286,14 @@ static svo_status use_save_options(const void *from, svo_message *message)
 }
 
 /* The file does not exist; this error comes after the size was accepted. */
+static svo_status use_load_options(const void *from, svo_message *message)
+{
+    svo_tree *made = NULL;
+    const svo_status status = svo_tree_load_with("/nonexistent/tree.svo", from, &made, message);
+    return status == SVO_FILE_ERROR ? SVO_OK : status;
+}
+
+/* As above. */
 static svo_status use_import_options(const void *from, svo_message *message)
 {
     svo_import *made = NULL;
@@ -296,10 +312,12 @@ static const svo_workspace_options workspace_options = SVO_WORKSPACE_OPTIONS_INI
 static const svo_mesh_buffers mesh_buffers = SVO_MESH_BUFFERS_INIT;
 #ifdef HAVE_GL
 static const svo_gl_options gl_options = SVO_GL_OPTIONS_INIT;
+static const svo_gl_context_options context_options = SVO_GL_CONTEXT_OPTIONS_INIT;
 #endif
 #ifdef HAVE_IO
 static const svo_save_options save_options = SVO_SAVE_OPTIONS_INIT;
 static const svo_import_options import_options = SVO_IMPORT_OPTIONS_INIT;
+static const svo_load_options load_options = SVO_LOAD_OPTIONS_INIT;
 #endif
 
 typedef struct input_case {
@@ -320,10 +338,12 @@ static const input_case inputs[] = {
     {"buffers", use_mesh_buffers, &mesh_buffers, sizeof mesh_buffers, 88, SVO_OK},
 #ifdef HAVE_GL
     {"options", use_gl_options, &gl_options, sizeof gl_options, 16, SVO_OK},
+    {"options", use_context_options, &context_options, sizeof context_options, 16, SVO_OK},
 #endif
 #ifdef HAVE_IO
     {"options", use_save_options, &save_options, sizeof save_options, 8, SVO_OK},
     {"options", use_import_options, &import_options, sizeof import_options, 24, SVO_OK},
+    {"options", use_load_options, &load_options, sizeof load_options, 16, SVO_OK},
 #endif
 };
 #define INPUTS (sizeof inputs / sizeof inputs[0])

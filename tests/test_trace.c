@@ -80,10 +80,10 @@ static uint32_t link_nodes(const occupancy *voxels, svo_tree_info *info, uint8_t
 
 static svo_tree *make_tree(const occupancy *voxels, bool black)
 {
-    svo_tree *tree = svo_i_tree_new();
+    svo_tree *tree = svo_i_tree_new(NULL);
     uint32_t *codes = calloc(2 * TEST_CELLS_MAX, sizeof *codes);
-    uint8_t *masks = calloc(2 * TEST_CELLS_MAX, sizeof *masks);
-    uint32_t *first = calloc(2 * TEST_CELLS_MAX, sizeof *first);
+    uint8_t *masks = svo_i_alloc_zeroed(NULL, 2 * TEST_CELLS_MAX, sizeof *masks);
+    uint32_t *first = svo_i_alloc_zeroed(NULL, 2 * TEST_CELLS_MAX, sizeof *first);
     assert_non_null(tree);
     assert_non_null(codes);
     assert_non_null(masks);
@@ -101,7 +101,7 @@ static svo_tree *make_tree(const occupancy *voxels, bool black)
     tree->downloaded = true;
     if (black) {
         info->need = SVO_NEED_COLOR;
-        tree->host[SVO_TREE_COLORS] = calloc(info->node_count, 4);
+        tree->host[SVO_TREE_COLORS] = svo_i_alloc_zeroed(NULL, info->node_count, 4);
         assert_non_null(tree->host[SVO_TREE_COLORS]);
     }
     free(codes);
@@ -549,7 +549,7 @@ static void bad_arguments_are_refused(void **unused)
     bad.camera.target[0] = INFINITY;
     expect_refusal(tree, &bad, "not finite");
     svo_tree_destroy(&tree);
-    svo_tree *absent = svo_i_tree_new();
+    svo_tree *absent = svo_i_tree_new(NULL);
     assert_non_null(absent);
     expect_refusal(absent, &good, "svo_tree_upload");
     svo_tree_destroy(&absent);

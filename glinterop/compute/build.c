@@ -5,8 +5,6 @@
  */
 #include "compute/build.h"
 
-#include <stdlib.h>
-
 #include "commands/timing.h"
 #include "compute/buffer.h"
 #include "compute/filter.h"
@@ -47,7 +45,8 @@ svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan)
 static svo_status alloc_cursors(svo_i_gl_build *gl_build)
 {
     const svo_i_fragment_list *list = &gl_build->build->list;
-    gl_build->cursors = calloc(list->chunk_count + 1u, sizeof *gl_build->cursors);
+    gl_build->cursors = svo_i_alloc_zeroed(&gl_build->build->commands.device->memory, list->chunk_count + 1u,
+                                           sizeof *gl_build->cursors);
     if (gl_build->cursors == NULL) {
         return svo_i_device_fail(gl_build->build->commands.device, SVO_OUT_OF_HOST_MEMORY,
                                  SVO_I_GL_BUILD ": no memory for %u chunks", list->chunk_count);
@@ -195,7 +194,7 @@ svo_status svo_i_gl_make_tree(svo_i_compute *compute, svo_i_build *build)
     for (uint32_t i = 0; gl_build.cursors != NULL && i < build->list.chunk_count; ++i) {
         svo_i_compute_free(compute, &gl_build.cursors[i]);
     }
-    free(gl_build.cursors);
+    svo_i_free(gl_build.cursors);
     svo_i_compute_free(compute, &gl_build.state);
     svo_i_compute_free(compute, &gl_build.partials);
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {

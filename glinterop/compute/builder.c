@@ -3,7 +3,6 @@
 #include "compute/builder.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "compute/buffer.h"
@@ -28,7 +27,7 @@ static svo_status create_objects(svo_i_compute *compute)
 
 svo_status svo_i_compute_create(svo_device *device, svo_gl_context *context, svo_i_compute **out)
 {
-    svo_i_compute *compute = calloc(1, sizeof *compute);
+    svo_i_compute *compute = svo_i_alloc_zeroed(&device->memory, 1, sizeof *compute);
     if (compute == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, SVO_I_GL_BUILD ": no memory for the builder");
     }
@@ -57,7 +56,7 @@ void svo_i_compute_destroy(svo_i_compute **compute)
         svo_i_compute_free(dying, &dying->exhausted);
         svo_i_gl_context_release_current(dying->context);
     }
-    free(dying);
+    svo_i_free(dying);
     *compute = NULL;
 }
 

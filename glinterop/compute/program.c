@@ -7,7 +7,6 @@
 
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "compute/buffer.h"
@@ -211,7 +210,7 @@ svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, 
             return SVO_OK;
         }
     }
-    svo_i_compute_program *program = calloc(1, sizeof *program);
+    svo_i_compute_program *program = svo_i_alloc_zeroed(&compute->device->memory, 1, sizeof *program);
     if (program == NULL) {
         return svo_i_device_fail(compute->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_GL_BUILD ": no memory for a program");
     }
@@ -222,7 +221,7 @@ svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, 
     compute->device->compile_ms += svo_i_now_ms() - start_ms;
     if (status != SVO_OK) {
         compute->gl->DeleteProgram(program->name);
-        free(program);
+        svo_i_free(program);
         return status;
     }
     program->next = compute->programs;
@@ -237,7 +236,7 @@ void svo_i_compute_programs_destroy(svo_i_compute *compute)
         svo_i_compute_program *dying = compute->programs;
         compute->programs = dying->next;
         compute->gl->DeleteProgram(dying->name);
-        free(dying);
+        svo_i_free(dying);
     }
 }
 

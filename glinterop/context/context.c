@@ -2,8 +2,6 @@
 /* OpenGL contexts: what all kinds share, and how a context is made current and released. */
 #include "context/context.h"
 
-#include <stdlib.h>
-
 #include "context/wrap.h"
 #include "core/message.h"
 #include "core/struct_size.h"
@@ -112,11 +110,11 @@ const svo_i_gl_functions *svo_i_gl_context_functions(const svo_gl_context *conte
     return &context->functions;
 }
 
-static svo_status load_functions(svo_gl_context *context, svo_message *message)
+static svo_status load_functions(svo_gl_context *context, const svo_i_memory *memory, svo_message *message)
 {
     SVO_I_TRY(svo_i_gl_context_make_current(context, message));
     const svo_status status =
-        svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, message);
+        svo_i_gl_load(&context->functions, context->platform->get_proc_address, context->native, memory, message);
     svo_i_gl_context_release_current(context);
     return status;
 }
@@ -131,9 +129,26 @@ svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_mes
     return SVO_OK;
 }
 
+/* The memory that options ask for; NULL means malloc and free. */
+static svo_status read_options(const svo_gl_context_options *options, const char *function, svo_i_memory *memory,
+                               svo_message *message)
+{
+    svo_gl_context_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gl_context_options, memory)));
+    return svo_i_memory_read(message, function, "options.memory", asked.memory, memory);
+}
+
 svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                  svo_message *message)
 {
+    return svo_gl_context_create_with(kind, device_index, NULL, out, message);
+}
+
+svo_status svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
+                                      const svo_gl_context_options *options, svo_gl_context **out, svo_message *message)
+{
+    svo_i_memory memory;
     if (out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: out is NULL");
     }
@@ -141,7 +156,8 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: kind %d is not below %d", (int)kind,
                           SVO_GL_CONTEXT_KINDS);
     }
-    svo_gl_context *context = calloc(1, sizeof *context);
+    SVO_I_TRY(read_options(options, "svo_gl_context_create", &memory, message));
+    svo_gl_context *context = svo_i_alloc_zeroed(&memory, 1, sizeof *context);
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
@@ -150,8 +166,8 @@ svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index
     context->kind = kind;
     context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
-    SVO_I_TRY_CLEANUP(context->platform->create(kind, context->device_index, &context->native, message));
-    SVO_I_TRY_CLEANUP(load_functions(context, message));
+    SVO_I_TRY_CLEANUP(context->platform->create(kind, context->device_index, &memory, &context->native, message));
+    SVO_I_TRY_CLEANUP(load_functions(context, &memory, message));
     SVO_I_TRY_CLEANUP(svo_i_gl_context_check_promise(context, message));
     *out = context;
     context = NULL;
@@ -163,11 +179,19 @@ cleanup:
 svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
                                svo_message *message)
 {
+    return svo_gl_context_wrap_with(get_proc_address, user, NULL, out, message);
+}
+
+svo_status svo_gl_context_wrap_with(svo_gl_get_proc_address get_proc_address, void *user,
+                                    const svo_gl_context_options *options, svo_gl_context **out, svo_message *message)
+{
+    svo_i_memory memory;
     if (get_proc_address == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_wrap: %s is NULL",
                           out == NULL ? "out" : "get_proc_address");
     }
-    svo_gl_context *context = calloc(1, sizeof *context);
+    SVO_I_TRY(read_options(options, "svo_gl_context_wrap", &memory, message));
+    svo_gl_context *context = svo_i_alloc_zeroed(&memory, 1, sizeof *context);
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
     }
@@ -175,8 +199,8 @@ svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *u
     context->opencl = &svo_i_opencl_installed;
     context->kind = SVO_GL_WRAPPED;
     context->platform = &svo_i_wrap_platform;
-    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &context->native, message));
-    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, message));
+    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &memory, &context->native, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, &memory, message));
     *out = context;
     return SVO_OK;
 cleanup:
@@ -195,7 +219,7 @@ void svo_gl_context_destroy(svo_gl_context **context)
         dying->platform->destroy(dying->native);
     }
     svo_i_gl_unload(&dying->functions);
-    free(dying);
+    svo_i_free(dying);
     *context = NULL;
 }
 

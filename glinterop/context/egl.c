@@ -9,7 +9,6 @@
 #include "context/egl.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 #define EGL_NO_X11
 #include <EGL/egl.h>
@@ -41,6 +40,7 @@ typedef struct egl_library {
 } egl_library;
 
 typedef struct egl_context {
+    svo_i_memory memory;
     egl_library egl;
     EGLDisplay display;
     EGLContext context;
@@ -149,14 +149,15 @@ uint32_t svo_gl_egl_device_count(void)
     return count;
 }
 
-static svo_status find_device(const egl_library *egl, uint32_t device_index, EGLDeviceEXT *device, svo_message *message)
+static svo_status find_device(const egl_library *egl, uint32_t device_index, const svo_i_memory *memory,
+                              EGLDeviceEXT *device, svo_message *message)
 {
     uint32_t count = device_count(egl);
     if (device_index >= count) {
         return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: device_index %u is not below the %u EGL devices",
                           device_index, count);
     }
-    EGLDeviceEXT *devices = calloc(count, sizeof(EGLDeviceEXT));
+    EGLDeviceEXT *devices = svo_i_alloc_zeroed(memory, count, sizeof(EGLDeviceEXT));
     if (devices == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no memory for %u devices", count);
     }
@@ -169,14 +170,15 @@ static svo_status find_device(const egl_library *egl, uint32_t device_index, EGL
     } else {
         *device = devices[device_index];
     }
-    free(devices);
+    svo_i_free(devices);
     return status;
 }
 
 /* Finds the platform and the native display that eglGetPlatformDisplayEXT needs for the kind. */
-static svo_status choose_platform(const egl_library *egl, svo_gl_context_kind kind, uint32_t device_index,
+static svo_status choose_platform(const egl_context *native, svo_gl_context_kind kind, uint32_t device_index,
                                   EGLenum *platform, void **native_display, svo_message *message)
 {
+    const egl_library *egl = &native->egl;
     if (kind == SVO_GL_SURFACELESS) {
         *platform = EGL_PLATFORM_SURFACELESS_MESA;
         *native_display = EGL_DEFAULT_DISPLAY;
@@ -184,7 +186,7 @@ static svo_status choose_platform(const egl_library *egl, svo_gl_context_kind ki
     }
     *platform = EGL_PLATFORM_DEVICE_EXT;
     SVO_I_TRY(require_client_extension(egl, "EGL_EXT_platform_device", message));
-    return find_device(egl, device_index, native_display, message);
+    return find_device(egl, device_index, &native->memory, native_display, message);
 }
 
 static svo_status open_display(egl_context *native, svo_gl_context_kind kind, uint32_t device_index,
@@ -194,7 +196,7 @@ static svo_status open_display(egl_context *native, svo_gl_context_kind kind, ui
     EGLenum platform = 0;
     void *native_display = NULL;
     SVO_I_TRY(require_client_extension(egl, "EGL_EXT_platform_base", message));
-    SVO_I_TRY(choose_platform(egl, kind, device_index, &platform, &native_display, message));
+    SVO_I_TRY(choose_platform(native, kind, device_index, &platform, &native_display, message));
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->GetProcAddress("eglGetPlatformDisplayEXT");
     if (get_platform_display == NULL) {
@@ -296,16 +298,18 @@ static void egl_destroy(void *pointer)
         (void)native->egl.DestroyContext(native->display, native->context);
     }
     svo_i_library_close(native->egl.library);
-    free(native);
+    svo_i_free(native);
 }
 
-static svo_status egl_create(svo_gl_context_kind kind, uint32_t device_index, void **out, svo_message *message)
+static svo_status egl_create(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory, void **out,
+                             svo_message *message)
 {
-    egl_context *native = calloc(1, sizeof *native);
+    egl_context *native = svo_i_alloc_zeroed(memory, 1, sizeof *native);
     if (native == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }
     svo_status status = SVO_OK;
+    native->memory = *memory;
     native->context = EGL_NO_CONTEXT;
     SVO_I_TRY_CLEANUP(egl_library_open(&native->egl, message));
     SVO_I_TRY_CLEANUP(open_display(native, kind, device_index, message));

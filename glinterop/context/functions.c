@@ -4,7 +4,6 @@
 
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/message.h"
@@ -122,11 +121,12 @@ static svo_status load_version(svo_i_gl_functions *gl, svo_message *message)
 }
 
 /* Appends an extension name and a space to gl->extensions, of which bytes are used. */
-static svo_status add_extension(svo_i_gl_functions *gl, const char *name, size_t *bytes, svo_message *message)
+static svo_status add_extension(svo_i_gl_functions *gl, const svo_i_memory *memory, const char *name, size_t *bytes,
+                                svo_message *message)
 {
     const size_t length = strlen(name);
     const size_t needed = *bytes + length + 2;
-    char *longer = realloc(gl->extensions, needed);
+    char *longer = svo_i_grow(memory, gl->extensions, needed);
     if (longer == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, FUNCTION ": no %zu bytes for the extension names", needed);
     }
@@ -138,7 +138,7 @@ static svo_status add_extension(svo_i_gl_functions *gl, const char *name, size_t
 
 /* Joins the extension names into one string, to be searched without the context being current. Each name is asked for
    once: a driver that fails may give another answer the second time. */
-static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
+static svo_status load_extensions(svo_i_gl_functions *gl, const svo_i_memory *memory, svo_message *message)
 {
     GLint count = 0;
     gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
@@ -146,7 +146,7 @@ static svo_status load_extensions(svo_i_gl_functions *gl, svo_message *message)
     size_t bytes = 0;
     for (GLint i = 0; i < count; ++i) {
         const char *name = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
-        SVO_I_TRY(name != NULL ? add_extension(gl, name, &bytes, message) : SVO_OK);
+        SVO_I_TRY(name != NULL ? add_extension(gl, memory, name, &bytes, message) : SVO_OK);
     }
     return svo_i_gl_check(gl, FUNCTION, "reading the extensions", message);
 }
@@ -179,7 +179,7 @@ static void load_limits(svo_i_gl_functions *gl)
 
 /* Everything up to the extension names. A failure leaves the table partly filled. */
 static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
-                            svo_message *message)
+                            const svo_i_memory *memory, svo_message *message)
 {
     const char *missing = load_required(gl, get_proc_address, user);
     if (gl->GetIntegerv == NULL || gl->GetString == NULL || gl->GetStringi == NULL || gl->GetError == NULL) {
@@ -191,15 +191,15 @@ static svo_status load_core(svo_i_gl_functions *gl, svo_i_get_proc_address get_p
     if (missing != NULL) {
         return fail_missing(missing, message);
     }
-    return load_extensions(gl, message);
+    return load_extensions(gl, memory, message);
 }
 
 svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
-                         svo_message *message)
+                         const svo_i_memory *memory, svo_message *message)
 {
     *gl = (svo_i_gl_functions){0};
     svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(load_core(gl, get_proc_address, user, message));
+    SVO_I_TRY_CLEANUP(load_core(gl, get_proc_address, user, memory, message));
     load_optional(gl, get_proc_address, user);
     load_limits(gl);
     SVO_I_TRY_CLEANUP(svo_i_gl_check_query(gl, FUNCTION, "reading the limits", message));
@@ -211,7 +211,7 @@ cleanup:
 
 void svo_i_gl_unload(svo_i_gl_functions *gl)
 {
-    free(gl->extensions);
+    svo_i_free(gl->extensions);
     *gl = (svo_i_gl_functions){0};
 }
 

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 
 #include "context/library.h"
+#include "core/memory.h"
 #include "svocl/status.h"
 
 /* Versions are major * 10 + minor. The front end requires 4.3 and all its functions. */
@@ -124,13 +125,13 @@ typedef struct svo_i_gl_functions {
 } svo_i_gl_functions;
 
 /*
- * Fills the table. Expects the context current.
+ * Fills the table. Expects the context current. memory: for the extension names; NULL means malloc and free.
  *
  * Returns SVO_NO_GL naming the missing function or version, or SVO_OUT_OF_HOST_MEMORY; *gl is then all zero. Release
  * the table by svo_i_gl_unload, which accepts a zeroed or unloaded one.
  */
 svo_status svo_i_gl_load(svo_i_gl_functions *gl, svo_i_get_proc_address get_proc_address, void *user,
-                         svo_message *message);
+                         const svo_i_memory *memory, svo_message *message);
 void svo_i_gl_unload(svo_i_gl_functions *gl);
 
 /* Whether the context lists the extension, compared as a whole name. */

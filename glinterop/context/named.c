@@ -52,22 +52,36 @@ static void add_line(svo_message *list, uint32_t index, const char *words)
     (void)snprintf(list->text + used, sizeof list->text - used, "%s%u: %s", used > 0 ? "; " : "", index, words);
 }
 
-/* The device's context if it matches. Otherwise NULL, and a line of the list names its renderer or the failure. */
-static svo_gl_context *try_device(uint32_t index, const char *device_name, svo_message *list)
+/* *out: the device's context if it matches. Otherwise NULL, and a line of the list names its renderer or the failure.
+   Fails where a next device would fail too; the list has the reason then. */
+static svo_status try_device(uint32_t index, const char *device_name, const svo_gl_context_options *options,
+                             svo_gl_context **out, svo_message *list)
 {
     svo_message reason = {""};
     svo_gl_context *context = NULL;
-    if (svo_gl_context_create(SVO_GL_EGL_DEVICE, index, &context, &reason) != SVO_OK) {
+    const svo_status status = svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, &context, &reason);
+    if (status == SVO_OUT_OF_HOST_MEMORY || status == SVO_INVALID_ARGUMENT) {
+        *list = reason;
+        return status;
+    }
+    if (status != SVO_OK) {
         const char *words = strstr(reason.text, ": ");
         add_line(list, index, words != NULL ? words + 2 : reason.text);
     } else if (!matches(context, device_name)) {
         add_line(list, index, context->functions.renderer);
         svo_gl_context_destroy(&context);
     }
-    return context;
+    *out = context;
+    return SVO_OK;
 }
 
 svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message)
+{
+    return svo_gl_context_create_named_with(device_name, NULL, out, message);
+}
+
+svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
+                                            svo_gl_context **out, svo_message *message)
 {
     if (device_name == NULL || device_name[0] == '\0' || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create_named: %s",
@@ -75,12 +89,16 @@ svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context *
     }
     uint32_t index = 0;
     if (is_index(device_name, &index)) {
-        return svo_gl_context_create(SVO_GL_EGL_DEVICE, index, out, message);
+        return svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, out, message);
     }
     svo_message list = {""};
     const uint32_t count = svo_gl_egl_device_count();
     for (index = 0; index < count; ++index) {
-        svo_gl_context *context = try_device(index, device_name, &list);
+        svo_gl_context *context = NULL;
+        const svo_status status = try_device(index, device_name, options, &context, &list);
+        if (status != SVO_OK) {
+            return svo_i_fail(message, status, "%s", list.text);
+        }
         if (context != NULL) {
             *out = context;
             return SVO_OK;

@@ -7,8 +7,6 @@
  */
 #include "context/osmesa.h"
 
-#include <stdlib.h>
-
 #include <GL/osmesa.h>
 
 #include "core/message.h"
@@ -94,14 +92,15 @@ static void osmesa_destroy(void *pointer)
         native->osmesa.DestroyContext(native->context);
     }
     svo_i_library_close(native->osmesa.library);
-    free(native);
+    svo_i_free(native);
 }
 
-static svo_status osmesa_create(svo_gl_context_kind kind, uint32_t device_index, void **out, svo_message *message)
+static svo_status osmesa_create(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory, void **out,
+                                svo_message *message)
 {
     (void)kind;
     (void)device_index;
-    osmesa_context *native = calloc(1, sizeof *native);
+    osmesa_context *native = svo_i_alloc_zeroed(memory, 1, sizeof *native);
     if (native == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "context/library.h"
+#include "core/memory.h"
 #include "svocl/gl.h"
 
 /* The names of a context in the system that created it, for the properties of an OpenCL context. */
@@ -18,7 +19,8 @@ typedef struct svo_i_gl_handles {
 
 typedef struct svo_i_gl_platform {
     /* Loads the library and creates a context. Does not change what is current. */
-    svo_status (*create)(svo_gl_context_kind kind, uint32_t device_index, void **native, svo_message *message);
+    svo_status (*create)(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory, void **native,
+                         svo_message *message);
     void (*destroy)(void *native);
     bool (*is_current)(void *native);
     /* Expects that no context is current: the bindings of EGL and OSMesa have been taken. */

@@ -5,8 +5,6 @@
  */
 #include "context/wrap.h"
 
-#include <stdlib.h>
-
 #include "core/message.h"
 
 /* Has the functions of GLX where there is no SVO_I_GLX_LIBRARY. */
@@ -34,11 +32,12 @@ static svo_i_gl_handles find_current(void)
                               NULL};
 }
 
-static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, void **out, svo_message *message)
+static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory, void **out,
+                              svo_message *message)
 {
     (void)kind;
     (void)device_index;
-    svo_i_gl_handles *native = malloc(sizeof *native);
+    svo_i_gl_handles *native = svo_i_alloc(memory, sizeof *native);
     if (native == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *native);
     }
@@ -49,7 +48,7 @@ static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, v
 
 static void wrap_destroy(void *native)
 {
-    free(native);
+    svo_i_free(native);
 }
 
 /* A context that no library knew counts as current whenever no library has a current context. */

@@ -2,8 +2,6 @@
 /* svo_gl: one OpenCL device and one OpenGL context as a front end for svo_build. */
 #include "frontend/handle.h"
 
-#include <stdlib.h>
-
 #include "compute/builder.h"
 #include "core/message.h"
 #include "core/struct_size.h"
@@ -118,7 +116,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     SVO_I_TRY(svo_i_struct_read(&device->message, "svo_gl_create", "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_gl_options, share)));
     SVO_I_TRY(check_options(device, &asked));
-    svo_gl *gl = calloc(1, sizeof *gl);
+    svo_gl *gl = svo_i_alloc_zeroed(&device->memory, 1, sizeof *gl);
     if (gl == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for the handle");
     }
@@ -143,6 +141,6 @@ void svo_gl_destroy(svo_gl **gl)
     }
     svo_i_raster_destroy(&(*gl)->raster);
     svo_i_compute_destroy(&(*gl)->compute);
-    free(*gl);
+    svo_i_free(*gl);
     *gl = NULL;
 }

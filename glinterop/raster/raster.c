@@ -5,8 +5,6 @@
  */
 #include "raster/raster.h"
 
-#include <stdlib.h>
-
 #include "context/shader.h"
 #include "context/state.h"
 #include "core/message.h"
@@ -109,7 +107,7 @@ svo_status svo_i_raster_create(svo_device *device, svo_gl_context *context, svo_
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     svo_status status = SVO_OK;
     SVO_I_TRY(check_limits(device, gl));
-    svo_i_raster *raster = calloc(1, sizeof *raster);
+    svo_i_raster *raster = svo_i_alloc_zeroed(&device->memory, 1, sizeof *raster);
     if (raster == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for the front end");
     }
@@ -141,7 +139,7 @@ void svo_i_raster_destroy(svo_i_raster **raster)
         r->gl->DeleteBuffers(4, r->buffers);
         svo_i_gl_context_release_current(r->context);
     }
-    free(r);
+    svo_i_free(r);
     *raster = NULL;
 }
 
@@ -309,14 +307,14 @@ static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char 
 /* One counter per chunk, all zero. */
 static svo_status upload_counters(svo_i_raster *raster, uint32_t chunk_count)
 {
-    uint32_t *zeros = calloc(chunk_count + 1u, sizeof *zeros);
+    uint32_t *zeros = svo_i_alloc_zeroed(&raster->device->memory, chunk_count + 1u, sizeof *zeros);
     if (zeros == NULL) {
         return svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u counters", FUNCTION,
                                  chunk_count);
     }
     const svo_status status =
         upload_block(raster, BINDING_COUNTERS, "counters", zeros, (chunk_count + 1u) * sizeof *zeros);
-    free(zeros);
+    svo_i_free(zeros);
     return status;
 }
 

@@ -5,8 +5,6 @@
  */
 #include "raster/rasterize.h"
 
-#include <stdlib.h>
-
 #include "commands/timing.h"
 #include "core/message.h"
 #include "plan/estimate.h"
@@ -31,7 +29,7 @@ static svo_status create_chunks(const svo_i_rasterizer *rasterizer, const svo_pl
     const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         svo_i_fragments *chunk = &list->chunks[i];
-        chunk->owner = calloc(1, sizeof(svo_i_share_buffer));
+        chunk->owner = svo_i_alloc_zeroed(&rasterizer->device->memory, 1, sizeof(svo_i_share_buffer));
         if (chunk->owner == NULL) {
             return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
                                      chunking->chunk_count);
@@ -121,13 +119,13 @@ static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan
 static svo_status draw_list(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
                             svo_i_fragment_list *list)
 {
-    uint32_t *needed = calloc(chunking->chunk_count + 1u, sizeof *needed);
+    uint32_t *needed = svo_i_alloc_zeroed(&rasterizer->device->memory, chunking->chunk_count + 1u, sizeof *needed);
     if (needed == NULL) {
         return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
                                  chunking->chunk_count);
     }
     const svo_status status = draw_chunks(rasterizer, plan, chunking, list, needed);
-    free(needed);
+    svo_i_free(needed);
     return status;
 }
 
@@ -183,7 +181,7 @@ void svo_i_rasterize_release(svo_i_fragment_list *list)
     for (uint32_t i = 0; i < list->chunk_count; ++i) {
         if (list->chunks[i].owner != NULL) {
             svo_i_share_buffer_destroy(list->chunks[i].owner);
-            free(list->chunks[i].owner);
+            svo_i_free(list->chunks[i].owner);
         }
     }
     list->chunk_count = 0;

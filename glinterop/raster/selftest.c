@@ -78,7 +78,7 @@ static bool append(walk *w, const int32_t voxel[3], uint32_t triangle)
     const uint32_t per_fragment = svo_i_plan_fragment_bytes(w->plan) / 4;
     if (w->count == w->capacity) {
         const uint64_t capacity = w->capacity * 2 + 1024;
-        uint32_t *words = realloc(w->words, (size_t)capacity * per_fragment * 4);
+        uint32_t *words = svo_i_grow(&w->plan->device->memory, w->words, (size_t)capacity * per_fragment * 4);
         if (words == NULL) {
             return false;
         }
@@ -127,7 +127,7 @@ svo_status svo_i_walk(const svo_plan *plan, uint32_t **out, uint64_t *fragment_c
     walk w = {.plan = plan};
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         if (!walk_triangle(&w, t)) {
-            free(w.words);
+            svo_i_free(w.words);
             return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
                                      "svo_gl_create: no memory for %llu fragments", (unsigned long long)w.count);
         }
@@ -197,7 +197,7 @@ static svo_status compare(svo_device *device, const svo_i_gl_functions *gl, svo_
     uint64_t count = 0;
     uint32_t needed = 0;
     SVO_I_TRY_CLEANUP(svo_i_walk(plan, &expected, &count));
-    drawn = malloc((size_t)(count + 1) * 8);
+    drawn = svo_i_alloc(&device->memory, (size_t)(count + 1) * 8);
     if (drawn == NULL) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for %llu fragments",
                                    (unsigned long long)count);
@@ -206,8 +206,8 @@ static svo_status compare(svo_device *device, const svo_i_gl_functions *gl, svo_
     SVO_I_TRY_CLEANUP(draw(device, gl, raster, plan, count + 1, drawn, &needed));
     report_difference(drawn, expected, needed, count, reason, reason_bytes);
 cleanup:
-    free(expected);
-    free(drawn);
+    svo_i_free(expected);
+    svo_i_free(drawn);
     return status;
 }
 

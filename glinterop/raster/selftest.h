@@ -11,7 +11,7 @@ void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_ra
                            size_t reason_bytes);
 
 /* The fragments of a plan's triangles, ordered by triangle and then by voxel, found by testing every voxel of each
-   triangle's bounding box. *out: words as in the list, to be freed by free. For small scenes on the default grid. */
+   triangle's bounding box. *out: words as in the list, which the caller frees. For small scenes on the default grid. */
 svo_status svo_i_walk(const svo_plan *plan, uint32_t **out, uint64_t *fragment_count);
 
 #endif

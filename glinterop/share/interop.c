@@ -2,7 +2,6 @@
 /* Finds cl_khr_gl_sharing on a pair of device and context, and creates OpenCL contexts against OpenGL contexts. */
 #include "share/interop.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "context/context.h"
@@ -19,9 +18,9 @@ static char *extension_list(const svo_device *device, const svo_i_opencl *opencl
     if (opencl->GetDeviceInfo(device->device, CL_DEVICE_EXTENSIONS, 0, NULL, &bytes) != CL_SUCCESS) {
         return NULL;
     }
-    char *list = calloc(bytes + 1, 1);
+    char *list = svo_i_alloc_zeroed(&device->memory, bytes + 1, 1);
     if (list != NULL && opencl->GetDeviceInfo(device->device, CL_DEVICE_EXTENSIONS, bytes, list, NULL) != CL_SUCCESS) {
-        free(list);
+        svo_i_free(list);
         return NULL;
     }
     return list;
@@ -31,7 +30,7 @@ static bool lists_extension(const svo_device *device, const svo_i_opencl *opencl
 {
     char *list = extension_list(device, opencl);
     const bool listed = svo_i_list_has_token(list, extension);
-    free(list);
+    svo_i_free(list);
     return listed;
 }
 

@@ -8,7 +8,6 @@
 #include "share/probe.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "core/message.h"
 #include "share/interop.h"
@@ -83,7 +82,7 @@ static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl
     svo_i_share_buffer buffer = {0};
     cl_mem own = NULL;
     cl_int error = CL_SUCCESS;
-    cl_uint *words = malloc(TEST_BYTES);
+    cl_uint *words = svo_i_alloc(&device->memory, TEST_BYTES);
     cl_command_queue queue = clCreateCommandQueue(device->context, device->device, 0, &error);
     svo_status status = SVO_OK;
     if (words == NULL) {
@@ -106,7 +105,7 @@ cleanup:
     if (queue != NULL) {
         clReleaseCommandQueue(queue);
     }
-    free(words);
+    svo_i_free(words);
     return status;
 }
 

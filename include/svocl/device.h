@@ -21,6 +21,7 @@
 #include <stdint.h>
 
 #include "svocl/export.h"
+#include "svocl/memory.h"
 #include "svocl/status.h"
 
 #ifdef __cplusplus
@@ -48,6 +49,9 @@ typedef struct svo_device_options {
      *  is divided (clCreateSubDevices), and the handle's device is the part. 0: all of them. svo_device_create, whose
      *  caller chooses the device, refuses it. */
     uint32_t max_threads;
+    /** Host memory of the handle and of all that is made from it: plans, front ends, trees, workspaces. NULL: malloc
+     *  and free. */
+    const svo_memory_callbacks *memory;
 } svo_device_options;
 
 /** All defaults. */

@@ -57,6 +57,15 @@ typedef struct svo_gl_context_info {
 /** An empty output. */
 #define SVO_GL_CONTEXT_INFO_INIT SVO_STRUCT_INIT(svo_gl_context_info)
 
+/** Options of a context. */
+typedef struct svo_gl_context_options {
+    size_t struct_size; /**< sizeof(svo_gl_context_options) */
+    const svo_memory_callbacks *memory; /**< host memory of the handle; NULL: malloc and free. OpenGL has its own */
+} svo_gl_context_options;
+
+/** All defaults. */
+#define SVO_GL_CONTEXT_OPTIONS_INIT SVO_STRUCT_INIT(svo_gl_context_options)
+
 /** Number of EGL devices.
  *
  * \returns 0 without EGL or EGL_EXT_device_enumeration. */
@@ -72,6 +81,18 @@ SVO_API uint32_t svo_gl_egl_device_count(void);
 SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
                                          svo_message *message);
 
+/** svo_gl_context_create with options.
+ *
+ * \param kind below SVO_GL_CONTEXT_KINDS
+ * \param device_index which EGL device, for SVO_GL_EGL_DEVICE
+ * \param options NULL means all defaults
+ * \param out receives the context
+ * \param message receives the step that failed; NULL allowed
+ * \returns what svo_gl_context_create returns. */
+SVO_API svo_status svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
+                                              const svo_gl_context_options *options, svo_gl_context **out,
+                                              svo_message *message);
+
 /** Makes an off-screen context on an EGL device by name. Contexts are tried on one device after the other.
  *
  * \param device_name an index ("1"), "gpu" for the first device with a hardware renderer, or a part of the renderer's
@@ -80,6 +101,16 @@ SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t devi
  * \param message receives the devices there are when none matches; NULL allowed
  * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message);
+
+/** svo_gl_context_create_named with options.
+ *
+ * \param device_name as for svo_gl_context_create_named
+ * \param options NULL means all defaults
+ * \param out receives the context
+ * \param message receives the devices there are when none matches; NULL allowed
+ * \returns what svo_gl_context_create_named returns. */
+SVO_API svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
+                                                    svo_gl_context **out, svo_message *message);
 
 /** Any OpenGL function. */
 typedef void (*svo_gl_function)(void);
@@ -104,6 +135,18 @@ typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name)
  * \returns SVO_NO_GL or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
                                        svo_message *message);
+
+/** svo_gl_context_wrap with options.
+ *
+ * \param get_proc_address called during this call only
+ * \param user passed to get_proc_address
+ * \param options NULL means all defaults
+ * \param out receives the handle
+ * \param message receives the missing function or version; NULL allowed
+ * \returns what svo_gl_context_wrap returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+SVO_API svo_status svo_gl_context_wrap_with(svo_gl_get_proc_address get_proc_address, void *user,
+                                            const svo_gl_context_options *options, svo_gl_context **out,
+                                            svo_message *message);
 
 /** Destroys a context that svocl made, or the handle of a wrapped one.
  *

@@ -139,6 +139,37 @@ SVO_API svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *
 SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                         svo_message *message);
 
+/** Options of a tree that is loaded. */
+typedef struct svo_load_options {
+    size_t struct_size; /**< sizeof(svo_load_options) */
+    const svo_memory_callbacks *memory; /**< host memory of the tree, for its whole life; NULL: malloc and free */
+} svo_load_options;
+
+/** All defaults. */
+#define SVO_LOAD_OPTIONS_INIT SVO_STRUCT_INIT(svo_load_options)
+
+/** svo_tree_load with options.
+ *
+ * \param path of the file
+ * \param options NULL means all defaults
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+SVO_API svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out,
+                                      svo_message *message);
+
+/** svo_tree_load_memory with options.
+ *
+ * \param bytes contents of a .svo file
+ * \param byte_count their number
+ * \param name stands for the path in messages
+ * \param options NULL means all defaults
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_tree_load_memory returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+SVO_API svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
+                                             const svo_load_options *options, svo_tree **out, svo_message *message);
+
 /** Writes a file of a compact tree, as svo_tree_save writes one of a tree.
  *
  * \param compact with host arrays (svo_compact_download)
@@ -164,21 +195,24 @@ SVO_API svo_status svo_compact_write(const svo_compact *compact, svo_write_callb
  *  allocated before the header is checked.
  *
  * \param path of the file
+ * \param options NULL means all defaults
  * \param out receives the compact tree
  * \param message receives what is wrong and where; NULL allowed
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_load(const char *path, svo_compact **out, svo_message *message);
+SVO_API svo_status svo_compact_load(const char *path, const svo_load_options *options, svo_compact **out,
+                                    svo_message *message);
 
 /** svo_compact_load from memory.
  *
  * \param bytes contents of such a file
  * \param byte_count their number
  * \param name stands for the path in messages
+ * \param options NULL means all defaults
  * \param out receives the compact tree
  * \param message receives what is wrong and where; NULL allowed
  * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name, svo_compact **out,
-                                           svo_message *message);
+SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name,
+                                           const svo_load_options *options, svo_compact **out, svo_message *message);
 
 /** Options of an import. */
 typedef struct svo_import_options {
@@ -188,6 +222,9 @@ typedef struct svo_import_options {
     const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.
                                     NULL: the installed helper (svo_import_helper) */
     uint32_t strict; /**< not 0: what would be a warning is an error */
+    /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up
+     *  to memory_limit_bytes. */
+    const svo_memory_callbacks *memory;
 } svo_import_options;
 
 /** All defaults. */

@@ -84,6 +84,7 @@ typedef struct svo_mesh_buffers {
     svo_mesh_view colors; /**< RGBA8 per vertex */
     svo_mesh_view uvs; /**< 2 floats per vertex */
     svo_mesh_view triangle_materials; /**< uint16_t per triangle */
+    const svo_memory_callbacks *memory; /**< host memory of the mesh that is read; NULL: malloc and free */
 } svo_mesh_buffers;
 
 /** No arrays. */

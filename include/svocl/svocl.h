@@ -19,6 +19,7 @@
 #include "svocl/compact.h"
 #include "svocl/device.h"
 #include "svocl/export.h"
+#include "svocl/memory.h"
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"

@@ -13,13 +13,6 @@
 
 #include "rays/rays.clh"
 
-/* Vectors wider than the registers of a device: the functions are inlined, so how else they would be passed is of no
-   interest. PoCL prints the number of such warnings. */
-#ifdef __clang__
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpsabi"
-#endif
-
 typedef struct svo_nearest_search {
     svo_real4 point; /* grid units */
     float4 point_f;
@@ -191,7 +184,3 @@ svo_k_nearest(SVO_TREE_PARAMETERS, __global const svo_query_point *points, __glo
     svo_nearest_of(&tree, &point, &found);
     results[item] = found;
 }
-
-#ifdef __clang__
-#pragma clang diagnostic pop
-#endif

@@ -11,6 +11,12 @@
 #include "svocl/ray_types.h"
 #include "svocl/tree_types.h"
 
+/* Vectors may be wider than the registers of a device. All functions are inlined, so how else they would be passed is
+   of no interest, but PoCL would print the number of such warnings. */
+#if defined(__OPENCL_C_VERSION__) && defined(__clang__)
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 /* Work-items of a work-group; kernels are compiled for exactly this size. */
 #define SVO_GROUP_ITEMS 64
 /* The most groups of a scan's reduce and add passes. Each has one partial sum; one group scans them all, so this is a

@@ -20,13 +20,6 @@
 #include "shared/state.clh"
 #include "stages/attribute.clh"
 
-/* Vectors wider than the registers of a device: the functions are inlined, so how else they would be passed is of no
-   interest. PoCL prints the number of such warnings. */
-#ifdef __clang__
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpsabi"
-#endif
-
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
 
 /* The sums of a node. */
@@ -283,8 +276,4 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     }
 }
 
-#endif
-
-#ifdef __clang__
-#pragma clang diagnostic pop
 #endif

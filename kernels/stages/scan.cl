@@ -16,13 +16,6 @@
 #include "shared/group.clh"
 #include "shared/state.clh"
 
-/* Vectors wider than the registers of a device: the functions are inlined, so how else they would be passed is of no
-   interest. PoCL prints the number of such warnings. */
-#ifdef __clang__
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpsabi"
-#endif
-
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS ((uint)SVO_SCAN_TILE)
 #define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
@@ -226,8 +219,4 @@ svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials,
     }
 }
 
-#endif
-
-#ifdef __clang__
-#pragma clang diagnostic pop
 #endif

@@ -76,7 +76,7 @@ static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_q
     begin_report(report, plan, frontend);
     svo_i_plan_buffers_reset(plan);
     plan->built = true;
-    build.tree = svo_i_tree_new();
+    build.tree = svo_i_tree_new(&plan->device->memory);
     if (build.tree == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for the tree");
     }

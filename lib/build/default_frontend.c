@@ -2,8 +2,6 @@
 /* The front end of a build whose caller passes NULL: one "cl" per device handle. */
 #include "build/default_frontend.h"
 
-#include <stdlib.h>
-
 /* Attaches the front end to its device. */
 typedef struct own_frontend {
     svo_i_attachment attachment;
@@ -13,7 +11,7 @@ typedef struct own_frontend {
 static void release_frontend(svo_i_attachment *attachment)
 {
     svo_frontend_destroy(&((own_frontend *)attachment)->frontend);
-    free(attachment);
+    svo_i_free(attachment);
 }
 
 svo_status svo_i_default_frontend(svo_device *device, svo_frontend *given, svo_frontend **out)
@@ -25,7 +23,7 @@ svo_status svo_i_default_frontend(svo_device *device, svo_frontend *given, svo_f
     }
     svo_frontend *frontend = NULL;
     SVO_I_TRY(svo_frontend_create_cl(device, &frontend));
-    own_frontend *own = calloc(1, sizeof *own);
+    own_frontend *own = svo_i_alloc_zeroed(&device->memory, 1, sizeof *own);
     if (own == NULL) {
         svo_frontend_destroy(&frontend);
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_frontend_create_cl: no memory for the handle");

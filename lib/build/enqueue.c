@@ -3,7 +3,6 @@
  * Enqueued builds: the stages run in a workspace's memory, with the plan's capacities instead of counts. The device's
  * counts are read when the tree is finished.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "build/order.h"
@@ -42,7 +41,7 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
 /* Enqueues a wait for the caller's events and for the workspace's previous build. */
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
-    cl_event *all = calloc((size_t)num_wait + 1, sizeof *all);
+    cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 1, sizeof *all);
     cl_uint count = num_wait;
     if (all == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY,
@@ -56,7 +55,7 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     }
     const cl_int error =
         clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
-    free(all);
+    svo_i_free(all);
     return error == CL_SUCCESS
                ? SVO_OK
                : svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clEnqueueMarkerWithWaitList", error);
@@ -85,7 +84,8 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
     svo_i_build *build = &pending->build;
     svo_frontend *frontend = build->frontend;
     build->list.chunk_count = workspace->chunking.chunk_count;
-    build->list.chunks = calloc(build->list.chunk_count + 1u, sizeof *build->list.chunks);
+    build->list.chunks =
+        svo_i_alloc_zeroed(&workspace->device->memory, build->list.chunk_count + 1u, sizeof *build->list.chunks);
     if (build->list.chunks == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
     }
@@ -201,7 +201,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     SVO_I_TRY(svo_i_device_check_queue(workspace->device, "svo_build_enqueue", queue));
     SVO_I_TRY(svo_i_device_check_wait(workspace->device, "svo_build_enqueue", num_wait, wait));
     svo_i_pending_release_given_up(workspace, false);
-    svo_i_pending *pending = calloc(1, sizeof *pending);
+    svo_i_pending *pending = svo_i_alloc_zeroed(&workspace->device->memory, 1, sizeof *pending);
     if (pending == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
     }

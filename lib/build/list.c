@@ -5,7 +5,6 @@
  */
 #include "build/list.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "build/default_frontend.h"
@@ -52,8 +51,9 @@ static void unlist_chunks(svo_plan *plan, const svo_i_chunking *chunking)
 /* Allocates an empty list, and *needed for the counts of its chunks. */
 static svo_status alloc_list(svo_i_build *build, uint32_t chunk_count, uint64_t **needed)
 {
-    build->list.chunks = calloc(chunk_count + 1u, sizeof *build->list.chunks);
-    *needed = calloc(chunk_count + 1u, sizeof **needed);
+    build->list.chunks =
+        svo_i_alloc_zeroed(&build->commands.device->memory, chunk_count + 1u, sizeof *build->list.chunks);
+    *needed = svo_i_alloc_zeroed(&build->commands.device->memory, chunk_count + 1u, sizeof **needed);
     if (build->list.chunks == NULL || *needed == NULL) {
         return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
                                  chunk_count);
@@ -84,14 +84,14 @@ cleanup:
             unlist_chunks(build->commands.plan, chunking);
         }
         svo_i_commands_free(&build->commands, &build->list.counters);
-        free(build->list.chunks);
+        svo_i_free(build->list.chunks);
         memset(&build->list, 0, sizeof build->list);
     }
     if (status == SVO_OK && !*whole) {
         ++build->commands.report->reruns;
         status = svo_i_chunking_grow(build->commands.plan, limit, needed, chunking);
     }
-    free(needed);
+    svo_i_free(needed);
     return status;
 }
 
@@ -126,7 +126,7 @@ static svo_status count_fragments(svo_i_commands *commands, svo_frontend *fronte
                                   uint64_t *total)
 {
     svo_i_fragment_list list = {.chunk_count = chunking->chunk_count};
-    list.chunks = calloc(chunking->chunk_count + 1u, sizeof *list.chunks);
+    list.chunks = svo_i_alloc_zeroed(&commands->device->memory, chunking->chunk_count + 1u, sizeof *list.chunks);
     if (list.chunks == NULL) {
         return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_count: no memory for %u chunks",
                                  chunking->chunk_count);
@@ -140,7 +140,7 @@ static svo_status count_fragments(svo_i_commands *commands, svo_frontend *fronte
     }
     frontend->release(frontend->self, &list);
     svo_i_commands_free(commands, &list.counters);
-    free(list.chunks);
+    svo_i_free(list.chunks);
     return status;
 }
 

@@ -2,7 +2,6 @@
 /* Measuring builds: see measure.h. */
 #include "build/measure.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "build/order.h"
@@ -24,7 +23,8 @@ static svo_status measure_stages(svo_i_build *build, const svo_i_chunking *chunk
 {
     svo_i_commands *commands = &build->commands;
     build->list.chunk_count = chunking->chunk_count;
-    build->list.chunks = calloc(chunking->chunk_count + 1u, sizeof *build->list.chunks);
+    build->list.chunks =
+        svo_i_alloc_zeroed(&commands->device->memory, chunking->chunk_count + 1u, sizeof *build->list.chunks);
     if (build->list.chunks == NULL) {
         return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for %u chunks",
                                  chunking->chunk_count);
@@ -71,7 +71,7 @@ static svo_status run(svo_i_build *build, svo_plan *plan, const svo_i_chunking *
     svo_i_allocations discarded = {0};
     svo_build_report report = {0};
     svo_i_commands *commands = &build->commands;
-    build->tree = svo_i_tree_new();
+    build->tree = svo_i_tree_new(&plan->device->memory);
     if (build->tree == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory to predict sizes");
     }
@@ -111,7 +111,9 @@ svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chu
 static svo_status cut_roughly(const svo_plan *plan, svo_i_chunking *chunking)
 {
     const uint64_t fragments = svo_i_with_slack(svo_i_plan_expected(plan, plan->info.depth));
-    *chunking = (svo_i_chunking){.chunks = calloc(CHUNKS_MAX, sizeof *chunking->chunks), .chunk_count = CHUNKS_MAX};
+    *chunking =
+        (svo_i_chunking){.chunks = svo_i_alloc_zeroed(&plan->device->memory, CHUNKS_MAX, sizeof *chunking->chunks),
+                         .chunk_count = CHUNKS_MAX};
     for (uint32_t i = 0; chunking->chunks != NULL && i < CHUNKS_MAX; ++i) {
         chunking->chunks[i].capacity = fragments / CHUNKS_MAX + 1;
     }

@@ -2,8 +2,6 @@
 /* Compiles and runs the stages that the plan needs. */
 #include "build/order.h"
 
-#include <stdlib.h>
-
 #include "plan/configuration.h"
 #include "stages/surface.h"
 
@@ -42,7 +40,7 @@ void svo_i_order_release_scratch(svo_i_build *build)
     for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
         svo_i_commands_free(&build->commands, &build->cursors[i]);
     }
-    free(build->cursors);
+    svo_i_free(build->cursors);
     svo_i_surface_free(build);
     svo_i_commands_free(&build->commands, &build->state);
     svo_i_commands_free(&build->commands, &build->partials);

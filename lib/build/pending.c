@@ -2,8 +2,6 @@
 /* The end of enqueued builds: finished, failed, or with their tree destroyed. */
 #include "build/pending.h"
 
-#include <stdlib.h>
-
 void svo_i_pending_release(svo_i_pending *pending)
 {
     if (pending->done != NULL) {
@@ -14,9 +12,9 @@ void svo_i_pending_release(svo_i_pending *pending)
         svo_frontend *frontend = pending->build.frontend;
         frontend->release(frontend->self, &pending->build.list);
     }
-    free(pending->build.list.chunks);
-    free(pending->build.cursors);
-    free(pending);
+    svo_i_free(pending->build.list.chunks);
+    svo_i_free(pending->build.cursors);
+    svo_i_free(pending);
 }
 
 static bool is_done(cl_event event)

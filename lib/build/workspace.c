@@ -3,7 +3,6 @@
  * Workspaces: all the memory that enqueued builds of a plan need. A measuring build finds the sizes; the memory is
  * allocated once.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "build/measure.h"
@@ -87,7 +86,7 @@ static void release(svo_workspace *workspace)
 {
     svo_i_chunking_destroy(&workspace->chunking);
     svo_i_tiles_free(&workspace->tile_cache.tiles);
-    free(workspace->tile_cache.begin);
+    svo_i_free(workspace->tile_cache.begin);
     svo_i_allocations_free(&workspace->allocations);
     if (workspace->scratch != NULL) {
         clReleaseMemObject(workspace->scratch);
@@ -192,7 +191,7 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     if (out == NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": out is NULL");
     }
-    svo_workspace *workspace = calloc(1, sizeof *workspace);
+    svo_workspace *workspace = svo_i_alloc_zeroed(&plan->device->memory, 1, sizeof *workspace);
     if (workspace == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, SVO_I_WORKSPACE ": no memory for the handle");
     }
@@ -226,7 +225,7 @@ void svo_workspace_destroy(svo_workspace **workspace)
     svo_i_pending_release_given_up(*workspace, true);
     svo_i_pending_end_workspace(*workspace);
     release(*workspace);
-    free(*workspace);
+    svo_i_free(*workspace);
     *workspace = NULL;
 }
 
@@ -245,17 +244,17 @@ typedef struct membership {
 static void end_membership(svo_i_attachment *attachment)
 {
     svo_i_pending_leave_workspace(((membership *)attachment)->tree);
-    free(attachment);
+    svo_i_free(attachment);
 }
 
 /* A new empty tree in the workspace's list; NULL when out of memory. */
 static svo_tree *new_member(svo_workspace *workspace)
 {
-    svo_tree *tree = svo_i_tree_new();
-    membership *member = calloc(1, sizeof *member);
+    svo_tree *tree = svo_i_tree_new(&workspace->device->memory);
+    membership *member = svo_i_alloc_zeroed(&workspace->device->memory, 1, sizeof *member);
     if (tree == NULL || member == NULL) {
         svo_tree_destroy(&tree);
-        free(member);
+        svo_i_free(member);
         return NULL;
     }
     *member = (membership){.attachment.destroy = end_membership, .tree = tree};

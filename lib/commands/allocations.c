@@ -6,13 +6,12 @@
  */
 #include "commands/allocations.h"
 
-#include <stdlib.h>
-
-bool svo_i_allocations_add(svo_i_allocations *list, const char *name, uint64_t bytes, size_t *index)
+bool svo_i_allocations_add(const svo_i_memory *memory, svo_i_allocations *list, const char *name, uint64_t bytes,
+                           size_t *index)
 {
     if (list->count == list->capacity) {
         const size_t capacity = list->capacity * 2 + 32;
-        svo_i_allocation *grown = realloc(list->entries, capacity * sizeof *grown);
+        svo_i_allocation *grown = svo_i_grow(memory, list->entries, capacity * sizeof *grown);
         if (grown == NULL) {
             return false;
         }
@@ -79,6 +78,6 @@ void svo_i_allocations_free(svo_i_allocations *list)
             clReleaseMemObject(list->entries[i].memory);
         }
     }
-    free(list->entries);
+    svo_i_free(list->entries);
     *list = (svo_i_allocations){0};
 }

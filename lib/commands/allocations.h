@@ -25,7 +25,8 @@ typedef struct svo_i_allocations {
 } svo_i_allocations;
 
 /* Records an allocation; *index identifies it. Returns false when out of memory. */
-bool svo_i_allocations_add(svo_i_allocations *list, const char *name, uint64_t bytes, size_t *index);
+bool svo_i_allocations_add(const svo_i_memory *memory, svo_i_allocations *list, const char *name, uint64_t bytes,
+                           size_t *index);
 /* Records the release of an allocation. */
 void svo_i_allocations_release(svo_i_allocations *list, size_t index);
 /* Assigns offsets to the scratch entries, in multiples of alignment bytes. */

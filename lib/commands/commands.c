@@ -38,7 +38,7 @@ static cl_mem handle_of(size_t index)
 static svo_status measure(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
 {
     size_t index = 0;
-    if (!svo_i_allocations_add(commands->allocations, name, bytes, &index)) {
+    if (!svo_i_allocations_add(&commands->device->memory, commands->allocations, name, bytes, &index)) {
         return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list of buffers",
                                  SVO_I_BUILD);
     }

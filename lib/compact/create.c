@@ -151,7 +151,7 @@ svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const sv
     }
     SVO_I_TRY(check_place(device, tree, function));
     SVO_I_TRY(check_counts(device, function, tree));
-    compact = svo_i_compact_new();
+    compact = svo_i_compact_new(&device->memory);
     if (compact == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", function);
     }

@@ -7,7 +7,6 @@
  * Kampe, Sintorn and Assarsson (2013) sort the nodes of a level instead. On the host a hash table does the same in one
  * pass, and keeps the order.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
@@ -29,6 +28,7 @@ typedef struct level_records {
 typedef struct encoder {
     const svo_i_dag_nodes *nodes;
     bool places;
+    const svo_i_memory *memory;
     svo_message *message;
     level_records levels[SVO_LEVELS_MAX];
     uint32_t *record_of; /* per node with two and more levels below: its record's first word in its level */
@@ -52,7 +52,7 @@ static svo_status reserve_record(const encoder *made, level_records *level)
         return SVO_OK;
     }
     const size_t capacity = 2 * level->word_capacity + SVO_SHARED_RECORD_WORDS_MAX;
-    uint32_t *grown = capacity <= UINT32_MAX ? realloc(level->words, capacity * sizeof *grown) : NULL;
+    uint32_t *grown = capacity <= UINT32_MAX ? svo_i_grow(made->memory, level->words, capacity * sizeof *grown) : NULL;
     if (grown == NULL) {
         return fail_memory(made, capacity * sizeof *grown);
     }
@@ -75,11 +75,11 @@ static size_t next_slot(const encoder *made, size_t slot)
 static svo_status grow_table(encoder *made, const level_records *level, uint32_t levels)
 {
     const size_t slot_count = made->slot_count == 0 ? FIRST_SLOT_COUNT : 2 * made->slot_count;
-    uint32_t *slots = calloc(slot_count, sizeof *slots);
+    uint32_t *slots = svo_i_alloc_zeroed(made->memory, slot_count, sizeof *slots);
     if (slots == NULL) {
         return fail_memory(made, slot_count * sizeof *slots);
     }
-    free(made->slots);
+    svo_i_free(made->slots);
     made->slots = slots;
     made->slot_count = slot_count;
     for (size_t at = 0; at < level->word_count;) {
@@ -189,7 +189,7 @@ static svo_status encode_level(encoder *made, uint32_t level)
     const svo_i_dag_nodes *nodes = made->nodes;
     const uint32_t levels = nodes->depth - level;
     level_records *records = &made->levels[level];
-    free(made->slots);
+    svo_i_free(made->slots);
     made->slots = NULL;
     made->slot_count = 0;
     for (uint32_t node = nodes->level_begin[level]; node < nodes->level_begin[level + 1]; ++node) {
@@ -218,7 +218,7 @@ static svo_status join_levels(const encoder *made, uint32_t level_count, svo_i_d
         return svo_i_fail(made->message, SVO_UNSUPPORTED, "svo_compact_create: %zu words of records are above 2^32 - 1",
                           total);
     }
-    out->words = malloc(total * sizeof *out->words);
+    out->words = svo_i_alloc(made->memory, total * sizeof *out->words);
     if (out->words == NULL) {
         return fail_memory(made, total * sizeof *out->words);
     }
@@ -274,7 +274,7 @@ static svo_status place_payload(const encoder *made, uint32_t *place_of)
 {
     const svo_i_dag_nodes *nodes = made->nodes;
     const size_t bytes = nodes->level_begin[nodes->depth] * sizeof(uint32_t);
-    uint32_t *inner_places = malloc(bytes);
+    uint32_t *inner_places = svo_i_alloc(made->memory, bytes);
     if (inner_places == NULL) {
         return fail_memory(made, bytes);
     }
@@ -287,7 +287,7 @@ static svo_status place_payload(const encoder *made, uint32_t *place_of)
             place_children(made, node, nodes->depth - level, inner_places, place_of);
         }
     }
-    free(inner_places);
+    svo_i_free(inner_places);
     return SVO_OK;
 }
 
@@ -297,8 +297,8 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
     /* The level above the voxels has no records, unless it is the root's. */
     const uint32_t level_count = nodes->depth > 1 ? nodes->depth - 1 : 1;
     const size_t bytes = nodes->level_begin[level_count] * sizeof(uint32_t);
-    made->record_of = malloc(bytes);
-    made->subtree_places = made->places ? malloc(bytes) : NULL;
+    made->record_of = svo_i_alloc(made->memory, bytes);
+    made->subtree_places = made->places ? svo_i_alloc(made->memory, bytes) : NULL;
     if (made->record_of == NULL || (made->places && made->subtree_places == NULL)) {
         return fail_memory(made, bytes);
     }
@@ -312,23 +312,23 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
     return place_of != NULL ? place_payload(made, place_of) : SVO_OK;
 }
 
-svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, bool places, svo_i_dag *out, uint32_t *place_of,
-                            svo_message *message)
+svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places, svo_i_dag *out,
+                            uint32_t *place_of, svo_message *message)
 {
-    encoder made = {.nodes = nodes, .places = places, .message = message};
+    encoder made = {.nodes = nodes, .places = places, .memory = memory, .message = message};
     *out = (svo_i_dag){.depth = nodes->depth, .payload_level = nodes->payload_level, .places = places};
     const svo_status status = encode(&made, out, place_of);
     for (uint32_t level = 0; level < SVO_LEVELS_MAX; ++level) {
-        free(made.levels[level].words);
+        svo_i_free(made.levels[level].words);
     }
-    free(made.record_of);
-    free(made.subtree_places);
-    free(made.slots);
+    svo_i_free(made.record_of);
+    svo_i_free(made.subtree_places);
+    svo_i_free(made.slots);
     return status;
 }
 
 void svo_i_dag_free(svo_i_dag *dag)
 {
-    free(dag->words);
+    svo_i_free(dag->words);
     *dag = (svo_i_dag){.words = NULL};
 }

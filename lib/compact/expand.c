@@ -201,7 +201,7 @@ svo_status svo_compact_expand(svo_compact *compact, cl_command_queue queue, svo_
     }
     SVO_I_TRY(check(compact, (const svo_tree *const *)out));
     SVO_I_TRY(svo_i_work_begin(compact->device, function, queue, &e.work));
-    e.tree = svo_i_tree_new();
+    e.tree = svo_i_tree_new(&compact->device->memory);
     if (e.tree == NULL) {
         status = svo_i_device_fail(compact->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a tree", function);
         goto cleanup;

@@ -3,11 +3,9 @@
  * SVO_FORM_SHARED: the nodes go to the host, become records there (dag_encode.c), and go back; the payload is put in
  * the records' order on the device.
  */
-#include <stdlib.h>
-
+#include "compact/shared.h"
 #include "compact/dag.h"
 #include "compact/payload.h"
-#include "compact/shared.h"
 #include "core/device.h"
 #include "shared/dag.clh"
 
@@ -16,7 +14,7 @@ typedef struct sharing {
     svo_i_compact_work *work;
     const svo_i_compact_source *source;
     svo_compact *compact;
-    void *arrays[4]; /* of nodes, by malloc */
+    void *arrays[4]; /* of nodes, by svo_i_alloc */
     svo_i_dag_nodes nodes;
     svo_i_dag dag;
     uint32_t *place_of; /* the place of each payload of the source; NULL: none is held */
@@ -26,7 +24,7 @@ typedef struct sharing {
 /* Reads an array into new memory. */
 static svo_status read_array(sharing *s, cl_mem from, uint64_t bytes, int index)
 {
-    s->arrays[index] = malloc((size_t)bytes);
+    s->arrays[index] = svo_i_alloc(&s->work->device->memory, (size_t)bytes);
     if (s->arrays[index] == NULL) {
         return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY,
                                  "svo_compact_create: nodes on the host need %llu bytes", (unsigned long long)bytes);
@@ -63,15 +61,16 @@ static svo_status encode(sharing *s)
     const bool places = svo_i_compact_has_places(&s->source->info);
     const size_t payload_count = (size_t)s->compact->info.payload_count;
     if (places) {
-        s->place_of = malloc((payload_count + 1) * sizeof *s->place_of);
-        s->origins = malloc((payload_count + 1) * sizeof *s->origins);
+        s->place_of = svo_i_alloc(&s->work->device->memory, (payload_count + 1) * sizeof *s->place_of);
+        s->origins = svo_i_alloc(&s->work->device->memory, (payload_count + 1) * sizeof *s->origins);
         if (s->place_of == NULL || s->origins == NULL) {
             return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY,
                                      "svo_compact_create: places of %zu elements need %zu bytes", payload_count,
                                      2 * payload_count * sizeof *s->place_of);
         }
     }
-    SVO_I_TRY(svo_i_dag_encode(&s->nodes, places, &s->dag, s->place_of, svo_i_device_message(s->work->device)));
+    SVO_I_TRY(svo_i_dag_encode(&s->nodes, &s->work->device->memory, places, &s->dag, s->place_of,
+                               svo_i_device_message(s->work->device)));
     for (size_t i = 0; places && i < payload_count; ++i) {
         s->origins[s->place_of[i]] = (uint32_t)i;
     }
@@ -119,10 +118,10 @@ svo_status svo_i_shared_make(svo_i_compact_work *work, const svo_i_compact_sourc
     sharing s = {.work = work, .source = source, .compact = compact};
     const svo_status status = share(&s);
     for (int i = 0; i < 4; ++i) {
-        free(s.arrays[i]);
+        svo_i_free(s.arrays[i]);
     }
-    free(s.place_of);
-    free(s.origins);
+    svo_i_free(s.place_of);
+    svo_i_free(s.origins);
     svo_i_dag_free(&s.dag);
     return status;
 }

@@ -4,13 +4,13 @@
 #include "core/budget.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <time.h>
 
 /* Waits for buffers that the driver is about to destroy, in milliseconds. */
 #define DESTROY_WAITS 100
 
 struct svo_i_budget {
+    svo_i_memory memory; /* of the counted buffers */
     uint64_t max_bytes;
     atomic_uint_least64_t held_bytes;
     atomic_uint_least64_t users; /* the handle and the buffers */
@@ -22,10 +22,11 @@ typedef struct counted_buffer {
     uint64_t bytes;
 } counted_buffer;
 
-svo_i_budget *svo_i_budget_create(uint64_t max_bytes)
+svo_i_budget *svo_i_budget_create(const svo_i_memory *memory, uint64_t max_bytes)
 {
-    svo_i_budget *budget = calloc(1, sizeof *budget);
+    svo_i_budget *budget = svo_i_alloc_zeroed(memory, 1, sizeof *budget);
     if (budget != NULL) {
+        budget->memory = *memory;
         budget->max_bytes = max_bytes;
         atomic_init(&budget->held_bytes, 0);
         atomic_init(&budget->users, 1);
@@ -36,7 +37,7 @@ svo_i_budget *svo_i_budget_create(uint64_t max_bytes)
 void svo_i_budget_release(svo_i_budget *budget)
 {
     if (budget != NULL && atomic_fetch_sub(&budget->users, 1) == 1) {
-        free(budget);
+        svo_i_free(budget);
     }
 }
 
@@ -73,7 +74,7 @@ static void CL_CALLBACK forget(cl_mem buffer, void *user)
     (void)buffer;
     atomic_fetch_sub(&counted->budget->held_bytes, counted->bytes);
     svo_i_budget_release(counted->budget);
-    free(counted);
+    svo_i_free(counted);
 }
 
 cl_int svo_i_budget_count(svo_i_budget *budget, cl_mem buffer, uint64_t bytes)
@@ -81,7 +82,7 @@ cl_int svo_i_budget_count(svo_i_budget *budget, cl_mem buffer, uint64_t bytes)
     if (budget == NULL) {
         return CL_SUCCESS;
     }
-    counted_buffer *counted = malloc(sizeof *counted);
+    counted_buffer *counted = svo_i_alloc(&budget->memory, sizeof *counted);
     if (counted == NULL) {
         return CL_OUT_OF_HOST_MEMORY;
     }

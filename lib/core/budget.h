@@ -9,13 +9,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/memory.h"
 #include "svocl/device.h"
 
 /* Shared by a device handle and its buffers, some of which may live longer. */
 typedef struct svo_i_budget svo_i_budget;
 
 /* NULL when out of memory. */
-svo_i_budget *svo_i_budget_create(uint64_t max_bytes);
+svo_i_budget *svo_i_budget_create(const svo_i_memory *memory, uint64_t max_bytes);
 /* Gives up the handle's part; NULL allowed. */
 void svo_i_budget_release(svo_i_budget *budget);
 

@@ -3,7 +3,6 @@
 #include "core/compact.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
@@ -27,9 +26,13 @@ const char *svo_compact_buffer_name(svo_compact_buffer buffer)
     return (unsigned)buffer < SVO_COMPACT_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
-svo_compact *svo_i_compact_new(void)
+svo_compact *svo_i_compact_new(const svo_i_memory *memory)
 {
-    return calloc(1, sizeof(svo_compact));
+    svo_compact *compact = svo_i_alloc_zeroed(memory, 1, sizeof *compact);
+    if (compact != NULL && memory != NULL) {
+        compact->memory = *memory;
+    }
+    return compact;
 }
 
 void svo_compact_destroy(svo_compact **compact)
@@ -38,12 +41,12 @@ void svo_compact_destroy(svo_compact **compact)
         return;
     }
     for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
-        free((*compact)->host[i]);
+        svo_i_free((*compact)->host[i]);
         if ((*compact)->buffers[i] != NULL) {
             clReleaseMemObject((*compact)->buffers[i]);
         }
     }
-    free(*compact);
+    svo_i_free(*compact);
     *compact = NULL;
 }
 
@@ -211,7 +214,7 @@ static svo_status download_array(const svo_compact *compact, cl_command_queue qu
     if (bytes == 0) {
         return SVO_OK;
     }
-    *out = malloc(bytes);
+    *out = svo_i_alloc(&compact->memory, bytes);
     if (*out == NULL) {
         return svo_i_device_fail(compact->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
                                  svo_compact_buffer_name(buffer), bytes);
@@ -240,7 +243,7 @@ svo_status svo_compact_download(svo_compact *compact, cl_command_queue queue)
 
 cleanup:
     for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
-        free(host[i]);
+        svo_i_free(host[i]);
     }
     return status;
 }

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "core/memory.h"
 #include "core/message.h"
 #include "svocl/compact.h"
 
@@ -15,15 +16,17 @@
 struct svo_compact {
     svo_compact_info info; /* complete; bounds is 0 */
     svo_device *device; /* NULL: never on a device */
+    svo_i_memory memory; /* of the compact tree and its host arrays */
     cl_mem buffers[SVO_COMPACT_BUFFER_COUNT]; /* owned; NULL where absent */
-    void *host[SVO_COMPACT_BUFFER_COUNT]; /* by malloc, owned; NULL where absent or not downloaded */
+    void *host[SVO_COMPACT_BUFFER_COUNT]; /* in memory, owned; NULL where absent or not downloaded */
     bool downloaded; /* host[] has all arrays */
 };
 
 SVO_I_SHARED_BEGIN
 
-/* An empty compact tree without arrays, or NULL when out of memory. Released by svo_compact_destroy. */
-svo_compact *svo_i_compact_new(void);
+/* An empty compact tree without arrays, or NULL when out of memory. Released by svo_compact_destroy. memory: NULL means
+   malloc and free. */
+svo_compact *svo_i_compact_new(const svo_i_memory *memory);
 
 /* Sets what follows from form, depth, need, constant, payload_level, directory_step_log2, the levels' counts,
    stored_count and far_count: the sums of the counts, payload_count, bytes, total_bytes. */

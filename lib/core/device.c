@@ -4,7 +4,6 @@
 #include "core/device.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/device_info.h"
@@ -57,8 +56,9 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
         }
     }
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY, "%s: buffer %s of %zu bytes: %s (%d)", function,
-                                 name, bytes, svo_i_cl_error_name(error), error);
+        return svo_i_device_fail(
+            device, error == CL_OUT_OF_HOST_MEMORY ? SVO_OUT_OF_HOST_MEMORY : SVO_OUT_OF_DEVICE_MEMORY,
+            "%s: buffer %s of %zu bytes: %s (%d)", function, name, bytes, svo_i_cl_error_name(error), error);
     }
     *out = buffer;
     return SVO_OK;
@@ -102,7 +102,7 @@ typedef struct own_queue {
 static void release_queue(svo_i_attachment *attachment)
 {
     clReleaseCommandQueue(((own_queue *)attachment)->queue);
-    free(attachment);
+    svo_i_free(attachment);
 }
 
 svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out)
@@ -117,14 +117,14 @@ svo_status svo_i_device_queue(svo_device *device, const char *function, cl_comma
         *out = ((const own_queue *)known)->queue;
         return SVO_OK;
     }
-    own_queue *own = calloc(1, sizeof *own);
+    own_queue *own = svo_i_alloc_zeroed(&device->memory, 1, sizeof *own);
     if (own == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a queue", function);
     }
     cl_int error = CL_SUCCESS;
     own->queue = clCreateCommandQueue(device->context, device->device, 0, &error);
     if (error != CL_SUCCESS) {
-        free(own);
+        svo_i_free(own);
         return svo_i_device_fail_cl(device, function, "clCreateCommandQueue", error);
     }
     own->attachment.destroy = release_queue;
@@ -159,16 +159,16 @@ void svo_i_device_log(const svo_device *device, svo_log_level level, const char 
 #define CREATE "svo_device_create"
 
 /* Whether the device can run the kernels: OpenCL 1.2, little-endian, work-groups of SVO_GROUP_ITEMS. */
-static svo_status check_device(cl_device_id device, const char *name, svo_message *message)
+static svo_status check_device(cl_device_id device, const char *name, const svo_i_memory *memory, svo_message *message)
 {
     cl_bool little = CL_FALSE;
     size_t group_items = 0;
     unsigned major = 0;
     unsigned minor = 0;
     char *version = NULL;
-    SVO_I_TRY(svo_i_device_text(device, CL_DEVICE_VERSION, CREATE, &version, message));
+    SVO_I_TRY(svo_i_device_text(device, CL_DEVICE_VERSION, CREATE, memory, &version, message));
     const bool known = sscanf(version, "OpenCL %u.%u", &major, &minor) == 2;
-    free(version);
+    svo_i_free(version);
     if (!known || major * 10 + minor < 12) {
         return svo_i_fail(message, SVO_UNSUPPORTED, CREATE ": %s has OpenCL %u.%u, below 1.2", name, major, minor);
     }
@@ -197,11 +197,12 @@ static bool is_part_of(cl_device_id device, cl_device_id other)
 }
 
 /* Whether the context has the device. PoCL lists the whole device for a context that was made for a part of it. */
-static svo_status check_context(cl_context context, cl_device_id device, svo_message *message)
+static svo_status check_context(cl_context context, cl_device_id device, const svo_i_memory *memory,
+                                svo_message *message)
 {
     size_t bytes = 0;
     cl_int error = clGetContextInfo(context, CL_CONTEXT_DEVICES, 0, NULL, &bytes);
-    cl_device_id *devices = error == CL_SUCCESS ? calloc(1, bytes + 1) : NULL;
+    cl_device_id *devices = error == CL_SUCCESS ? svo_i_alloc_zeroed(memory, 1, bytes + 1) : NULL;
     if (error == CL_SUCCESS && devices == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the context's devices");
     }
@@ -210,7 +211,7 @@ static svo_status check_context(cl_context context, cl_device_id device, svo_mes
     for (size_t i = 0; error == CL_SUCCESS && i < bytes / sizeof *devices; ++i) {
         found = found || is_part_of(device, devices[i]);
     }
-    free(devices);
+    svo_i_free(devices);
     if (error != CL_SUCCESS) {
         return svo_i_fail_cl(message, CREATE, "clGetContextInfo", error);
     }
@@ -260,21 +261,24 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
                                  "instead",
                           asked.max_threads);
     }
+    svo_i_memory memory;
+    SVO_I_TRY(svo_i_memory_read(message, CREATE, "options.memory", asked.memory, &memory));
     svo_status status = SVO_OK;
     char *name = NULL;
-    svo_device *handle = calloc(1, sizeof *handle);
-    svo_i_budget *budget = asked.max_device_bytes != 0 ? svo_i_budget_create(asked.max_device_bytes) : NULL;
+    svo_device *handle = svo_i_alloc_zeroed(&memory, 1, sizeof *handle);
+    svo_i_budget *budget = asked.max_device_bytes != 0 ? svo_i_budget_create(&memory, asked.max_device_bytes) : NULL;
     if (handle == NULL || (asked.max_device_bytes != 0 && budget == NULL)) {
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the handle");
         goto cleanup;
     }
-    SVO_I_TRY_CLEANUP(svo_i_device_full_name(device, CREATE, &name, message));
-    SVO_I_TRY_CLEANUP(check_device(device, name, message));
-    SVO_I_TRY_CLEANUP(check_context(context, device, message));
+    SVO_I_TRY_CLEANUP(svo_i_device_full_name(device, CREATE, &memory, &name, message));
+    SVO_I_TRY_CLEANUP(check_device(device, name, &memory, message));
+    SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
     SVO_I_TRY_CLEANUP(query_limits(handle, device, message));
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;
+    handle->memory = memory;
     handle->log = asked.log;
     handle->log_user = asked.log_user;
     handle->context = context;
@@ -284,8 +288,8 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
 
 cleanup:
     svo_i_budget_release(budget);
-    free(handle);
-    free(name);
+    svo_i_free(handle);
+    svo_i_free(name);
     return status;
 }
 
@@ -298,8 +302,8 @@ void svo_device_destroy(svo_device **device)
     clReleaseContext((*device)->context);
     clReleaseDevice((*device)->device);
     svo_i_budget_release((*device)->budget);
-    free((*device)->name);
-    free(*device);
+    svo_i_free((*device)->name);
+    svo_i_free(*device);
     *device = NULL;
 }
 

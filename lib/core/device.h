@@ -8,6 +8,7 @@
 #include "core/attachment.h"
 #include "core/budget.h"
 #include "core/cl_error.h"
+#include "core/memory.h"
 #include "core/message.h"
 #include "svocl/device.h"
 
@@ -16,6 +17,7 @@ struct svo_device {
     cl_device_id device;
     svo_log_callback log;
     void *log_user;
+    svo_i_memory memory; /* of the handle and of what is made from it */
     char *name;
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;

@@ -4,7 +4,6 @@
 #include <CL/cl_ext.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -28,6 +27,7 @@ static bool contains(const char *text, const char *part)
 
 /* A search of svo_device_create_default: the request, and the best device so far. */
 typedef struct device_search {
+    const svo_i_memory *memory;
     const char *wanted; /* part of the name; NULL: any device */
     bool by_index;
     unsigned platform_index, device_index;
@@ -40,12 +40,12 @@ typedef struct device_search {
 static void note_bare_platform(device_search *search, cl_platform_id platform, cl_int error)
 {
     char *name = NULL;
-    (void)svo_i_platform_text(platform, CL_PLATFORM_NAME, CREATE_DEFAULT, &name, NULL);
+    (void)svo_i_platform_text(platform, CL_PLATFORM_NAME, CREATE_DEFAULT, search->memory, &name, NULL);
     const size_t length = strlen(search->bare);
     (void)snprintf(search->bare + length, sizeof search->bare - length, "%s\"%s\"%s%s%s", length > 0 ? ", " : "",
                    name != NULL ? name : "", error != CL_SUCCESS ? " (" : "",
                    error != CL_SUCCESS ? svo_i_cl_error_name(error) : "", error != CL_SUCCESS ? ")" : "");
-    free(name);
+    svo_i_free(name);
 }
 
 /* Compares a device with the best one so far. */
@@ -54,9 +54,9 @@ static svo_status search_device(device_search *search, cl_device_id device, svo_
     char *name = NULL;
     cl_device_type type = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE_DEFAULT, message));
-    SVO_I_TRY(svo_i_device_full_name(device, CREATE_DEFAULT, &name, message));
+    SVO_I_TRY(svo_i_device_full_name(device, CREATE_DEFAULT, search->memory, &name, message));
     const bool matches = search->wanted == NULL || contains(name, search->wanted);
-    free(name);
+    svo_i_free(name);
     const bool gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
     if (matches && (search->found == NULL || (gpu && !search->found_gpu))) {
         search->found = device;
@@ -97,31 +97,32 @@ static svo_status search_platform(device_search *search, cl_platform_id platform
         note_bare_platform(search, platform, error);
         return SVO_OK;
     }
-    cl_device_id *devices = error == CL_SUCCESS ? calloc(count, sizeof(cl_device_id)) : NULL;
+    cl_device_id *devices =
+        error == CL_SUCCESS ? svo_i_alloc_zeroed(search->memory, count, sizeof(cl_device_id)) : NULL;
     if (error == CL_SUCCESS && devices == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE_DEFAULT ": no memory for %u devices", count);
     }
     error = error == CL_SUCCESS ? clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices, NULL) : error;
     const svo_status status = error == CL_SUCCESS ? search_devices(search, devices, count, platform_index, message)
                                                   : svo_i_fail_cl(message, CREATE_DEFAULT, "clGetDeviceIDs", error);
-    free(devices);
+    svo_i_free(devices);
     return status;
 }
 
-/* All platforms, by malloc. CL_PLATFORM_NOT_FOUND_KHR: the loader found none. */
-static svo_status list_platforms(cl_platform_id **out, cl_uint *count, svo_message *message)
+/* All platforms; the caller frees the list. CL_PLATFORM_NOT_FOUND_KHR: the loader found none. */
+static svo_status list_platforms(const svo_i_memory *memory, cl_platform_id **out, cl_uint *count, svo_message *message)
 {
     cl_int error = clGetPlatformIDs(0, NULL, count);
     if (error == CL_PLATFORM_NOT_FOUND_KHR || (error == CL_SUCCESS && *count == 0)) {
         return svo_i_fail(message, SVO_NO_DEVICE, CREATE_DEFAULT ": no OpenCL platform is installed");
     }
-    cl_platform_id *platforms = error == CL_SUCCESS ? calloc(*count, sizeof(cl_platform_id)) : NULL;
+    cl_platform_id *platforms = error == CL_SUCCESS ? svo_i_alloc_zeroed(memory, *count, sizeof(cl_platform_id)) : NULL;
     if (error == CL_SUCCESS && platforms == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE_DEFAULT ": no memory for %u platforms", *count);
     }
     error = error == CL_SUCCESS ? clGetPlatformIDs(*count, platforms, NULL) : error;
     if (error != CL_SUCCESS) {
-        free(platforms);
+        svo_i_free(platforms);
         return svo_i_fail_cl(message, CREATE_DEFAULT, "clGetPlatformIDs", error);
     }
     *out = platforms;
@@ -144,15 +145,15 @@ static svo_status fail_search(const device_search *search, svo_message *message)
                             asked, search->bare);
 }
 
-static svo_status find_device(const char *wanted, cl_device_id *out, svo_message *message)
+static svo_status find_device(const char *wanted, const svo_i_memory *memory, cl_device_id *out, svo_message *message)
 {
     cl_uint count = 0;
     cl_platform_id *platforms = NULL;
-    const svo_status listed = list_platforms(&platforms, &count, message);
+    const svo_status listed = list_platforms(memory, &platforms, &count, message);
     if (platforms == NULL) {
         return listed;
     }
-    device_search search = {.wanted = wanted};
+    device_search search = {.memory = memory, .wanted = wanted};
     char rest = '\0';
     search.by_index =
         wanted != NULL && sscanf(wanted, "%u.%u%c", &search.platform_index, &search.device_index, &rest) == 2;
@@ -161,7 +162,7 @@ static svo_status find_device(const char *wanted, cl_device_id *out, svo_message
     for (unsigned i = 0; i < count; ++i) {
         keep_first(search_platform(&search, platforms[i], i, status == SVO_OK ? message : NULL), &status);
     }
-    free(platforms);
+    svo_i_free(platforms);
     if (search.found == NULL) {
         return status != SVO_OK ? status : fail_search(&search, message);
     }
@@ -204,7 +205,9 @@ svo_status svo_device_create_default(const svo_device_options *options, svo_devi
     svo_device_options asked;
     SVO_I_TRY(svo_i_struct_read(message, CREATE_DEFAULT, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_device_options, log_user)));
-    SVO_I_TRY(find_device(asked.device_name, &device, message));
+    svo_i_memory memory;
+    SVO_I_TRY(svo_i_memory_read(message, CREATE_DEFAULT, "options.memory", asked.memory, &memory));
+    SVO_I_TRY(find_device(asked.device_name, &memory, &device, message));
     const cl_device_id whole = device;
     SVO_I_TRY(limit_threads(asked.max_threads, &device, message));
     asked.max_threads = 0;

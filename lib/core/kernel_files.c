@@ -16,7 +16,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -112,10 +111,10 @@ static void make_key(const svo_device *device, svo_i_program_kind kind, const ch
 }
 
 /* "FOLDER/NAME" and up to 64 bytes more; the caller frees it. */
-static char *path_of(const char *folder, const char *name)
+static char *path_of(const svo_device *device, const char *folder, const char *name)
 {
     const size_t bytes = strlen(folder) + strlen(name) + 66;
-    char *path = malloc(bytes);
+    char *path = svo_i_alloc(&device->memory, bytes);
     if (path != NULL) {
         (void)snprintf(path, bytes, "%s/%s", folder, name);
     }
@@ -167,7 +166,7 @@ static bool read_all(int descriptor, unsigned char *bytes, size_t size)
 }
 
 /* Reads a regular file. False when it cannot be read, or is no file of kernels. The caller frees file->bytes. */
-static bool read_file(const char *path, kernel_file *file)
+static bool read_file(const svo_device *device, const char *path, kernel_file *file)
 {
     struct stat entry;
     *file = (kernel_file){0};
@@ -178,7 +177,7 @@ static bool read_file(const char *path, kernel_file *file)
     const bool is_usable = fstat(descriptor, &entry) == 0 && S_ISREG(entry.st_mode) && entry.st_size > 0 &&
                            (uint64_t)entry.st_size <= FILE_MAX;
     file->size = is_usable ? (size_t)entry.st_size : 0;
-    file->bytes = is_usable ? malloc(file->size) : NULL;
+    file->bytes = is_usable ? svo_i_alloc(&device->memory, file->size) : NULL;
     const bool is_read = file->bytes != NULL && read_all(descriptor, file->bytes, file->size);
     close(descriptor);
     return is_read && is_whole(file);
@@ -204,7 +203,7 @@ static svo_status write_file(svo_device *device, const char *path, const kernel_
 {
     svo_status status = SVO_OK;
     const size_t bytes = strlen(path) + 64;
-    char *temporary = malloc(bytes);
+    char *temporary = svo_i_alloc(&device->memory, bytes);
     int descriptor = -1;
     if (temporary == NULL) {
         return no_memory(device, SAVE);
@@ -225,7 +224,7 @@ static svo_status write_file(svo_device *device, const char *path, const kernel_
         (void)unlink(temporary);
     }
 cleanup:
-    free(temporary);
+    svo_i_free(temporary);
     return status;
 }
 
@@ -268,7 +267,7 @@ static svo_status get_binary(svo_device *device, cl_program program, const progr
     file->key_bytes = strlen(key->text);
     file->binary_bytes = sizes[index];
     file->size = HEAD_BYTES + file->key_bytes + file->binary_bytes;
-    file->bytes = calloc(1, file->size);
+    file->bytes = svo_i_alloc_zeroed(&device->memory, 1, file->size);
     if (file->bytes == NULL) {
         return no_memory(device, SAVE);
     }
@@ -301,12 +300,12 @@ static svo_status save_program(svo_device *device, const char *folder, const svo
     program_key key;
     kernel_file file = {0};
     make_key(device, entry->kind, entry->defines, &key);
-    char *path = path_of(folder, key.name);
+    char *path = path_of(device, folder, key.name);
     if (path == NULL) {
         return no_memory(device, SAVE);
     }
-    if (!read_file(path, &file) || !has_key(&file, &key)) {
-        free(file.bytes);
+    if (!read_file(device, path, &file) || !has_key(&file, &key)) {
+        svo_i_free(file.bytes);
         file = (kernel_file){0};
         SVO_I_TRY_CLEANUP(get_binary(device, entry->program, &key, &file));
         fill_head(&key, &file);
@@ -314,8 +313,8 @@ static svo_status save_program(svo_device *device, const char *folder, const svo
         ++*saved;
     }
 cleanup:
-    free(file.bytes);
-    free(path);
+    svo_i_free(file.bytes);
+    svo_i_free(path);
     return status;
 }
 
@@ -445,17 +444,17 @@ static svo_status load_file(svo_device *device, const char *folder, const char *
     if (length <= strlen(SUFFIX) || strcmp(name + length - strlen(SUFFIX), SUFFIX) != 0) {
         return SVO_OK;
     }
-    char *path = path_of(folder, name);
+    char *path = path_of(device, folder, name);
     if (path == NULL) {
         return no_memory(device, LOAD);
     }
-    if (read_file(path, &file)) {
+    if (read_file(device, path, &file)) {
         status = load_program(device, path, &file, loaded);
     } else {
         warn(device, path, "is damaged or cannot be read");
     }
-    free(file.bytes);
-    free(path);
+    svo_i_free(file.bytes);
+    svo_i_free(path);
     return status;
 }
 

@@ -5,16 +5,16 @@
  */
 #include "core/mesh.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/device.h"
 #include "core/foreign.h"
+#include "core/memory.h"
 #include "core/struct_size.h"
 
 struct svo_mesh_copy {
     svo_mesh mesh;
-    void *arrays[6]; /* by malloc; some NULL */
+    void *arrays[6]; /* owned; some NULL */
 };
 
 /* One array of a mesh in the making. */
@@ -30,9 +30,9 @@ void svo_mesh_copy_destroy(svo_mesh_copy **copy)
         return;
     }
     for (size_t i = 0; i < sizeof(*copy)->arrays / sizeof(*copy)->arrays[0]; ++i) {
-        free((*copy)->arrays[i]);
+        svo_i_free((*copy)->arrays[i]);
     }
-    free(*copy);
+    svo_i_free(*copy);
     *copy = NULL;
 }
 
@@ -73,7 +73,8 @@ static void pack(unsigned char *bytes, const array *from, size_t stride_bytes)
 }
 
 /* Reads and packs an array. *out stays NULL for one that is empty or absent. */
-static svo_status read_array(const svo_i_mesh_reader *reader, const array *from, void **out, svo_message *message)
+static svo_status read_array(const svo_i_mesh_reader *reader, const svo_i_memory *memory, const array *from, void **out,
+                             svo_message *message)
 {
     if (from->count == 0 || !reader->has(from->view)) {
         return SVO_OK;
@@ -84,7 +85,7 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
     if (span_bytes == 0) {
         return SVO_OK;
     }
-    unsigned char *bytes = malloc(span_bytes);
+    unsigned char *bytes = svo_i_alloc(memory, span_bytes);
     if (bytes == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no %zu bytes for %s", reader->function, span_bytes,
                           from->name);
@@ -92,7 +93,7 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
     const svo_status status =
         reader->read(reader->self, from->view, from->view->offset_bytes, span_bytes, bytes, message);
     if (status != SVO_OK) {
-        free(bytes);
+        svo_i_free(bytes);
         return status;
     }
     pack(bytes, from, stride_bytes);
@@ -101,17 +102,18 @@ static svo_status read_array(const svo_i_mesh_reader *reader, const array *from,
 }
 
 /* Replaces indices of 16 bits by indices of 32 bits. */
-static svo_status widen_indices(const svo_i_mesh_reader *reader, size_t count, void **indices, svo_message *message)
+static svo_status widen_indices(const svo_i_mesh_reader *reader, const svo_i_memory *memory, size_t count,
+                                void **indices, svo_message *message)
 {
     const uint16_t *narrow = *indices;
-    uint32_t *wide = calloc(count, sizeof *wide);
+    uint32_t *wide = svo_i_alloc_zeroed(memory, count, sizeof *wide);
     if (wide == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu indices", reader->function, count);
     }
     for (size_t i = 0; i < count; ++i) {
         wide[i] = narrow[i];
     }
-    free(*indices);
+    svo_i_free(*indices);
     *indices = wide;
     return SVO_OK;
 }
@@ -133,8 +135,8 @@ static svo_status check_buffers(const svo_mesh_buffers *buffers, const svo_i_mes
     return SVO_OK;
 }
 
-static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader, svo_mesh_copy *copy,
-                              svo_message *message)
+static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader,
+                              const svo_i_memory *memory, svo_mesh_copy *copy, svo_message *message)
 {
     const size_t vertices = buffers->vertex_count, triangles = buffers->triangle_count;
     const size_t index_bytes = buffers->index_bytes == 2 ? 2 : 4;
@@ -145,10 +147,11 @@ static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_
                              {"uvs", &buffers->uvs, vertices, 8},
                              {"triangle_materials", &buffers->triangle_materials, triangles, 2}};
     for (size_t i = 0; i < 6; ++i) {
-        SVO_I_TRY(read_array(reader, &arrays[i], &copy->arrays[i], message));
+        SVO_I_TRY(read_array(reader, memory, &arrays[i], &copy->arrays[i], message));
     }
-    return copy->arrays[1] != NULL && index_bytes == 2 ? widen_indices(reader, triangles * 3, &copy->arrays[1], message)
-                                                       : SVO_OK;
+    return copy->arrays[1] != NULL && index_bytes == 2
+               ? widen_indices(reader, memory, triangles * 3, &copy->arrays[1], message)
+               : SVO_OK;
 }
 
 svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reader *reader, svo_mesh_copy **out,
@@ -159,11 +162,13 @@ svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reade
     SVO_I_TRY(svo_i_struct_read(message, reader->function, "buffers", given, &read,
                                 SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
     SVO_I_TRY(check_buffers(buffers, reader, message));
-    svo_mesh_copy *copy = calloc(1, sizeof *copy);
+    svo_i_memory memory;
+    SVO_I_TRY(svo_i_memory_read(message, reader->function, "buffers.memory", buffers->memory, &memory));
+    svo_mesh_copy *copy = svo_i_alloc_zeroed(&memory, 1, sizeof *copy);
     if (copy == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the handle", reader->function);
     }
-    const svo_status status = read_arrays(buffers, reader, copy, message);
+    const svo_status status = read_arrays(buffers, reader, &memory, copy, message);
     if (status != SVO_OK) {
         svo_mesh_copy_destroy(&copy);
         return status;

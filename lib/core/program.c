@@ -3,7 +3,6 @@
 #include "core/program.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A program that was compiled, attached to its device. */
@@ -33,7 +32,7 @@ static void release_program(svo_i_attachment *attachment)
 {
     compiled_program *entry = (compiled_program *)attachment;
     clReleaseProgram(entry->program);
-    free(entry);
+    svo_i_free(entry);
 }
 
 const char *svo_i_program_kind_name(svo_i_program_kind kind)
@@ -93,7 +92,7 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
 {
     size_t bytes = 0;
     clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
-    char *log = calloc(bytes + 1, 1);
+    char *log = svo_i_alloc_zeroed(&device->memory, bytes + 1, 1);
     if (log != NULL && bytes > 0) {
         clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
         svo_i_device_log(device, SVO_LOG_ERROR, log);
@@ -102,7 +101,7 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
     const int length = error != NULL ? (int)strcspn(error, "\n") : 0;
     svo_i_device_fail(device, SVO_COMPILE_FAILED, "%s: kernels do not compile on %s with %s: %.*s", function,
                       device->name, options, length, error != NULL ? error : "");
-    free(log);
+    svo_i_free(log);
     return SVO_COMPILE_FAILED;
 }
 
@@ -132,7 +131,7 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
 /* Attaches a program to its device, which owns it from then on; after a failure the caller still does. */
 static svo_status attach(svo_device *device, const char *function, const svo_i_program_entry *made, bool is_fresh)
 {
-    compiled_program *entry = calloc(1, sizeof *entry);
+    compiled_program *entry = svo_i_alloc_zeroed(&device->memory, 1, sizeof *entry);
     if (entry == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
     }

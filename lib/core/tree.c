@@ -3,7 +3,6 @@
 #include "core/tree.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
@@ -18,9 +17,13 @@
 #error "svocl hashes and stores arrays in memory order and needs a little-endian host"
 #endif
 
-svo_tree *svo_i_tree_new(void)
+svo_tree *svo_i_tree_new(const svo_i_memory *memory)
 {
-    return calloc(1, sizeof(svo_tree));
+    svo_tree *tree = svo_i_alloc_zeroed(memory, 1, sizeof *tree);
+    if (tree != NULL && memory != NULL) {
+        tree->memory = *memory;
+    }
+    return tree;
 }
 
 void svo_tree_destroy(svo_tree **tree)
@@ -38,14 +41,14 @@ void svo_tree_destroy(svo_tree **tree)
     if ((*tree)->build_state != NULL) {
         clReleaseMemObject((*tree)->build_state);
     }
-    free(*tree);
+    svo_i_free(*tree);
     *tree = NULL;
 }
 
 void svo_i_tree_forget(svo_tree *tree)
 {
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        free(tree->host[i]);
+        svo_i_free(tree->host[i]);
         tree->host[i] = NULL;
     }
     tree->downloaded = false;
@@ -238,7 +241,7 @@ bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **arra
     if (!svo_i_tree_is_constant(&tree->info, buffer) || bytes <= element_bytes) {
         return true;
     }
-    unsigned char *repeated = realloc(*array, bytes);
+    unsigned char *repeated = svo_i_grow(&tree->memory, *array, bytes);
     if (repeated == NULL) {
         return false;
     }
@@ -257,7 +260,7 @@ static svo_status download_array(const svo_tree *tree, cl_command_queue queue, s
     if (bytes == 0 || tree->buffers[buffer] == NULL) {
         return SVO_OK;
     }
-    *out = malloc(bytes);
+    *out = svo_i_alloc(&tree->memory, bytes);
     if (*out == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
                                  svo_tree_buffer_name(buffer), bytes);
@@ -293,7 +296,7 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
 
 cleanup:
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        free(host[i]);
+        svo_i_free(host[i]);
     }
     return status;
 }

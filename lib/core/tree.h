@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "core/attachment.h"
+#include "core/memory.h"
 #include "core/message.h"
 #include "svocl/tree.h"
 
@@ -27,10 +28,11 @@ typedef enum svo_i_tree_content {
 struct svo_tree {
     svo_tree_info info;
     svo_device *device; /* NULL: never on a device */
+    svo_i_memory memory; /* of the tree and what is attached to it */
     svo_i_tree_content content;
     cl_mem buffers[SVO_TREE_BUFFER_COUNT]; /* device copies, owned; NULL where absent */
     cl_mem build_state; /* svo_build_state of the last enqueued build, owned; NULL for other trees */
-    void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by malloc, owned; NULL where absent or not downloaded */
+    void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by svo_i_alloc, owned; NULL where absent or not downloaded */
     svo_i_attachment *attachments; /* kept until the tree is destroyed */
     svo_i_attachment *derived; /* computed from the buffers, and released when they change */
     struct svo_workspace *workspace; /* whose builds fill it; NULL: none, or no longer */
@@ -41,8 +43,9 @@ struct svo_tree {
 
 SVO_I_SHARED_BEGIN
 
-/* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. */
-svo_tree *svo_i_tree_new(void);
+/* An empty tree without arrays, or NULL when out of memory. Released by svo_tree_destroy. memory: NULL means malloc
+   and free. */
+svo_tree *svo_i_tree_new(const svo_i_memory *memory);
 
 /* Why the tree's content is undefined, for a message; NULL for a complete tree. */
 const char *svo_i_tree_undefined(const svo_tree *tree);

@@ -6,7 +6,6 @@
 #include "io/compact_check.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/dag_check.h"
@@ -173,14 +172,14 @@ static svo_status check_descriptor(check *c, const svo_compact *compact)
     c->words = compact->host[SVO_COMPACT_NODES];
     c->bases = compact->host[SVO_COMPACT_BASES];
     if (c->bases != NULL) {
-        c->levels = calloc((size_t)c->info->stored_count, 1);
+        c->levels = svo_i_alloc_zeroed(&compact->memory, (size_t)c->info->stored_count, 1);
         if (c->levels == NULL) {
             return svo_i_fail(c->message, SVO_OUT_OF_HOST_MEMORY, "%s: checking needs %" PRIu64 " bytes", c->name,
                               c->info->stored_count);
         }
     }
     const svo_status status = check_words(c);
-    free(c->levels);
+    svo_i_free(c->levels);
     return status;
 }
 
@@ -244,6 +243,7 @@ static svo_status check_shared(check *c, const svo_compact *compact)
 {
     const uint32_t *links = compact->host[SVO_COMPACT_LINKS];
     const svo_i_dag_records records = {.name = c->name,
+                                       .memory = &compact->memory,
                                        .words = compact->host[SVO_COMPACT_NODES],
                                        .word_count = (size_t)c->info->stored_count,
                                        .depth = c->info->depth,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compact trees to files and back: what file_save.c and file_load.c do not know of them. io.h has the format. */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/compact.h"
@@ -64,7 +63,8 @@ static svo_status start(const char *function, const svo_compact *compact, const 
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "%s: there are no host arrays; call svo_compact_download first", function);
     }
-    *out = (svo_i_file_save){.name = function, .message = message, .compress = asked.compress != 0};
+    *out = (svo_i_file_save){
+        .name = function, .message = message, .memory = &compact->memory, .compress = asked.compress != 0};
     fill_header(&compact->info, &out->head.header);
     fill_counts(&compact->info, counts);
     out->arrays[out->array_count++] = (svo_i_file_array){FILE_COUNTS, "counts", counts, sizeof *counts};
@@ -211,7 +211,7 @@ static svo_status load_counts(const svo_i_file_load *state, file_counts *counts,
     *offset = header->header_bytes + chunk->stored_bytes;
 
 cleanup:
-    free(plain);
+    svo_i_free(plain);
     return status;
 }
 
@@ -249,7 +249,7 @@ static svo_status load(svo_i_file_load *state, svo_compact **out)
     SVO_I_TRY(svo_i_file_read_head(state, &kind));
     SVO_I_TRY(load_counts(state, &counts, &offset));
     SVO_I_TRY(check_counts(state, &counts));
-    svo_compact *compact = svo_i_compact_new();
+    svo_compact *compact = svo_i_compact_new(&state->host_memory);
     if (compact == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", state->name);
     }
@@ -266,25 +266,27 @@ cleanup:
     return status;
 }
 
-svo_status svo_compact_load(const char *path, svo_compact **out, svo_message *message)
+svo_status svo_compact_load(const char *path, const svo_load_options *options, svo_compact **out, svo_message *message)
 {
-    svo_i_file_load state;
+    svo_i_file_load state = {.name = path, .message = message};
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load: %s is NULL", path == NULL ? "path" : "out");
     }
-    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    SVO_I_TRY(svo_i_file_read_options(options, "svo_compact_load", &state));
+    SVO_I_TRY(svo_i_file_load_open(&state));
     const svo_status status = load(&state, out);
-    svo_i_file_close(&state);
+    svo_i_file_load_close(&state);
     return status;
 }
 
-svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name, svo_compact **out,
-                                   svo_message *message)
+svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name,
+                                   const svo_load_options *options, svo_compact **out, svo_message *message)
 {
     if (bytes == NULL || name == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load_memory: %s is NULL",
                           bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
     }
     svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    SVO_I_TRY(svo_i_file_read_options(options, "svo_compact_load_memory", &state));
     return load(&state, out);
 }

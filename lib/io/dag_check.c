@@ -5,8 +5,6 @@
  */
 #include "io/dag_check.h"
 
-#include <stdlib.h>
-
 #include "shared/dag.clh"
 
 typedef struct check {
@@ -170,14 +168,14 @@ svo_status svo_i_dag_check(const svo_i_dag_records *records, svo_i_dag_counts *c
 {
     check job = {.dag = records, .message = message, .counts = counts};
     *counts = (svo_i_dag_counts){.records = 0};
-    job.node_counts = calloc(records->word_count + 1, sizeof *job.node_counts);
-    job.place_counts = calloc(records->word_count + 1, sizeof *job.place_counts);
+    job.node_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.node_counts);
+    job.place_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.place_counts);
     const svo_status status =
         job.node_counts != NULL && job.place_counts != NULL
             ? check_records(&job)
             : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %zu words need %zu bytes to check", records->name,
                          records->word_count, 2 * records->word_count * sizeof *job.node_counts);
-    free(job.node_counts);
-    free(job.place_counts);
+    svo_i_free(job.node_counts);
+    svo_i_free(job.place_counts);
     return status;
 }

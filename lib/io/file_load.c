@@ -8,19 +8,19 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
-#include <zstd.h>
 
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_check.h"
 #include "io/file_load.h"
+#include "io/file_zstd.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -232,12 +232,18 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
     const size_t stored_bytes = (size_t)chunk->stored_bytes;
     svo_status status = SVO_OK;
     size_t got = 0;
-    void *packed = malloc(stored_bytes > 0 ? stored_bytes : 1);
+    ZSTD_DCtx *context = NULL;
+    void *packed = svo_i_alloc(&state->host_memory, stored_bytes > 0 ? stored_bytes : 1);
     if (packed == NULL) {
         return out_of_memory(state, array, chunk->stored_bytes);
     }
+    context = ZSTD_createDCtx_advanced(file_zstd_memory(&state->host_memory));
+    if (context == NULL) {
+        status = out_of_memory(state, array, chunk->plain_bytes);
+        goto cleanup;
+    }
     SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
-    got = ZSTD_decompress(plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
+    got = ZSTD_decompressDCtx(context, plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
     if (ZSTD_isError(got)) {
         status = svo_i_file_damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
     } else if (got != chunk->plain_bytes) {
@@ -245,7 +251,8 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
                                     chunk->plain_bytes);
     }
 cleanup:
-    free(packed);
+    (void)ZSTD_freeDCtx(context);
+    svo_i_free(packed);
     return status;
 }
 
@@ -257,7 +264,7 @@ svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk 
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
     void *plain = NULL;
     if (plain_bytes > 0) {
-        plain = malloc(plain_bytes);
+        plain = svo_i_alloc(&state->host_memory, plain_bytes);
         if (plain == NULL) {
             return out_of_memory(state, array, chunk->plain_bytes);
         }
@@ -285,30 +292,37 @@ svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_ind
     return SVO_OK;
 }
 
-svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out)
+svo_status svo_i_file_read_options(const svo_load_options *options, const char *function, svo_i_file_load *state)
+{
+    svo_load_options asked;
+    SVO_I_TRY(svo_i_struct_read(state->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_load_options, memory)));
+    return svo_i_memory_read(state->message, function, "options.memory", asked.memory, &state->host_memory);
+}
+
+svo_status svo_i_file_load_open(svo_i_file_load *state)
 {
     struct stat entry;
-    *out = (svo_i_file_load){.name = path, .message = message};
     /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
-    out->file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (out->file < 0) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    state->file = open(state->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (state->file < 0) {
+        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
     }
     svo_status status = SVO_OK;
-    if (fstat(out->file, &entry) != 0) {
-        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
+    if (fstat(state->file, &entry) != 0) {
+        status = svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
     } else if (!S_ISREG(entry.st_mode)) {
-        status = svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
+        status = svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name,
                             S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
     } else {
-        out->file_bytes = (uint64_t)entry.st_size;
+        state->file_bytes = (uint64_t)entry.st_size;
         return SVO_OK;
     }
-    close(out->file);
+    close(state->file);
     return status;
 }
 
-void svo_i_file_close(svo_i_file_load *state)
+void svo_i_file_load_close(svo_i_file_load *state)
 {
     close(state->file);
 }
@@ -413,7 +427,7 @@ static svo_status load(svo_i_file_load *state, svo_tree **out)
     static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_VERSION, SVO_TREE_BUFFER_COUNT};
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_file_read_head(state, &kind));
-    svo_tree *tree = svo_i_tree_new();
+    svo_tree *tree = svo_i_tree_new(&state->host_memory);
     if (tree == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
     }
@@ -428,23 +442,36 @@ cleanup:
 
 svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
 {
-    svo_i_file_load state;
+    return svo_tree_load_with(path, NULL, out, message);
+}
+
+svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out, svo_message *message)
+{
+    svo_i_file_load state = {.name = path, .message = message};
     if (path == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
     }
-    SVO_I_TRY(svo_i_file_open(path, message, &state));
+    SVO_I_TRY(svo_i_file_read_options(options, "svo_tree_load", &state));
+    SVO_I_TRY(svo_i_file_load_open(&state));
     const svo_status status = load(&state, out);
-    svo_i_file_close(&state);
+    svo_i_file_load_close(&state);
     return status;
 }
 
 svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
                                 svo_message *message)
 {
+    return svo_tree_load_memory_with(bytes, byte_count, name, NULL, out, message);
+}
+
+svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
+                                     const svo_load_options *options, svo_tree **out, svo_message *message)
+{
     if (bytes == NULL || name == NULL || out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
                           bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
     }
     svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
+    SVO_I_TRY(svo_i_file_read_options(options, "svo_tree_load_memory", &state));
     return load(&state, out);
 }

@@ -3,12 +3,14 @@
 #ifndef SVO_LIB_IO_FILE_LOAD_H
 #define SVO_LIB_IO_FILE_LOAD_H
 
+#include "core/memory.h"
 #include "io/file_format.h"
 
 /* A file that is read, from a descriptor or from memory. */
 typedef struct svo_i_file_load {
     const char *name; /* begins messages */
     svo_message *message;
+    svo_i_memory host_memory;
     const uint8_t *memory; /* the whole file, or NULL: read from file */
     int file;
     uint64_t file_bytes;
@@ -23,18 +25,21 @@ typedef struct svo_i_file_kind {
     uint32_t chunks_max; /* at most FILE_CHUNKS_MAX */
 } svo_i_file_kind;
 
-/* Opens a file; closed by svo_i_file_close. */
-svo_status svo_i_file_open(const char *path, svo_message *message, svo_i_file_load *out);
-void svo_i_file_close(svo_i_file_load *state);
+/* Takes the caller's options. function: for the message. */
+svo_status svo_i_file_read_options(const svo_load_options *options, const char *function, svo_i_file_load *state);
+/* Opens the file whose path is state->name; closed by svo_i_file_load_close. */
+svo_status svo_i_file_load_open(svo_i_file_load *state);
+void svo_i_file_load_close(svo_i_file_load *state);
 
 /* Reads header and chunk table into state->head and checks the header's values, levels included. */
 svo_status svo_i_file_read_head(svo_i_file_load *state, const svo_i_file_kind *kind);
-/* Checks a chunk's place, which must be offset, its codec, and that its bytes can hold what it says. array: its name. */
+/* Checks a chunk's place, which must be offset, its codec, and that its bytes can hold what it says. array: its name.
+   */
 svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk *chunk, const char *array,
                                   uint64_t offset);
 /* Checks that there are no further chunks or bytes. */
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
-/* Reads a chunk whose place was checked. *out, by malloc, is set as soon as there is memory, also on failure. */
+/* Reads a chunk whose place was checked. *out, in host_memory, is set as soon as there is memory, also on failure. */
 svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out);
 
 /* SVO_FILE_DAMAGED, with the file's name before the words. */

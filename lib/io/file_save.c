@@ -5,46 +5,56 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
-#include <zstd.h>
+#include <zstd_errors.h>
 
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_save.h"
+#include "io/file_zstd.h"
 #include "output/output.h"
 
 #define COMPRESSION_LEVEL 3
+
+/* ZSTD_compress in the tree's memory. */
+static size_t compress_array(const svo_i_file_save *state, void *to, size_t to_bytes, const void *plain,
+                             size_t plain_bytes)
+{
+    ZSTD_CCtx *context = ZSTD_createCCtx_advanced(file_zstd_memory(state->memory));
+    if (context == NULL) {
+        return (size_t)0 - (size_t)ZSTD_error_memory_allocation;
+    }
+    const size_t byte_count = ZSTD_compressCCtx(context, to, to_bytes, plain, plain_bytes, COMPRESSION_LEVEL);
+    (void)ZSTD_freeCCtx(context);
+    return byte_count;
+}
 
 /* Compresses an array if that makes it smaller; *packed stays NULL if not. The caller frees it. */
 static svo_status pack(const svo_i_file_save *state, const void *plain, size_t plain_bytes, void **packed,
                        uint64_t *packed_bytes)
 {
     const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
-    void *bytes = malloc(bound_bytes);
+    void *bytes = svo_i_alloc(state->memory, bound_bytes);
     if (bytes == NULL) {
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes", state->name,
                           bound_bytes);
     }
-    const size_t byte_count = ZSTD_compress(bytes, bound_bytes, plain, plain_bytes, COMPRESSION_LEVEL);
+    const size_t byte_count = compress_array(state, bytes, bound_bytes, plain, plain_bytes);
     if (ZSTD_isError(byte_count)) {
-        free(bytes);
+        svo_i_free(bytes);
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->name,
                           ZSTD_getErrorName(byte_count));
     }
     if (byte_count >= plain_bytes) {
-        free(bytes);
+        svo_i_free(bytes);
         return SVO_OK;
     }
-    void *shrunk = realloc(bytes, byte_count);
-    if (shrunk != NULL) {
-        bytes = shrunk;
-    }
-    *packed = bytes;
+    void *shrunk = svo_i_grow(state->memory, bytes, byte_count);
+    *packed = shrunk != NULL ? shrunk : bytes;
     *packed_bytes = byte_count;
     return SVO_OK;
 }
@@ -136,7 +146,7 @@ svo_status svo_i_file_write(svo_i_file_save *state)
     SVO_I_TRY_CLEANUP(write_all(state));
 cleanup:
     for (size_t i = 0; i < FILE_CHUNKS_MAX; ++i) {
-        free(state->packed[i]);
+        svo_i_free(state->packed[i]);
     }
     return status;
 }
@@ -194,7 +204,8 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "%s: the tree has no host arrays; call svo_tree_download first", function);
     }
-    *state = (svo_i_file_save){.name = function, .message = message, .compress = asked.compress != 0};
+    *state = (svo_i_file_save){
+        .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
     fill_header(&state->head.header, &tree->info);
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const svo_tree_buffer kind = (svo_tree_buffer)i;

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "core/memory.h"
 #include "io/file_format.h"
 
 /* An array of the file. */
@@ -18,6 +19,7 @@ typedef struct svo_i_file_array {
 typedef struct svo_i_file_save {
     const char *name; /* begins messages: the path or the function */
     svo_message *message;
+    const svo_i_memory *memory; /* for compressed chunks; NULL: malloc and free */
     svo_write_callback write;
     void *user;
     bool compress;

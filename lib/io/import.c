@@ -88,10 +88,13 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
                                 SVO_I_STRUCT_SIZES(svo_import_options, time_limit_seconds)));
     SVO_I_TRY(check_file(path, &byte_count, message));
     SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
-    svo_import *import = calloc(1, sizeof *import);
+    svo_i_memory memory;
+    SVO_I_TRY(svo_i_memory_read(message, "svo_import_file", "options.memory", filled.memory, &memory));
+    svo_import *import = svo_i_alloc_zeroed(&memory, 1, sizeof *import);
     if (import == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
     }
+    import->memory = memory;
     SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, import, message));
     SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
     *out = import;
@@ -117,8 +120,8 @@ void svo_import_destroy(svo_import **import)
     if (import == NULL || *import == NULL) {
         return;
     }
-    free((*import)->textures);
-    free((*import)->bytes);
-    free(*import);
+    svo_i_free((*import)->textures);
+    svo_i_free((*import)->bytes);
+    svo_i_free(*import);
     *import = NULL;
 }

@@ -5,6 +5,7 @@
  */
 #define _GNU_SOURCE /* dladdr */
 #include <dlfcn.h>
+#include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,30 +22,23 @@
 /* Whether a program is there; its path without links and dots goes to path. */
 static bool take_program(const char *candidate, char *path, size_t path_bytes)
 {
-    char *real = access(candidate, X_OK) == 0 ? realpath(candidate, NULL) : NULL;
-    const int length = real != NULL ? snprintf(path, path_bytes, "%s", real) : -1;
-    free(real);
+    char real[PATH_MAX];
+    const bool is_there = access(candidate, X_OK) == 0 && realpath(candidate, real) != NULL;
+    const int length = is_there ? snprintf(path, path_bytes, "%s", real) : -1;
     return length > 0 && (size_t)length < path_bytes;
 }
 
 /* The program at a path relative to the folder of a file. */
 static bool take_beside(const char *file, const char *relative, char *path, size_t path_bytes)
 {
-    char *real = realpath(file, NULL);
-    char *slash = real != NULL ? strrchr(real, '/') : NULL;
-    bool found = false;
-    if (slash != NULL) {
-        *slash = '\0';
-        const size_t candidate_bytes = strlen(real) + strlen(relative) + 2;
-        char *candidate = malloc(candidate_bytes);
-        if (candidate != NULL) {
-            (void)snprintf(candidate, candidate_bytes, "%s/%s", real, relative);
-            found = take_program(candidate, path, path_bytes);
-        }
-        free(candidate);
+    char candidate[PATH_MAX];
+    char *slash = realpath(file, candidate) != NULL ? strrchr(candidate, '/') : NULL;
+    if (slash == NULL) {
+        return false;
     }
-    free(real);
-    return found;
+    const size_t left_bytes = sizeof candidate - (size_t)(slash - candidate);
+    const int length = snprintf(slash, left_bytes, "/%s", relative);
+    return length > 0 && (size_t)length < left_bytes && take_program(candidate, path, path_bytes);
 }
 
 svo_status svo_import_helper(char *path, size_t path_bytes, svo_message *message)

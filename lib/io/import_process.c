@@ -14,7 +14,6 @@
 #include <spawn.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -30,6 +29,7 @@
 typedef struct import_child {
     const char *path;
     const svo_import_options *options;
+    const svo_i_memory *memory;
     svo_message *message;
     double deadline_ms;
     pid_t process;
@@ -37,14 +37,14 @@ typedef struct import_child {
 } import_child;
 
 /* The parent's environment and IMPORT_CHILD_ENVIRONMENT; the caller frees the array, not the strings. */
-static char **child_environment(void)
+static char **child_environment(const svo_i_memory *memory)
 {
     static char mark[] = IMPORT_CHILD_ENVIRONMENT "=1";
     size_t count = 0;
     while (environ != NULL && environ[count] != NULL) {
         ++count;
     }
-    char **environment = malloc((count + 2) * sizeof *environment);
+    char **environment = svo_i_alloc(memory, (count + 2) * sizeof *environment);
     if (environment == NULL) {
         return NULL;
     }
@@ -109,9 +109,9 @@ static svo_status start(import_child *child)
     char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD;
     (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
     (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
-    char *program = strdup(child->options->child_program);
-    char *path = strdup(child->path);
-    char **environment = child_environment();
+    char *program = svo_i_copy_text(child->memory, child->options->child_program);
+    char *path = svo_i_copy_text(child->memory, child->path);
+    char **environment = child_environment(child->memory);
     int ends[2] = {-1, -1};
     svo_status status = SVO_OK;
     if (program == NULL || path == NULL || environment == NULL) {
@@ -132,9 +132,9 @@ static svo_status start(import_child *child)
                                 child->path, program, strerror(error));
         }
     }
-    free(program);
-    free(path);
-    free(environment);
+    svo_i_free(program);
+    svo_i_free(path);
+    svo_i_free(environment);
     return status;
 }
 
@@ -165,7 +165,7 @@ static svo_status make_room(const import_child *child, svo_import *import, size_
                           child->path, child->options->memory_limit_bytes);
     }
     const size_t larger = *capacity == 0 ? FIRST_READ_BYTES : 2 * *capacity;
-    uint8_t *bytes = larger > *capacity ? realloc(import->bytes, larger) : NULL;
+    uint8_t *bytes = larger > *capacity ? svo_i_grow(child->memory, import->bytes, larger) : NULL;
     if (bytes == NULL) {
         return svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: the mesh needs more than %zu bytes", child->path,
                           *capacity);
@@ -257,6 +257,7 @@ svo_status svo_i_import_run_child(const char *path, const svo_import_options *op
 {
     import_child child = {.path = path,
                           .options = options,
+                          .memory = &import->memory,
                           .message = message,
                           .deadline_ms = svo_i_now_ms() + 1e3 * options->time_limit_seconds,
                           .process = -1,

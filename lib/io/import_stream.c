@@ -7,7 +7,6 @@
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -133,7 +132,7 @@ static svo_status take_texture(parse_state *state, const uint8_t *payload, size_
     svo_import *import = state->import;
     if (import->mesh.texture_count == state->texture_capacity) {
         const size_t capacity = 2 * state->texture_capacity + 8;
-        svo_texture *textures = realloc(import->textures, capacity * sizeof *textures);
+        svo_texture *textures = svo_i_grow(&import->memory, import->textures, capacity * sizeof *textures);
         if (textures == NULL) {
             return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu textures", state->path,
                               capacity);

@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/memory.h"
 #include "svocl/io.h"
 
 #define STREAM_GREETING       "svoimp2\n" /* changes with the frames: parent and child may be different builds */
@@ -62,6 +63,7 @@ typedef struct stream_counts {
 
 /* The parent's result: a mesh that points into the stream's bytes. */
 struct svo_import {
+    svo_i_memory memory;
     uint8_t *bytes;
     size_t byte_count;
     svo_mesh mesh;

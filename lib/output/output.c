@@ -34,39 +34,48 @@ typedef enum place_kind {
 /* Where the bytes for a path go. */
 typedef struct place {
     place_kind kind;
-    char *path; /* with links followed, by malloc; NULL after a failure */
+    char path[PATH_MAX]; /* with links followed */
     int descriptor;
 } place;
 
-/* ---- paths ---- */
+/* ---- paths ----
+   They are text of at most PATH_MAX bytes, the kernel's limit; functions return 0 or ENAMETOOLONG. So this room needs
+   no memory. */
 
-/* The folder of a path, by malloc; NULL with errno. */
-static char *folder_of(const char *path)
+static int copy_path(const char *from, char to[PATH_MAX])
+{
+    const int length = snprintf(to, PATH_MAX, "%s", from);
+    return length >= 0 && length < PATH_MAX ? 0 : ENAMETOOLONG;
+}
+
+/* The folder of a path. */
+static int folder_of(const char *path, char out[PATH_MAX])
 {
     const char *slash = strrchr(path, '/');
     if (slash == NULL) {
-        return strdup(".");
+        return copy_path(".", out);
     }
-    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+    const size_t length = slash == path ? 1 : (size_t)(slash - path);
+    if (length >= PATH_MAX) {
+        return ENAMETOOLONG;
+    }
+    memcpy(out, path, length);
+    out[length] = '\0';
+    return 0;
 }
 
-/* "folder/name", by malloc; NULL with errno. */
-static char *join(const char *folder, const char *name)
+/* Appends "/name" to a folder. */
+static int join(char folder[PATH_MAX], const char *name)
 {
-    const size_t bytes = strlen(folder) + strlen(name) + 2;
-    char *path = malloc(bytes);
-    if (path != NULL) {
-        (void)snprintf(path, bytes, "%s/%s", folder, name);
-    }
-    return path;
+    const size_t used = strlen(folder);
+    const int length = snprintf(folder + used, PATH_MAX - used, "/%s", name);
+    return length >= 0 && (size_t)length < PATH_MAX - used ? 0 : ENAMETOOLONG;
 }
 
 static bool is_same_folder(const char *real, const char *other)
 {
-    char *other_real = realpath(other, NULL);
-    const bool same = other_real != NULL && strcmp(real, other_real) == 0;
-    free(other_real);
-    return same;
+    char other_real[PATH_MAX];
+    return realpath(other, other_real) != NULL && strcmp(real, other_real) == 0;
 }
 
 /* The descriptor N of "FOLDER/N", where FOLDER lists the descriptors of this process; -1: it is none. */
@@ -81,63 +90,51 @@ static int descriptor_at(const char *path)
     if (*end != '\0' || number > INT_MAX) {
         return -1;
     }
-    char *folder = folder_of(path);
-    char *real = folder != NULL ? realpath(folder, NULL) : NULL;
-    const bool own =
-        real != NULL && (is_same_folder(real, "/proc/self/fd") || is_same_folder(real, "/proc/thread-self/fd"));
-    free(real);
-    free(folder);
+    char folder[PATH_MAX], real[PATH_MAX];
+    const bool own = folder_of(path, folder) == 0 && realpath(folder, real) != NULL &&
+                     (is_same_folder(real, "/proc/self/fd") || is_same_folder(real, "/proc/thread-self/fd"));
     return own ? (int)number : -1;
 }
 
-/* Where a symbolic link leads, by malloc; NULL with errno: EINVAL where path is no link. */
-static char *read_link(const char *path)
+/* Replaces the path of a symbolic link by where it leads. EINVAL where it is no link. */
+static int follow_link(char path[PATH_MAX])
 {
-    char text[PATH_MAX];
+    char text[PATH_MAX], folder[PATH_MAX];
     const ssize_t length = readlink(path, text, sizeof text - 1);
     if (length < 0) {
-        return NULL;
+        return errno;
     }
     text[length] = '\0';
     if (text[0] == '/') {
-        return strdup(text);
+        return copy_path(text, path);
     }
-    char *folder = folder_of(path);
-    char *next = folder != NULL ? join(folder, text) : NULL;
-    free(folder);
-    return next;
+    int error = folder_of(path, folder);
+    if (error == 0) {
+        error = join(folder, text);
+    }
+    return error == 0 ? copy_path(folder, path) : error;
 }
 
 /* Follows the links of a path's last component, down to a descriptor of this process or to what is no link; the kernel
    follows those of its folders. */
 static int follow_links(const char *path, place *out)
 {
-    char *current = strdup(path);
     *out = (place){.descriptor = -1};
-    for (int i = 0; current != NULL && i < LINKS_MAX; ++i) {
-        out->descriptor = descriptor_at(current);
-        char *next = out->descriptor < 0 ? read_link(current) : NULL;
-        const int error = errno;
-        if (next == NULL && (out->descriptor >= 0 || error == EINVAL || error == ENOENT)) {
-            out->path = current;
+    int error = copy_path(path, out->path);
+    for (int i = 0; error == 0 && i < LINKS_MAX; ++i) {
+        out->descriptor = descriptor_at(out->path);
+        error = out->descriptor < 0 ? follow_link(out->path) : 0;
+        if (out->descriptor >= 0 || error == EINVAL || error == ENOENT) {
             return 0;
         }
-        free(current);
-        current = next;
-        if (next == NULL) {
-            return error;
-        }
     }
-    const int error = current == NULL ? ENOMEM : ELOOP;
-    free(current);
-    return error;
+    return error == 0 ? ELOOP : error;
 }
 
 int svo_i_output_descriptor_of(const char *path)
 {
     place found;
     (void)follow_links(path, &found);
-    free(found.path);
     return found.descriptor;
 }
 
@@ -166,27 +163,24 @@ static int find_place(const char *path, place *out)
     } else {
         out->kind = S_ISREG(entry.st_mode) && is_at(&entry, out->path) ? PLACE_FILE : PLACE_STRAIGHT;
     }
-    if (error != 0) {
-        free(out->path);
-        out->path = NULL;
-    }
     return error;
 }
 
 static int check_folder(const char *path)
 {
     struct stat entry;
-    char *folder = folder_of(path);
-    int error = folder == NULL ? ENOMEM : 0;
-    if (error == 0 && stat(folder, &entry) != 0) {
-        error = errno;
-    } else if (error == 0 && !S_ISDIR(entry.st_mode)) {
-        error = ENOTDIR;
-    } else if (error == 0 && access(folder, W_OK | X_OK) != 0) {
-        error = errno;
+    char folder[PATH_MAX];
+    const int error = folder_of(path, folder);
+    if (error != 0) {
+        return error;
     }
-    free(folder);
-    return error;
+    if (stat(folder, &entry) != 0) {
+        return errno;
+    }
+    if (!S_ISDIR(entry.st_mode)) {
+        return ENOTDIR;
+    }
+    return access(folder, W_OK | X_OK) != 0 ? errno : 0;
 }
 
 static int check_descriptor(int descriptor)
@@ -209,7 +203,6 @@ int svo_i_output_check(const char *path)
     } else if (access(path, W_OK) != 0) {
         error = errno;
     }
-    free(found.path);
     return error;
 }
 
@@ -225,7 +218,7 @@ static void hold(const svo_i_output *output)
 static void release(const svo_i_output *output)
 {
     if (output->watch != NULL) {
-        output->watch->release(output->watch->user, output->temporary);
+        output->watch->release(output->watch->user, output->temporary[0] != '\0' ? output->temporary : NULL);
     }
 }
 
@@ -235,33 +228,35 @@ static void write_fd_path(int descriptor, char text[FD_PATH_BYTES])
     (void)snprintf(text, FD_PATH_BYTES, "/proc/self/fd/%d", descriptor);
 }
 
+/* Makes a file of that path, or gives the file without a name that one. */
+static int take_path(svo_i_output *output, const char *path)
+{
+    char unnamed[FD_PATH_BYTES];
+    if (output->descriptor < 0) {
+        output->descriptor = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        return output->descriptor < 0 ? errno : 0;
+    }
+    write_fd_path(output->descriptor, unnamed);
+    return linkat(AT_FDCWD, unnamed, AT_FDCWD, path, AT_SYMLINK_FOLLOW) != 0 ? errno : 0;
+}
+
 /* Makes a file with a new temporary name, or gives the file without a name one. Names are short, since a file's own
    name may be as long as the file system allows. */
 static int take_temporary_name(svo_i_output *output)
 {
-    char name[NAME_BYTES_MAX], unnamed[FD_PATH_BYTES];
-    char *folder = folder_of(output->target);
-    int error = folder == NULL ? ENOMEM : EEXIST;
-    write_fd_path(output->descriptor, unnamed);
+    char name[NAME_BYTES_MAX], path[PATH_MAX] = "";
+    int error = EEXIST;
     for (int i = 0; error == EEXIST && i < NAME_ATTEMPTS; ++i) {
         (void)snprintf(name, sizeof name, ".svocl-%ld-%d.tmp", (long)getpid(), i);
-        char *path = join(folder, name);
-        if (path == NULL) {
-            error = ENOMEM;
-        } else if (output->descriptor < 0) {
-            output->descriptor = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-            error = output->descriptor < 0 ? errno : 0;
-        } else {
-            error = linkat(AT_FDCWD, unnamed, AT_FDCWD, path, AT_SYMLINK_FOLLOW) != 0 ? errno : 0;
+        error = folder_of(output->target, path);
+        if (error == 0) {
+            error = join(path, name);
         }
         if (error == 0) {
-            output->temporary = path;
-        } else {
-            free(path);
+            error = take_path(output, path);
         }
     }
-    free(folder);
-    return error;
+    return error == 0 ? copy_path(path, output->temporary) : error;
 }
 
 /* ---- opening ---- */
@@ -270,12 +265,10 @@ static int take_temporary_name(svo_i_output *output)
 static void open_unnamed(svo_i_output *output)
 {
 #ifdef O_TMPFILE
-    char path[FD_PATH_BYTES];
-    char *folder = folder_of(output->target);
-    if (folder != NULL) {
+    char path[FD_PATH_BYTES], folder[PATH_MAX];
+    if (folder_of(output->target, folder) == 0) {
         output->descriptor = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     }
-    free(folder);
     write_fd_path(output->descriptor, path);
     if (output->descriptor >= 0 && access(path, F_OK) != 0) { /* no /proc, so it could never get a name */
         (void)close(output->descriptor);
@@ -286,10 +279,9 @@ static void open_unnamed(svo_i_output *output)
 #endif
 }
 
-static int open_file(char *target, const svo_i_output_watch *watch, svo_i_output *output)
+static int open_file(const char *target, const svo_i_output_watch *watch, svo_i_output *output)
 {
-    int error = 0;
-    output->target = target;
+    int error = copy_path(target, output->target);
     output->watch = watch;
     open_unnamed(output);
     if (output->descriptor < 0) {
@@ -321,14 +313,12 @@ int svo_i_output_open(const char *path, const svo_i_output_watch *watch, svo_i_o
     }
     if (found.kind == PLACE_FILE) {
         error = open_file(found.path, watch, output);
-        found.path = NULL;
     } else if (found.kind == PLACE_DESCRIPTOR) {
         error = svo_i_output_open_descriptor(found.descriptor, output);
     } else {
         output->descriptor = open(path, O_WRONLY | O_TRUNC | O_CLOEXEC | O_NOCTTY);
         error = output->descriptor < 0 ? errno : 0;
     }
-    free(found.path);
     if (error != 0) {
         svo_i_output_abandon(output);
     }
@@ -374,8 +364,8 @@ static int write_without_signal(int descriptor, const char *bytes, size_t byte_c
 
 int svo_i_output_write(const svo_i_output *output, const void *bytes, size_t byte_count)
 {
-    return output->target != NULL ? write_all(output->descriptor, bytes, byte_count)
-                                  : write_without_signal(output->descriptor, bytes, byte_count);
+    return output->target[0] != '\0' ? write_all(output->descriptor, bytes, byte_count)
+                                     : write_without_signal(output->descriptor, bytes, byte_count);
 }
 
 /* ---- the end ---- */
@@ -392,7 +382,7 @@ static void keep_attributes(const svo_i_output *output)
 /* Gives the complete file its name. */
 static int take_name(svo_i_output *output)
 {
-    if (output->temporary == NULL) {
+    if (output->temporary[0] == '\0') {
         char unnamed[FD_PATH_BYTES];
         write_fd_path(output->descriptor, unnamed);
         if (linkat(AT_FDCWD, unnamed, AT_FDCWD, output->target, AT_SYMLINK_FOLLOW) == 0) {
@@ -406,8 +396,7 @@ static int take_name(svo_i_output *output)
     if (rename(output->temporary, output->target) != 0) {
         return errno;
     }
-    free(output->temporary);
-    output->temporary = NULL;
+    output->temporary[0] = '\0';
     return 0;
 }
 
@@ -415,13 +404,12 @@ static int take_name(svo_i_output *output)
    synchronize folders. */
 static void sync_folder(const char *path)
 {
-    char *folder = folder_of(path);
-    const int descriptor = folder != NULL ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    char folder[PATH_MAX];
+    const int descriptor = folder_of(path, folder) == 0 ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     if (descriptor >= 0) {
         (void)fsync(descriptor);
         (void)close(descriptor);
     }
-    free(folder);
 }
 
 static int commit_file(svo_i_output *output)
@@ -442,7 +430,7 @@ static int commit_file(svo_i_output *output)
 int svo_i_output_commit(svo_i_output *output)
 {
     int error = 0;
-    if (output->target != NULL) {
+    if (output->target[0] != '\0') {
         error = commit_file(output);
     } else {
         error = close(output->descriptor) != 0 ? errno : 0;
@@ -457,13 +445,11 @@ void svo_i_output_abandon(svo_i_output *output)
     if (output->descriptor >= 0) {
         (void)close(output->descriptor);
     }
-    if (output->temporary != NULL) {
+    if (output->temporary[0] != '\0') {
         hold(output);
         (void)unlink(output->temporary);
-        free(output->temporary);
-        output->temporary = NULL;
+        output->temporary[0] = '\0';
         release(output);
     }
-    free(output->target);
     *output = (svo_i_output){.descriptor = -1};
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Files that are written whole or not at all. This is the first room: the library's writers and the program's both use
- * it, so it knows neither messages nor statuses. Functions return 0 or the errno of what failed.
+ * it, so it knows neither messages nor statuses, and it allocates no memory. Functions return 0 or the errno of what
+ * failed.
  *
  * A path leads to one of these:
  *
@@ -16,6 +17,7 @@
 #ifndef SVO_LIB_OUTPUT_OUTPUT_H
 #define SVO_LIB_OUTPUT_OUTPUT_H
 
+#include <limits.h>
 #include <stddef.h>
 
 /*
@@ -31,8 +33,9 @@ typedef struct svo_i_output_watch {
 
 typedef struct svo_i_output {
     int descriptor; /* where the bytes go; -1: not open */
-    char *target; /* the file to make or to replace, with links followed; NULL: the bytes go straight to their place */
-    char *temporary; /* the name that the bytes have meanwhile; NULL: none */
+    char target[PATH_MAX]; /* the file to make or to replace, with links followed; "": the bytes go straight to their
+                              place */
+    char temporary[PATH_MAX]; /* the name that the bytes have meanwhile; "": none */
     const svo_i_output_watch *watch; /* NULL allowed */
 } svo_i_output;
 

@@ -4,7 +4,6 @@
  * kernels need no floats. Only attributes that the request reads and the mesh has are copied.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "plan/attributes.h"
@@ -43,7 +42,7 @@ static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t
    array. Returns NULL when out of memory. */
 static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
 {
-    uint8_t *used = calloc(mesh->texture_count + 1, 1);
+    uint8_t *used = svo_i_alloc_zeroed(&plan->device->memory, mesh->texture_count + 1, 1);
     plan->textures_given = mesh->texture_count;
     if (used == NULL || mesh->uvs == NULL || mesh->texture_count == 0 || mesh->material_count == 0) {
         return used;
@@ -78,7 +77,7 @@ static void unit_normal(double x, double y, double z, int16_t out[3])
 
 static svo_status copy_normals(svo_plan *plan, const svo_mesh *mesh)
 {
-    plan->normals = calloc((size_t)plan->vertex_count * 4 + 1, sizeof(int16_t));
+    plan->normals = svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->vertex_count * 4 + 1, sizeof(int16_t));
     if (plan->normals == NULL) {
         return no_memory(plan);
     }
@@ -91,7 +90,7 @@ static svo_status copy_normals(svo_plan *plan, const svo_mesh *mesh)
 
 static svo_status copy_colors(svo_plan *plan, const svo_mesh *mesh)
 {
-    plan->colors = malloc(((size_t)plan->vertex_count + 1) * sizeof(uint32_t));
+    plan->colors = svo_i_alloc(&plan->device->memory, ((size_t)plan->vertex_count + 1) * sizeof(uint32_t));
     if (plan->colors == NULL) {
         return no_memory(plan);
     }
@@ -110,7 +109,7 @@ static int32_t fixed_uv(float x)
 
 static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
 {
-    plan->uvs = malloc(((size_t)plan->vertex_count * 2 + 1) * sizeof(int32_t));
+    plan->uvs = svo_i_alloc(&plan->device->memory, ((size_t)plan->vertex_count * 2 + 1) * sizeof(int32_t));
     if (plan->uvs == NULL) {
         return no_memory(plan);
     }
@@ -124,7 +123,7 @@ static svo_status copy_uvs(svo_plan *plan, const svo_mesh *mesh)
 static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used, uint32_t **offsets)
 {
     uint64_t total = 0;
-    *offsets = malloc((mesh->texture_count + 1) * sizeof(uint32_t));
+    *offsets = svo_i_alloc(&plan->device->memory, (mesh->texture_count + 1) * sizeof(uint32_t));
     if (*offsets == NULL) {
         return no_memory(plan);
     }
@@ -137,7 +136,7 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_
                                  "svo_plan_create: textures have %llu texels, above 2^32 - 1",
                                  (unsigned long long)total);
     }
-    plan->texels = malloc((size_t)(total + 1) * sizeof(uint32_t));
+    plan->texels = svo_i_alloc(&plan->device->memory, (size_t)(total + 1) * sizeof(uint32_t));
     if (plan->texels == NULL) {
         return no_memory(plan);
     }
@@ -158,13 +157,13 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uin
     if (used != NULL) {
         const svo_status status = copy_texels(plan, mesh, used, &offsets);
         if (status != SVO_OK) {
-            free(offsets);
+            svo_i_free(offsets);
             return status;
         }
     }
-    plan->materials = calloc(plan->material_count, sizeof(svo_material_record));
+    plan->materials = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, sizeof(svo_material_record));
     if (plan->materials == NULL) {
-        free(offsets);
+        svo_i_free(offsets);
         return no_memory(plan);
     }
     plan->materials[0].rgba = UINT32_MAX; /* white, for a mesh without materials */
@@ -181,7 +180,7 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uin
             to->wrap_v = texture->wrap_v;
         }
     }
-    free(offsets);
+    svo_i_free(offsets);
     return SVO_OK;
 }
 
@@ -236,7 +235,8 @@ static uint32_t half_word(int16_t value)
 /* *largest_area: the largest area of a triangle, in square grid units. */
 static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *largest_area)
 {
-    plan->records = calloc((size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
+    plan->records =
+        svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
     if (plan->records == NULL) {
         return no_memory(plan);
     }
@@ -282,7 +282,7 @@ static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
     uint8_t *used = find_textures(plan, mesh);
     const bool textured = plan->textures_used > 0;
     const svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
-    free(used);
+    svo_i_free(used);
     SVO_I_TRY(status);
     if (textured) {
         SVO_I_TRY(copy_uvs(plan, mesh));

@@ -3,7 +3,6 @@
  * Assigns triangles to chunks of the fragment list, and tiles of triangles that are too large for a chunk. A chunk is
  * no larger than a storage block and an allocation may be. No result depends on the cut.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "plan/chunking.h"
@@ -29,8 +28,8 @@ uint64_t svo_i_chunk_bytes_max(const svo_plan *plan, uint64_t frontend_bytes)
 
 void svo_i_chunking_destroy(svo_i_chunking *chunking)
 {
-    free(chunking->draws);
-    free(chunking->chunks);
+    svo_i_free(chunking->draws);
+    svo_i_free(chunking->chunks);
     memset(chunking, 0, sizeof *chunking);
 }
 
@@ -38,8 +37,9 @@ static bool add_draw(svo_i_chunking *chunking, svo_i_draw draw)
 {
     if (chunking->draw_count == chunking->draw_capacity) {
         const uint32_t capacity = chunking->draw_capacity * 2 + 16;
-        svo_i_draw *draws =
-            capacity > chunking->draw_capacity ? realloc(chunking->draws, capacity * sizeof *draws) : NULL;
+        svo_i_draw *draws = capacity > chunking->draw_capacity
+                                ? svo_i_grow(chunking->memory, chunking->draws, capacity * sizeof *draws)
+                                : NULL;
         if (draws == NULL) {
             return false;
         }
@@ -55,8 +55,9 @@ static bool add_chunk(svo_i_chunking *chunking, uint32_t first_draw, uint64_t ca
 {
     if (chunking->chunk_count == chunking->chunk_capacity) {
         const uint32_t grown = chunking->chunk_capacity * 2 + 16;
-        svo_i_chunk *chunks =
-            grown > chunking->chunk_capacity ? realloc(chunking->chunks, grown * sizeof *chunks) : NULL;
+        svo_i_chunk *chunks = grown > chunking->chunk_capacity
+                                  ? svo_i_grow(chunking->memory, chunking->chunks, grown * sizeof *chunks)
+                                  : NULL;
         if (chunks == NULL) {
             return false;
         }
@@ -155,7 +156,7 @@ static bool cut_class(cutter *c, svo_i_class class_id)
 
 svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_chunking *chunking)
 {
-    memset(chunking, 0, sizeof *chunking);
+    *chunking = (svo_i_chunking){.memory = &plan->device->memory};
     cutter c = {.plan = plan, .chunking = chunking, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
     /* The capacity that svo_i_with_slack makes of it stays within the limit. */
     c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
@@ -227,7 +228,7 @@ svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const
                                svo_i_chunking *chunking)
 {
     const uint64_t limit = chunk_bytes / svo_i_plan_fragment_bytes(plan);
-    svo_i_chunking grown = {0};
+    svo_i_chunking grown = {.memory = &plan->device->memory};
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         if (!regrow_chunk(chunking, i, needed[i], limit, &grown)) {
             svo_i_chunking_destroy(&grown);

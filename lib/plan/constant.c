@@ -3,7 +3,6 @@
  * Payload that is the same in the whole scene. It is stored once instead of per node, and no kernel computes it. The
  * mean of equal values, rounded half up, is that value, so every node would have had the stored one.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "plan/constant.h"
@@ -49,7 +48,7 @@ void svo_i_plan_fold_colors(svo_plan *plan)
     for (uint32_t i = 0; i < plan->material_count && plan->triangle_count > 0; ++i) {
         plan->materials[i].rgba = modulate(plan->materials[i].rgba, plan->colors[plan->indices[0]]);
     }
-    free(plan->colors);
+    svo_i_free(plan->colors);
     plan->colors = NULL;
 }
 
@@ -64,7 +63,7 @@ void svo_i_plan_fold_normals(svo_plan *plan)
         plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* zero normals stand for the triangle's own */
         memcpy(plan->work.constant_normal, normal, sizeof plan->work.constant_normal);
     }
-    free(plan->normals);
+    svo_i_free(plan->normals);
     plan->normals = NULL;
 }
 
@@ -100,8 +99,8 @@ static bool has_one_own_normal(const svo_plan *plan)
 
 static void free_colors(svo_plan *plan)
 {
-    free(plan->materials);
-    free(plan->uvs);
+    svo_i_free(plan->materials);
+    svo_i_free(plan->uvs);
     plan->materials = NULL;
     plan->uvs = NULL;
 }

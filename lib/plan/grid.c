@@ -7,7 +7,6 @@
  */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "plan/estimate.h"
@@ -318,11 +317,11 @@ static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
 static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
 {
     const size_t count = plan->triangle_count;
-    svo_draw_item *items = malloc((count + 1) * sizeof *items);
-    float *fragments = malloc((count + 1) * sizeof *fragments);
+    svo_draw_item *items = svo_i_alloc(&plan->device->memory, (count + 1) * sizeof *items);
+    float *fragments = svo_i_alloc(&plan->device->memory, (count + 1) * sizeof *fragments);
     if (items == NULL || fragments == NULL) {
-        free(items);
-        free(fragments);
+        svo_i_free(items);
+        svo_i_free(fragments);
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for %zu triangles",
                                  count);
     }
@@ -339,8 +338,8 @@ static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
         items[slot] = plan->items[i];
         fragments[slot] = plan->item_fragments[i];
     }
-    free(plan->items);
-    free(plan->item_fragments);
+    svo_i_free(plan->items);
+    svo_i_free(plan->item_fragments);
     plan->items = items;
     plan->item_fragments = fragments;
     return SVO_OK;
@@ -351,13 +350,13 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     const size_t vertices = mesh->vertex_count;
     const size_t triangles = mesh->triangle_count;
     svo_status status = SVO_OK;
-    uint8_t *flags = calloc(vertices + 1, 1);
-    uint8_t *classes = calloc(triangles + 1, 1);
-    plan->vertices = calloc(vertices * 3 + 1, sizeof(int32_t));
-    plan->indices = calloc(triangles * 3 + 1, sizeof(uint32_t));
-    plan->triangle_ids = malloc((triangles + 1) * sizeof(uint32_t));
-    plan->items = malloc((triangles + 1) * sizeof(svo_draw_item));
-    plan->item_fragments = malloc((triangles + 1) * sizeof(float));
+    uint8_t *flags = svo_i_alloc_zeroed(&plan->device->memory, vertices + 1, 1);
+    uint8_t *classes = svo_i_alloc_zeroed(&plan->device->memory, triangles + 1, 1);
+    plan->vertices = svo_i_alloc_zeroed(&plan->device->memory, vertices * 3 + 1, sizeof(int32_t));
+    plan->indices = svo_i_alloc_zeroed(&plan->device->memory, triangles * 3 + 1, sizeof(uint32_t));
+    plan->triangle_ids = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
+    plan->items = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(svo_draw_item));
+    plan->item_fragments = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(float));
     if (flags == NULL || classes == NULL || plan->vertices == NULL || plan->indices == NULL ||
         plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL) {
         status =
@@ -376,7 +375,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     clear_unused_vertices(plan, flags);
     status = sort_items(plan, classes);
 cleanup:
-    free(flags);
-    free(classes);
+    svo_i_free(flags);
+    svo_i_free(classes);
     return status;
 }

@@ -13,7 +13,6 @@
 #include "svocl/nodes.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Grid units per axis, as a power of two. It is the same for all depths up to 12, so that their trees nest. Above, a
@@ -202,7 +201,7 @@ svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned dep
                                  "svo_plan_create: options.payload_level %u is above depth %u", asked.payload_level,
                                  depth);
     }
-    svo_plan *plan = calloc(1, sizeof *plan);
+    svo_plan *plan = svo_i_alloc_zeroed(&device->memory, 1, sizeof *plan);
     if (plan == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
     }
@@ -227,18 +226,18 @@ void svo_plan_destroy(svo_plan **plan)
         return;
     }
     svo_plan *p = *plan;
-    free(p->vertices);
-    free(p->indices);
-    free(p->triangle_ids);
-    free(p->items);
-    free(p->item_fragments);
-    free(p->records);
-    free(p->colors);
-    free(p->normals);
-    free(p->uvs);
-    free(p->materials);
-    free(p->texels);
-    free(p);
+    svo_i_free(p->vertices);
+    svo_i_free(p->indices);
+    svo_i_free(p->triangle_ids);
+    svo_i_free(p->items);
+    svo_i_free(p->item_fragments);
+    svo_i_free(p->records);
+    svo_i_free(p->colors);
+    svo_i_free(p->normals);
+    svo_i_free(p->uvs);
+    svo_i_free(p->materials);
+    svo_i_free(p->texels);
+    svo_i_free(p);
     *plan = NULL;
 }
 

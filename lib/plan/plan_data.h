@@ -91,6 +91,7 @@ struct svo_i_tile_cache; /* tiles.h */
 
 /* The cut of the list into chunks of limited size. */
 typedef struct svo_i_chunking {
+    const svo_i_memory *memory; /* where the arrays come from */
     svo_i_draw *draws;
     uint32_t draw_count, draw_capacity;
     svo_i_chunk *chunks;

@@ -7,7 +7,6 @@
 #include "plan/tiles.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* A triangle's projection along its axis. */
 typedef struct projection {
@@ -99,7 +98,7 @@ static bool add_tile(svo_i_tiles *tiles, uint32_t item, uint32_t u, uint32_t v)
 {
     if (tiles->count == tiles->capacity) {
         const size_t capacity = tiles->capacity * 2 + 1024;
-        svo_tile_item *grown = realloc(tiles->items, capacity * sizeof *grown);
+        svo_tile_item *grown = svo_i_grow(tiles->memory, tiles->items, capacity * sizeof *grown);
         if (grown == NULL) {
             return false;
         }
@@ -137,6 +136,7 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
 
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)
 {
+    tiles->memory = &plan->device->memory;
     for (uint32_t item = draw->first_item; item < draw->first_item + draw->item_count; ++item) {
         if (plan->item_fragments[item] <= SMALL_FRAGMENTS && draw->class_id != SVO_I_CLASS_WIDE) {
             continue;
@@ -153,6 +153,6 @@ bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_til
 
 void svo_i_tiles_free(svo_i_tiles *tiles)
 {
-    free(tiles->items);
+    svo_i_free(tiles->items);
     *tiles = (svo_i_tiles){0};
 }

@@ -6,6 +6,7 @@
 #include "plan/plan_data.h"
 
 typedef struct svo_i_tiles {
+    const svo_i_memory *memory; /* where the items come from */
     svo_tile_item *items;
     size_t count, capacity;
 } svo_i_tiles;

@@ -12,7 +12,6 @@
  */
 #include "rays/bvh.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Bins along an axis. Sets of fewer items use half as many, since evaluating the bins would cost more than filling
@@ -40,6 +39,7 @@ typedef struct range {
 } range;
 
 typedef struct maker {
+    const svo_i_memory *memory;
     const svo_i_bvh_source *source;
     svo_i_bvh *out;
     item *items;
@@ -255,7 +255,7 @@ static void halve(item *all, const range *whole, range *first, range *second)
 /* ---- records ---- */
 
 /* Grows an array to at least needed elements. Returns false, with the array unchanged, when out of memory. */
-static bool reserve(void **array, size_t *capacity, size_t needed, size_t element_bytes)
+static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, size_t needed, size_t element_bytes)
 {
     if (needed <= *capacity) {
         return true;
@@ -264,7 +264,7 @@ static bool reserve(void **array, size_t *capacity, size_t needed, size_t elemen
     while (grown < needed) {
         grown += grown / 2;
     }
-    void *moved = grown <= SIZE_MAX / element_bytes ? realloc(*array, grown * element_bytes) : NULL;
+    void *moved = grown <= SIZE_MAX / element_bytes ? svo_i_grow(memory, *array, grown * element_bytes) : NULL;
     if (moved == NULL) {
         return false;
     }
@@ -327,7 +327,7 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
     const size_t corner_words = wide ? 9 * (size_t)count : (9 * (size_t)count + 1) / 2;
     const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + corner_words + count + 3) / 4 * 4;
     const size_t position = out->leaf_words / 4;
-    if (position >= SVO_RAY_LEAF || !reserve((void **)&out->leaves, &out->leaf_capacity,
+    if (position >= SVO_RAY_LEAF || !reserve(m->memory, (void **)&out->leaves, &out->leaf_capacity,
                                              out->leaf_words + words + PADDING_WORDS, sizeof *out->leaves)) {
         return false;
     }
@@ -352,7 +352,7 @@ static bool add_node(maker *m, uint32_t *index)
 {
     svo_i_bvh *out = m->out;
     if (out->node_count >= SVO_RAY_LEAF ||
-        !reserve((void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
+        !reserve(m->memory, (void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
         return false;
     }
     svo_ray_node *node = &out->nodes[out->node_count];
@@ -437,10 +437,10 @@ static bool gather_items(maker *m)
 {
     const svo_i_bvh_source *source = m->source;
     const uint32_t count = source->triangle_count;
-    uint8_t *listed = source->list != NULL ? calloc((size_t)count + 1, 1) : NULL;
-    m->items = calloc((size_t)count + 1, sizeof *m->items);
+    uint8_t *listed = source->list != NULL ? svo_i_alloc_zeroed(m->memory, (size_t)count + 1, 1) : NULL;
+    m->items = svo_i_alloc_zeroed(m->memory, (size_t)count + 1, sizeof *m->items);
     if (m->items == NULL || (source->list != NULL && listed == NULL)) {
-        free(listed);
+        svo_i_free(listed);
         return false;
     }
     for (uint64_t i = 0; listed != NULL && i < source->list_count; ++i) {
@@ -453,13 +453,13 @@ static bool gather_items(maker *m)
             box_of_triangle(source, i, &added->bounds);
         }
     }
-    free(listed);
+    svo_i_free(listed);
     return true;
 }
 
-bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out)
+bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, svo_i_bvh *out)
 {
-    maker m = {.source = source, .out = out};
+    maker m = {.memory = memory, .source = source, .out = out};
     uint32_t unread = 0;
     *out = (svo_i_bvh){.nodes = NULL};
     bool made = gather_items(&m) && add_leaf(&m, NULL, 0, &unread);
@@ -468,13 +468,13 @@ bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out)
         made = make_node(&m, &all, &unread);
     }
     out->leaf_words += made ? PADDING_WORDS : 0;
-    free(m.items);
+    svo_i_free(m.items);
     return made;
 }
 
 void svo_i_bvh_free(svo_i_bvh *bvh)
 {
-    free(bvh->nodes);
-    free(bvh->leaves);
+    svo_i_free(bvh->nodes);
+    svo_i_free(bvh->leaves);
     *bvh = (svo_i_bvh){.nodes = NULL};
 }

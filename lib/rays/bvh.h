@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/memory.h"
 #include "shared/layout.h"
 
 /* The geometry, as the octree holds it. */
@@ -29,7 +30,7 @@ typedef struct svo_i_bvh {
 
 /* Returns false when out of memory, or with more nodes or leaves than references can address. The caller frees *out
    with svo_i_bvh_free in either case. */
-bool svo_i_bvh_make(const svo_i_bvh_source *source, svo_i_bvh *out);
+bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, svo_i_bvh *out);
 void svo_i_bvh_free(svo_i_bvh *bvh);
 
 #endif

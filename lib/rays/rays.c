@@ -6,7 +6,6 @@
 #include "rays/rays.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/foreign.h"
 #include "rays/bvh.h"
@@ -35,7 +34,7 @@ static void release_bvh(svo_i_attachment *attachment)
             clReleaseMemObject(buffers[i]);
         }
     }
-    free(bvh);
+    svo_i_free(bvh);
 }
 
 /* The tree's BVH; all zero before it is built. */
@@ -78,7 +77,7 @@ static svo_status read_array(const svo_tree *tree, const char *function, cl_comm
     size_t bytes = 0;
     if (svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer), svo_i_tree_element_bytes(buffer),
                        &bytes)) {
-        *copy = calloc(bytes + 1, 1);
+        *copy = svo_i_alloc_zeroed(&tree->memory, bytes + 1, 1);
     }
     if (*copy == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function,
@@ -104,8 +103,8 @@ static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queu
 {
     svo_status status = SVO_OK;
     svo_i_bvh bvh = {.nodes = NULL};
-    device_bvh *to = calloc(1, sizeof *to);
-    if (to == NULL || !svo_i_bvh_make(source, &bvh)) {
+    device_bvh *to = svo_i_alloc_zeroed(&tree->memory, 1, sizeof *to);
+    if (to == NULL || !svo_i_bvh_make(&tree->memory, source, &bvh)) {
         status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH of %u triangles",
                                    function, source->triangle_count);
         goto cleanup;
@@ -157,7 +156,7 @@ svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_q
 
 cleanup:
     for (int i = 0; i < 4; ++i) {
-        free(copies[i]);
+        svo_i_free(copies[i]);
     }
     return status;
 }

@@ -2,7 +2,6 @@
 /* Operations on a build in progress that several stages use. */
 #include "stages/build_state.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "plan/buffers.h"
@@ -19,7 +18,7 @@ svo_status svo_i_build_fail_damaged(svo_i_build *build)
 
 svo_status svo_i_build_alloc_cursors(svo_i_build *build)
 {
-    build->cursors = calloc(build->list.chunk_count + 1u, sizeof(cl_mem));
+    build->cursors = svo_i_alloc_zeroed(&build->commands.device->memory, build->list.chunk_count + 1u, sizeof(cl_mem));
     if (build->cursors == NULL) {
         return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u chunks",
                                  build->list.chunk_count);
@@ -99,7 +98,7 @@ void svo_i_build_release_list(svo_i_build *build)
         frontend->release(frontend->self, &build->list);
     }
     svo_i_commands_free(&build->commands, &build->list.counters);
-    free(build->list.chunks);
+    svo_i_free(build->list.chunks);
     build->list = (svo_i_fragment_list){0};
 }
 

@@ -2,8 +2,6 @@
 /* Radix sort of the fragment list, least significant digit first, between two buffers of the list's size. */
 #include "stages/sort.h"
 
-#include <stdlib.h>
-
 #include "plan/estimate.h"
 #include "stages/scan.h"
 
@@ -89,7 +87,7 @@ static svo_status take_list(sorter *s, uint64_t bytes)
     svo_status status = SVO_OK;
     svo_i_build *build = s->build;
     cl_mem whole = NULL;
-    svo_i_fragments *chunk = calloc(1, sizeof *chunk);
+    svo_i_fragments *chunk = svo_i_alloc_zeroed(&build->commands.device->memory, 1, sizeof *chunk);
     if (chunk == NULL) {
         return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for a chunk");
     }
@@ -103,7 +101,7 @@ static svo_status take_list(sorter *s, uint64_t bytes)
     return SVO_OK;
 cleanup:
     svo_i_commands_free(&build->commands, &whole);
-    free(chunk);
+    svo_i_free(chunk);
     return status;
 }
 

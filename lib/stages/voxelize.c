@@ -5,8 +5,6 @@
  */
 #include "stages/voxelize.h"
 
-#include <stdlib.h>
-
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/tiles.h"
@@ -163,7 +161,7 @@ static svo_status get_tiles(const run *r, const svo_i_chunk *chunk, svo_i_tile_c
         *found = *cache;
         return SVO_OK;
     }
-    found->begin = calloc(chunk->draw_count + 1u, sizeof *found->begin);
+    found->begin = svo_i_alloc_zeroed(&r->commands->device->memory, chunk->draw_count + 1u, sizeof *found->begin);
     if (found->begin == NULL) {
         return svo_i_device_fail(r->commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u draws",
                                  chunk->draw_count);
@@ -179,7 +177,7 @@ static void free_tiles(const run *r, svo_i_tile_cache *found)
 {
     if (r->chunking->tile_cache == NULL || r->chunking->tile_cache->begin != found->begin) {
         svo_i_tiles_free(&found->tiles);
-        free(found->begin);
+        svo_i_free(found->begin);
     }
 }
 
@@ -265,7 +263,7 @@ cleanup:
 static svo_status read_counters(run *r, svo_i_fragment_list *list)
 {
     const size_t bytes = ((size_t)list->chunk_count + 1) * 2 * sizeof(cl_uint);
-    cl_uint *counters = calloc(1, bytes);
+    cl_uint *counters = svo_i_alloc_zeroed(&r->commands->device->memory, 1, bytes);
     if (counters == NULL) {
         return svo_i_device_fail(r->commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
                                  list->chunk_count);
@@ -275,7 +273,7 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
     for (size_t i = 0; i < list->chunk_count; ++i) {
         list->chunks[i].needed = (uint64_t)counters[2 * i + 1] << 32 | counters[2 * i];
     }
-    free(counters);
+    svo_i_free(counters);
     SVO_I_TRY(status);
     svo_i_commands_free(r->commands, &r->counters);
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
@@ -349,7 +347,7 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
                                  "svo_frontend_create_cl: %s has %llu bytes of local memory, below %zu", device->name,
                                  (unsigned long long)local_bytes, NOTES_BYTES + SCRATCH_BYTES);
     }
-    svo_frontend *frontend = calloc(1, sizeof *frontend);
+    svo_frontend *frontend = svo_i_alloc_zeroed(&device->memory, 1, sizeof *frontend);
     if (frontend == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_frontend_create_cl: no memory for the handle");
     }
@@ -362,7 +360,7 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
                                .on_device = true,
                                .voxelize = svo_i_voxelize,
                                .release = release,
-                               .destroy = free};
+                               .destroy = svo_i_free};
     *out = frontend;
     return SVO_OK;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: arbitrary bytes as the file of a compact tree. Either they are refused with a one-line message, or a walk
- * from the root stays inside the arrays and finds the nodes and the places of payload that the description tells.
+ * Fuzz target: arbitrary bytes as the file of a compact tree. Either they are refused with a one-line message, or a
+ * walk from the root stays inside the arrays and finds the nodes and the places of payload that the description tells.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -163,7 +163,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     svo_compact *compact = NULL;
     svo_message message = {""};
     const svo_status status =
-        svo_compact_load_memory(data != NULL ? data : &nothing, byte_count, NAME, &compact, &message);
+        svo_compact_load_memory(data != NULL ? data : &nothing, byte_count, NAME, NULL, &compact, &message);
     if (status != SVO_OK) {
         check_refusal(status, compact, &message);
         return 0;

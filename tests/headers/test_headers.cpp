@@ -42,6 +42,7 @@ template <typename Struct> static void expect_size(const char *what, const Struc
 static void initialize_structs()
 {
     EXPECT_SIZE(svo_device_options, SVO_DEVICE_OPTIONS_INIT);
+    EXPECT_SIZE(svo_memory_callbacks, SVO_MEMORY_CALLBACKS_INIT);
     EXPECT_SIZE(svo_mesh, SVO_MESH_INIT);
     EXPECT_SIZE(svo_mesh_buffers, SVO_MESH_BUFFERS_INIT);
     EXPECT_SIZE(svo_plan_options, SVO_PLAN_OPTIONS_INIT);
@@ -56,10 +57,12 @@ static void initialize_structs()
     EXPECT_SIZE(svo_tree_arrays, SVO_TREE_ARRAYS_INIT);
     EXPECT_SIZE(svo_render_options, SVO_RENDER_OPTIONS_INIT);
 #ifdef HAVE_GL
+    EXPECT_SIZE(svo_gl_context_options, SVO_GL_CONTEXT_OPTIONS_INIT);
     EXPECT_SIZE(svo_gl_context_info, SVO_GL_CONTEXT_INFO_INIT);
     EXPECT_SIZE(svo_gl_options, SVO_GL_OPTIONS_INIT);
 #endif
 #ifdef HAVE_IO
+    EXPECT_SIZE(svo_load_options, SVO_LOAD_OPTIONS_INIT);
     EXPECT_SIZE(svo_save_options, SVO_SAVE_OPTIONS_INIT);
     EXPECT_SIZE(svo_import_options, SVO_IMPORT_OPTIONS_INIT);
 #endif

@@ -4,7 +4,8 @@
 Callbacks run on the thread that made the call. cffi releases the GIL for the call and takes it for each callback. An
 exception cannot pass through C: it is kept and raised when the call returns. A further callback is a declaration in
 native/make_binding.py and a function here, decorated with _callback; what belongs to one call reaches it through the
-callback's user pointer (ffi.new_handle).
+callback's user pointer (ffi.new_handle). Functions for host memory (svo_memory_callbacks) are left out: drivers may
+call them on threads of their own, and a Python function for each block would cost more than the block.
 """
 
 import logging
