@@ -25,7 +25,7 @@ typedef struct svo_i_dag_nodes {
     uint32_t payload_begin; /* what first_payload has for the first node that has payload */
 } svo_i_dag_nodes;
 
-/* Records. Released by svo_i_dag_free. */
+/* Records, released by svo_i_dag_free. */
 typedef struct svo_i_dag {
     uint32_t depth;
     uint32_t payload_level;
@@ -39,12 +39,12 @@ typedef struct svo_i_dag {
 /*
  * Makes records of nodes.
  *
- * places: whether records store where payload is. memory: of the records, and for the work. out: receives the records,
- * also after a failure something to free. place_of: receives the place of each payload, in the order of first_payload;
- * NULL without places.
+ * memory: where the words and what is needed meanwhile come from. places: whether records store where payload is. out:
+ * receives the records, also after a failure something to free.
+ * place_of: receives the place of each payload, in the order of first_payload; NULL without places.
  * Returns SVO_OUT_OF_HOST_MEMORY, SVO_UNSUPPORTED (2^32 words or more).
  */
-svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, bool places, const svo_i_memory *memory, svo_i_dag *out,
+svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places, svo_i_dag *out,
                             uint32_t *place_of, svo_message *message);
 
 void svo_i_dag_free(svo_i_dag *dag);

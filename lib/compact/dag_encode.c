@@ -312,7 +312,7 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
     return place_of != NULL ? place_payload(made, place_of) : SVO_OK;
 }
 
-svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, bool places, const svo_i_memory *memory, svo_i_dag *out,
+svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places, svo_i_dag *out,
                             uint32_t *place_of, svo_message *message)
 {
     encoder made = {.nodes = nodes, .places = places, .memory = memory, .message = message};

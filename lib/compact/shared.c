@@ -14,7 +14,7 @@ typedef struct sharing {
     svo_i_compact_work *work;
     const svo_i_compact_source *source;
     svo_compact *compact;
-    void *arrays[4]; /* of nodes */
+    void *arrays[4]; /* of nodes, by svo_i_alloc */
     svo_i_dag_nodes nodes;
     svo_i_dag dag;
     uint32_t *place_of; /* the place of each payload of the source; NULL: none is held */
@@ -69,7 +69,7 @@ static svo_status encode(sharing *s)
                                      2 * payload_count * sizeof *s->place_of);
         }
     }
-    SVO_I_TRY(svo_i_dag_encode(&s->nodes, places, &s->work->device->memory, &s->dag, s->place_of,
+    SVO_I_TRY(svo_i_dag_encode(&s->nodes, &s->work->device->memory, places, &s->dag, s->place_of,
                                svo_i_device_message(s->work->device)));
     for (size_t i = 0; places && i < payload_count; ++i) {
         s->origins[s->place_of[i]] = (uint32_t)i;

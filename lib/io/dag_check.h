@@ -13,7 +13,7 @@
 /* Records as they lie in a file. */
 typedef struct svo_i_dag_records {
     const char *name; /* of the file, for messages */
-    const svo_i_memory *memory; /* for the work */
+    const svo_i_memory *memory; /* for what checking needs */
     const uint32_t *words;
     size_t word_count;
     uint32_t depth;
