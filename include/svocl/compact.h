@@ -184,8 +184,8 @@ SVO_API svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_opti
  * \param options NULL means all defaults
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the compact tree
- * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
- *          on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (more inner nodes, or 2^32 words of records), SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const svo_compact_options *options,
                                       cl_command_queue queue, svo_compact **out);
 
