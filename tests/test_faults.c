@@ -425,7 +425,8 @@ cleanup:
     return status;
 }
 
-/* A file of words with payload and a packed one of masks, which are read again and brought to the device. */
+/* Files of words and of records with payload and a packed one of masks, which are read again and brought to the
+   device. */
 static svo_status save_and_load(subject *of, svo_form form, const svo_save_options *options)
 {
     char hash[SVO_HASH_TEXT_BYTES];
@@ -449,6 +450,7 @@ static svo_status run_compact_files(subject *of)
 {
     const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
     SVO_I_TRY(save_and_load(of, SVO_FORM_DESCRIPTOR, NULL));
+    SVO_I_TRY(save_and_load(of, SVO_FORM_SHARED, NULL));
     return save_and_load(of, SVO_FORM_IMPLIED, &packed);
 }
 

@@ -192,7 +192,7 @@ SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, 
 /** Makes a tree without leaf lists from a compact tree and waits for it. It has the voxels of the tree that the compact
  *  tree was made from, and its payload as far as that is carried and unless tolerances changed it: the same
  *  SVO_HASH_NODES, and without leaf lists the same SVO_HASH_ALL. A leaf above level depth becomes all of its voxels and
- *  the nodes above them, each with the leaf's payload.
+ *  the nodes above them, each with the leaf's payload; after minimizing, fills of these nodes alone may differ.
  *
  * \param compact on a device
  * \param queue on the device's context; NULL: the device's own
