@@ -100,7 +100,7 @@ typedef struct svo_compact_options {
     size_t struct_size; /**< sizeof(svo_compact_options) */
     svo_form form; /**< how to store the nodes */
     uint32_t leave_out; /**< svo_need bits: payload of the tree that is not carried */
-    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 4 */
+    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 5 */
     /** Not 0: a node whose eight children are leaves becomes a leaf if all payload below is equal, or within the
      *  tolerances of what the node stores. It stores the color, normal and material that it has as an inner node, and
      *  the middle of the fills below: a fill of each voxel in it, not of the node. Materials must be equal. The root
