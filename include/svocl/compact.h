@@ -100,7 +100,7 @@ typedef struct svo_compact_options {
     size_t struct_size; /**< sizeof(svo_compact_options) */
     svo_form form; /**< how to store the nodes */
     uint32_t leave_out; /**< svo_need bits: payload of the tree that is not carried */
-    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 4 */
+    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 5 */
     /** Not 0: a node whose eight children are leaves becomes a leaf if all payload below is equal, or within the
      *  tolerances of what the node stores. It stores the color, normal and material that it has as an inner node, and
      *  the middle of the fills below: a fill of each voxel in it, not of the node. Materials must be equal. The root
@@ -184,15 +184,15 @@ SVO_API svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_opti
  * \param options NULL means all defaults
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the compact tree
- * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
- *          on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (more inner nodes, or 2^32 words of records), SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const svo_compact_options *options,
                                       cl_command_queue queue, svo_compact **out);
 
 /** Makes a tree without leaf lists from a compact tree and waits for it. It has the voxels of the tree that the compact
  *  tree was made from, and its payload as far as that is carried and unless tolerances changed it: the same
  *  SVO_HASH_NODES, and without leaf lists the same SVO_HASH_ALL. A leaf above level depth becomes all of its voxels and
- *  the nodes above them, each with the leaf's payload.
+ *  the nodes above them, each with the leaf's payload; after minimizing, fills of these nodes alone may differ.
  *
  * \param compact on a device
  * \param queue on the device's context; NULL: the device's own

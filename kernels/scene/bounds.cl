@@ -14,7 +14,7 @@
 /* Whether the cell of a level holds a node, or lies in a leaf. */
 static bool svo_scene_is_occupied(const svo_cast_nodes *nodes, uint3 cell, uint level)
 {
-    svo_cast_node node = SVO_CAST_ROOT;
+    svo_cast_node node = SVO_CAST_ROOT(nodes);
     for (uint left = level; left > 0u; --left) {
         const uint3 bits = cell >> (left - 1u) & 1u;
         svo_cast_node child;
