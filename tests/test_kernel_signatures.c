@@ -22,7 +22,7 @@
 #include "shared/layout.h"
 #include "solid_meshes.h"
 
-#define KERNELS_MAX   64 /* names */
+#define KERNELS_MAX   96
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64

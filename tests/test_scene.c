@@ -381,7 +381,7 @@ static void compact_trees_are_placed_as_built_ones(void **state)
     uint64_t random = 11;
     random_instances(&random, PLACE_SHEARED, 400, placed, 90);
     svo_scene *built_trees = make_placed_scene(&shapes, placed, 90, SVO_NEED_NONE);
-    for (int form = SVO_FORM_DESCRIPTOR; form <= SVO_FORM_IMPLIED; ++form) {
+    for (int form = SVO_FORM_DESCRIPTOR; form < SVO_FORM_COUNT; ++form) {
         svo_compact *compacts[MODELS];
         make_compacts((svo_form)form, compacts);
         svo_scene *scene = place_compacts(compacts, placed, 90);
