@@ -39,6 +39,7 @@
 enum { TRIANGLES = 40, DEPTH = 4, RAYS = 64, PICTURE_SIDE = 32, CALLS_MAX = 100000, HANG_SECONDS = 120 };
 
 #define CHILD_INDEX_VARIABLE  "SVOCL_FAULTS_CHILD_INDEX"
+#define CHILD_NOTES           "places" /* instead of an index */
 #define CHILD_REPORT_VARIABLE "SVOCL_FAULTS_CHILD_REPORT"
 
 /* What scenarios share. Opened once; no call fails meanwhile. */
@@ -855,6 +856,66 @@ static bool play(const scenario *played, uint64_t index, XXH64_hash_t expected)
     return failed.name != NULL;
 }
 
+/* Where the calls of this scenario come from, and of all scenarios so far, sorted. */
+static struct {
+    uint64_t here[CALLS_MAX], known[CALLS_MAX];
+    size_t here_count, known_count;
+} places;
+
+/* Whether no call from there has failed yet. */
+static bool is_new_place(uint64_t place)
+{
+    for (size_t i = 0; i < places.known_count; ++i) {
+        if (places.known[i] == place) {
+            return false;
+        }
+    }
+    assert_true(places.known_count < CALLS_MAX);
+    places.known[places.known_count++] = place;
+    return true;
+}
+
+/* What the child wrote into its report. */
+static void read_places(void)
+{
+    FILE *file = fopen(world.report_path, "r");
+    assert_non_null(file);
+    while (places.here_count < CALLS_MAX && fscanf(file, "%" SCNx64, &places.here[places.here_count]) == 1) {
+        ++places.here_count;
+    }
+    (void)fclose(file);
+}
+
+static void note_places(const scenario *played)
+{
+    subject of = {0};
+    played->prepare(&of);
+    places.here_count = 0;
+    if (played->in_child) {
+        assert_int_equal(setenv(CHILD_INDEX_VARIABLE, CHILD_NOTES, 1), 0);
+        assert_int_equal(run_once(played, &of), SVO_OK);
+        assert_int_equal(unsetenv(CHILD_INDEX_VARIABLE), 0);
+        read_places();
+        played->cleanup(&of);
+    } else {
+        faults_note(places.here, CALLS_MAX);
+        const svo_status status = run_once(played, &of);
+        played->cleanup(&of);
+        (void)faults_disarm();
+        assert_int_equal(status, SVO_OK);
+        places.here_count = faults_noted();
+    }
+    assert_in_range(places.here_count, 1, CALLS_MAX - 1);
+}
+
+/* Whether that call shall fail: the first from a place, and every how-manieth of all. Then those after the end, to find
+   that there are none. */
+static bool is_due(uint64_t index)
+{
+    const bool is_new = index >= places.here_count || is_new_place(places.here[index]);
+    return is_new || index % world.stride == 0;
+}
+
 static void play_all(const scenario *played)
 {
     subject of = {0};
@@ -870,9 +931,13 @@ static void play_all(const scenario *played)
     }
     const XXH64_hash_t expected = of.digest;
     played->cleanup(&of);
+    note_places(played);
     const unsigned violations = world.violations;
-    uint64_t index = 0;
-    for (uint64_t before_count = 0; index < CALLS_MAX; index += world.stride, ++before_count) {
+    uint64_t index = 0, failed_count = 0;
+    for (; index < CALLS_MAX; ++index) {
+        if (!is_due(index)) {
+            continue;
+        }
         const faults_objects before = faults_live;
         const faults_call none = {"?", FAULT_ALLOCATION};
         const bool more = play(played, index, expected);
@@ -884,8 +949,9 @@ static void play_all(const scenario *played)
         if (!more) {
             break;
         }
+        ++failed_count;
     }
-    print_message("%s: about %" PRIu64 " calls\n", played->name, index);
+    print_message("%s: %" PRIu64 " of about %" PRIu64 " calls failed\n", played->name, failed_count, index);
     assert_in_range(index, 1, CALLS_MAX - 1);
     assert_int_equal(world.violations, violations);
 }
@@ -1100,9 +1166,15 @@ static int close_world(void **state)
 static void report_child(void)
 {
     const faults_call failed = faults_disarm();
-    FILE *file = failed.name != NULL ? fopen(getenv(CHILD_REPORT_VARIABLE), "w") : NULL;
-    if (file != NULL) {
+    const size_t noted = faults_noted();
+    FILE *file = failed.name != NULL || noted > 0 ? fopen(getenv(CHILD_REPORT_VARIABLE), "w") : NULL;
+    if (file != NULL && failed.name != NULL) {
         (void)fprintf(file, "%u %s\n", (unsigned)failed.kind, failed.name);
+    }
+    for (size_t i = 0; file != NULL && i < noted; ++i) {
+        (void)fprintf(file, "%" PRIx64 "\n", places.here[i]);
+    }
+    if (file != NULL) {
         (void)fclose(file);
     }
 }
@@ -1111,7 +1183,9 @@ int main(int argc, char **argv)
 {
     int exit_code = 0;
     const char *child_index = getenv(CHILD_INDEX_VARIABLE);
-    if (child_index != NULL) {
+    if (child_index != NULL && strcmp(child_index, CHILD_NOTES) == 0) {
+        faults_note(places.here, CALLS_MAX);
+    } else if (child_index != NULL) {
         faults_arm(strtoull(child_index, NULL, 10));
     }
     if (svo_import_child_main(argc, argv, &exit_code) != 0) {
