@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "context/context.h"
+#include "context/egl.h"
 #include "core/message.h"
 
 #define GPU "gpu"
@@ -78,7 +79,8 @@ svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context *
         return svo_gl_context_create(SVO_GL_EGL_DEVICE, index, out, message);
     }
     svo_message list = {""};
-    const uint32_t count = svo_gl_egl_device_count();
+    uint32_t count = 0;
+    SVO_I_TRY(svo_i_egl_count_devices(&count, message));
     for (index = 0; index < count; ++index) {
         svo_gl_context *context = try_device(index, device_name, &list);
         if (context != NULL) {
