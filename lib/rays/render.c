@@ -237,10 +237,6 @@ static svo_status check_options(svo_device *device, const svo_tree *tree, const 
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_tree_render: the tree is on another device");
     }
-    if (tree->pending != NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_tree_render: the tree's build is in flight; call svo_tree_finish first");
-    }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "svo_tree_render: the tree is not on a device; call svo_tree_upload first");
