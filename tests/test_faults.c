@@ -7,8 +7,8 @@
  *
  *     test_faults [STRIDE [SCENARIO]]
  *
- * Of each place in the library that calls, the first call fails, and of all calls every STRIDEth; 1: all; default 20, for a
- * quick run. SCENARIO: the name of one, in faults_library.c, faults_files.c or faults_opengl.c.
+ * The first call from each place in the library fails, and every STRIDEth of all; 1: all; default 20, for a quick run.
+ * SCENARIO: the name of one, in faults_library.c, faults_files.c or faults_opengl.c.
  * The environment variable SVOCL_FAULTS_TRACE prints each failed call beforehand. A build with
  * -fsanitize=address,undefined finds more: memory used after its release, and what is lost in the import child.
  */
@@ -192,7 +192,7 @@ static bool play(const scenario *played, uint64_t index, XXH64_hash_t expected)
     return failed.name != NULL;
 }
 
-/* Where the calls of this scenario come from, and of all scenarios so far, sorted. */
+/* Where the calls of this scenario come from, and from where one has failed so far. */
 static struct {
     uint64_t here[CALLS_MAX], known[CALLS_MAX];
     size_t here_count, known_count;
