@@ -464,8 +464,12 @@ DECLARE(int, dlclose, (void *library))
 
 PLAIN(FAULT_LOADER, int, dladdr, (const void *address, Dl_info *info), (address, info), 0, 0)
 
+/* RTLD_NEXT is a sanitizer's, which looks its functions up before memory can be watched. */
 DECLARE(void *, dlsym, (void *library, const char *name))
 {
+    if (library == RTLD_NEXT) {
+        return __real_dlsym(library, name);
+    }
     if (faults_turn(FAULT_LOADER, "dlsym")) {
         return NULL;
     }
