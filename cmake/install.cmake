@@ -1,6 +1,6 @@
 # Installs the libraries, their headers, a CMake package, pkg-config files and the program, and makes the target
 # `uninstall`. Each library has its own export, so that users of svocl::svocl need OpenCL only, not the dependencies of
-# svocl::gl and svocl::io. The components svocl_library, svocl_development and svocl_tools become packages.
+# svocl::gl and svocl::io. The components svocl_library, svocl_development, svocl_tools and svocl_python become packages.
 include(CMakePackageConfigHelpers)
 set(svocl_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/svocl)
 set(svocl_pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
@@ -54,6 +54,25 @@ endif()
 if(SVOCL_TOOLS)
   svocl_run_in_place(svocl_program ${CMAKE_INSTALL_BINDIR})
   install(TARGETS svocl_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT svocl_tools)
+endif()
+if(SVOCL_PYTHON)
+  set(svocl_python_dir lib/python3/dist-packages) # where Debian's Python looks, for all its versions
+  svocl_run_in_place(svocl_python ${svocl_python_dir}/svocl)
+  install(TARGETS svocl_python LIBRARY DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
+  install(
+    DIRECTORY python/src/svocl
+    DESTINATION ${svocl_python_dir}
+    COMPONENT svocl_python
+    FILES_MATCHING
+    PATTERN "*.py*"
+    PATTERN py.typed
+    PATTERN __pycache__ EXCLUDE)
+  # For importlib.metadata and pip, which then see that the package is there.
+  configure_file(cmake/python-metadata.in ${PROJECT_BINARY_DIR}/METADATA @ONLY)
+  install(
+    FILES ${PROJECT_BINARY_DIR}/METADATA
+    DESTINATION ${svocl_python_dir}/svocl-${PROJECT_VERSION}.dist-info
+    COMPONENT svocl_python)
 endif()
 
 install(

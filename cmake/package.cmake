@@ -1,5 +1,5 @@
-# Debian packages by CPack, from the components of cmake/install.cmake: libsvocl0.1, libsvocl-dev and svocl, the
-# program. `tools/dev deb` configures, builds and tests them. Of a static build there is no libsvocl0.1.
+# Debian packages by CPack, from the components of cmake/install.cmake: libsvocl0.1, libsvocl-dev, svocl, the program,
+# and python3-svocl. `tools/dev deb` configures, builds and tests them. Of a static build there is no libsvocl0.1.
 set(CPACK_PACKAGE_NAME svocl)
 set(CPACK_PACKAGE_VENDOR "The svocl authors")
 if(NOT CPACK_PACKAGE_CONTACT)
@@ -64,6 +64,19 @@ if(SVOCL_TOOLS)
   set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
   if(NOT svocl_static)
     set(CPACK_COMPONENT_SVOCL_TOOLS_DEPENDS svocl_library)
+  endif()
+endif()
+if(SVOCL_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL svocl_python)
+  svocl_package(svocl_python python3-svocl python "its Python package")
+  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.9), python3-cffi, python3-numpy")
+  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
+  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_SUGGESTS "python3-pyopencl, python3-tqdm")
+  # Python compiles its files when the package is installed, and they go with it.
+  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/python3-svocl/postinst
+                                                      ${PROJECT_SOURCE_DIR}/cmake/python3-svocl/prerm)
+  if(NOT svocl_static)
+    set(CPACK_COMPONENT_SVOCL_PYTHON_DEPENDS svocl_library)
   endif()
 endif()
 include(CPack)

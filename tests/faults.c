@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -29,6 +30,8 @@ static struct {
     uint64_t left; /* calls before the one that fails */
     faults_call failed;
     FILE *broken; /* a stream that has failed, for ferror */
+    uint64_t *places; /* NULL: places are not noted */
+    size_t place_count, noted;
 } turn;
 
 const char *fault_kind_name(fault_kind kind)
@@ -48,7 +51,21 @@ void faults_arm(uint64_t index)
 faults_call faults_disarm(void)
 {
     turn.armed = false;
+    turn.places = NULL;
     return turn.failed;
+}
+
+void faults_note(uint64_t *places, size_t place_count)
+{
+    turn.places = places;
+    turn.place_count = place_count;
+    turn.noted = 0;
+    turn.failed = (faults_call){0};
+}
+
+size_t faults_noted(void)
+{
+    return turn.noted;
 }
 
 void faults_spare(bool on)
@@ -61,8 +78,29 @@ faults_call faults_failed(void)
     return turn.failed;
 }
 
-bool faults_turn(fault_kind kind, const char *name)
+/* Above this function and faults_turn: the wrapper, its caller and the one above. */
+static __attribute__((noinline)) void note_place(void)
 {
+    enum { OWN_FRAMES = 2, FRAMES = OWN_FRAMES + 3 };
+    void *frames[FRAMES] = {NULL};
+    const int count = backtrace(frames, FRAMES);
+    uint64_t hash = 0;
+    for (int i = OWN_FRAMES; i < count; ++i) {
+        hash = (hash ^ ((uintptr_t)frames[i] - (uintptr_t)faults_turn)) * 0x9E3779B97F4A7C15;
+        hash ^= hash >> 32;
+    }
+    if (turn.noted < turn.place_count) {
+        turn.places[turn.noted] = hash;
+    }
+    ++turn.noted;
+}
+
+__attribute__((noinline)) bool faults_turn(fault_kind kind, const char *name)
+{
+    if (turn.places != NULL && !turn.spared) {
+        note_place();
+        return false;
+    }
     if (!turn.armed || turn.spared || turn.failed.name != NULL || turn.left-- > 0) {
         return false;
     }
@@ -426,8 +464,12 @@ DECLARE(int, dlclose, (void *library))
 
 PLAIN(FAULT_LOADER, int, dladdr, (const void *address, Dl_info *info), (address, info), 0, 0)
 
+/* RTLD_NEXT is a sanitizer's, which looks its functions up before memory can be watched. */
 DECLARE(void *, dlsym, (void *library, const char *name))
 {
+    if (library == RTLD_NEXT) {
+        return __real_dlsym(library, name);
+    }
     if (faults_turn(FAULT_LOADER, "dlsym")) {
         return NULL;
     }

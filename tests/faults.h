@@ -49,8 +49,13 @@ typedef struct faults_call {
 
 /* Counts calls from now on, and makes the index-th (from 0) fail. */
 void faults_arm(uint64_t index);
-/* Ends that. */
+/* Ends that, or what faults_note began. */
 faults_call faults_disarm(void);
+/* Writes down where each call from now on comes from; none fails. places: room for place_count of them. A place is the
+ * function that calls and the one above it, as a hash that another process of the program finds too. */
+void faults_note(uint64_t *places, size_t place_count);
+/* How many calls there were since. */
+size_t faults_noted(void);
 /* While on, calls are neither counted nor made to fail: the test's own between those of the library. */
 void faults_spare(bool on);
 /* The call that failed since faults_arm, while it is still armed. */

@@ -459,6 +459,9 @@ static void test_broken_headers_are_named(void **unused)
     expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_COLOR,
                         "chunk 2: kind is 2, 3 (normals) expected");
     expect_word_refused(bytes, byte_count, 52, 3, "weights 3 are not known");
+    expect_word_refused(bytes, byte_count, 48, NEED_ALL | (uint32_t)SVO_NEED_FILL << 16, "constant 0x");
+    expect_word_refused(bytes, byte_count, 52, 9u << 16, "payload_level 9 is above depth");
+    expect_word_refused(bytes, byte_count, 100, 0xbff00000, "snap_error -1");
     expect_word_refused(bytes, byte_count, 60, 0x7ff00000, "origin is not finite");
     expect_word_refused(bytes, byte_count, 84, 0xbff00000, "edge");
     expect_word_refused(bytes, byte_count, 112, 100, "100 of 9 triangles refused");
@@ -489,6 +492,60 @@ static void test_a_chunk_cannot_promise_more_than_it_holds(void **unused)
     list->plain_bytes = 400;
     seal(bytes);
     assert_damaged(bytes, byte_count, "chunk list: zstd: ");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+/* A zstd frame of one stored block, 19 bytes, where the table of chunks says 20. */
+static void test_a_chunk_that_unpacks_to_less(void **unused)
+{
+    (void)unused;
+    static const uint8_t frame[28] = {0x28, 0xb5, 0x2f, 0xfd, 0x20, 19, 1 | 19 << 3};
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    file_chunk *list = &((file_head *)(void *)bytes)->chunks[SVO_TREE_LIST];
+    assert_int_equal(list->stored_bytes, sizeof frame);
+    memcpy(bytes + list->offset, frame, sizeof frame);
+    list->codec = FILE_CODEC_ZSTD;
+    list->plain_bytes = 20;
+    seal(bytes);
+    assert_damaged(bytes, byte_count, "chunk list: 19 bytes unpacked, 20 expected");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+/* A chunk too few, one too many, one that does not begin where the one before ends, and bytes behind the last. */
+static void test_chunks_that_do_not_fit_the_file_are_named(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    const file_head *head = (const file_head *)(const void *)bytes;
+    uint8_t *copy = allocate(byte_count + 4);
+    file_head *changed = (file_head *)(void *)copy;
+    expect_word_refused(bytes, byte_count, 200 + 8, (uint32_t)head->chunks[0].offset + 1, " are free");
+    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_FILL,
+                        "chunk 10: kind 10 is not expected");
+    memcpy(copy, bytes, byte_count);
+    memset(copy + byte_count, 0, 4);
+    changed->header.file_bytes = byte_count + 4;
+    seal(copy);
+    assert_damaged(copy, byte_count + 4, "the chunks end at byte ");
+    const uint32_t last = head->header.chunk_count - 1;
+    const size_t begin = head->header.header_bytes, end = (size_t)head->chunks[last].offset;
+    memcpy(copy, bytes, byte_count);
+    memmove(copy + begin - sizeof(file_chunk), copy + begin, end - begin);
+    for (uint32_t i = 0; i < last; ++i) {
+        changed->chunks[i].offset -= sizeof(file_chunk);
+    }
+    changed->header.chunk_count = last;
+    changed->header.header_bytes -= (uint32_t)sizeof(file_chunk);
+    changed->header.file_bytes = end - sizeof(file_chunk);
+    seal(copy);
+    assert_damaged(copy, end - sizeof(file_chunk), "chunk fills is missing");
+    free(copy);
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -768,6 +825,8 @@ int main(void)
         cmocka_unit_test(test_files_that_cannot_be_read),
         cmocka_unit_test(test_broken_headers_are_named),
         cmocka_unit_test(test_a_chunk_cannot_promise_more_than_it_holds),
+        cmocka_unit_test(test_a_chunk_that_unpacks_to_less),
+        cmocka_unit_test(test_chunks_that_do_not_fit_the_file_are_named),
         cmocka_unit_test(test_damaged_chunks_are_named),
         cmocka_unit_test(test_broken_structure_is_named),
         cmocka_unit_test(test_save_fails_cleanly),

@@ -20,16 +20,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "import_check.h"
 #include "work_folder.h"
 
 #include "io/import_number.h"
 #include "svocl/io.h"
 
-#define FLOAT_COUNT    29997 /* a multiple of 9 */
-#define SEED           UINT64_C(0x5EED0014)
-#define WARNINGS_BYTES 4096
-
-static char warnings[WARNINGS_BYTES]; /* of the last import, one a line */
+#define FLOAT_COUNT 29997 /* a multiple of 9 */
+#define SEED        UINT64_C(0x5EED0014)
 
 /* splitmix64 (Steele, Lea, Flood, 2014) */
 static uint64_t next_random(uint64_t *state)
@@ -63,54 +61,6 @@ static float random_float(uint64_t *state)
             return value;
         }
     }
-}
-
-static void keep_warning(void *user, svo_log_level level, const char *text)
-{
-    (void)user;
-    assert_int_equal(level, SVO_LOG_WARNING);
-    const size_t used = strlen(warnings);
-    (void)snprintf(warnings + used, sizeof warnings - used, "%s\n", text);
-}
-
-static svo_import *import_named(const char *name)
-{
-    svo_import *import = NULL;
-    svo_message message = {""};
-    warnings[0] = '\0';
-    if (svo_import_file(path_of(name), NULL, keep_warning, NULL, &import, &message) != SVO_OK) {
-        fail_msg("%s", message.text);
-    }
-    return import;
-}
-
-static svo_import *import_text(const char *name, const char *text)
-{
-    write_text(name, text);
-    return import_named(name);
-}
-
-static void expect_warning(const char *text)
-{
-    if (strstr(warnings, text) == NULL) {
-        fail_msg("warnings are \"%s\", expected \"%s\" among them", warnings, text);
-    }
-}
-
-static void expect_no_warning(void)
-{
-    assert_string_equal(warnings, "");
-}
-
-static void expect_refused(const char *name, const svo_import_options *options, const char *text)
-{
-    svo_import *import = NULL;
-    svo_message message = {""};
-    const svo_status status = svo_import_file(path_of(name), options, NULL, NULL, &import, &message);
-    if (status != SVO_IMPORT_FAILED || strstr(message.text, text) == NULL) {
-        fail_msg("%s: %s \"%s\", expected \"%s\"", name, svo_status_name(status), message.text, text);
-    }
-    assert_null(import);
 }
 
 /* The positions of a mesh's corners, in order, equal the given ones bit for bit. */

@@ -7,6 +7,7 @@
 #include <dirent.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -36,6 +37,25 @@ cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info what, size_t 
 {
     binaries_asked += what == CL_PROGRAM_BINARIES || what == CL_PROGRAM_BINARY_SIZES;
     return __real_clGetProgramInfo(program, what, bytes, value, needed);
+}
+
+static bool refuses_binaries;
+cl_program __real_clCreateProgramWithBinary(cl_context context, cl_uint count, const cl_device_id *devices,
+                                            const size_t *sizes, const unsigned char **binaries, cl_int *states,
+                                            cl_int *error);
+cl_program __wrap_clCreateProgramWithBinary(cl_context context, cl_uint count, const cl_device_id *devices,
+                                            const size_t *sizes, const unsigned char **binaries, cl_int *states,
+                                            cl_int *error);
+
+cl_program __wrap_clCreateProgramWithBinary(cl_context context, cl_uint count, const cl_device_id *devices,
+                                            const size_t *sizes, const unsigned char **binaries, cl_int *states,
+                                            cl_int *error)
+{
+    if (refuses_binaries) {
+        *error = CL_INVALID_BINARY;
+        return NULL;
+    }
+    return __real_clCreateProgramWithBinary(context, count, devices, sizes, binaries, states, error);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
@@ -239,21 +259,18 @@ static void damaged_files_are_passed_over_and_replaced(void **state)
     end(&kept);
 }
 
-/* A file with another driver in its key, whole as it is, and things that are no files of kernels. */
-static void files_of_others_are_passed_over(void **state)
+/* Replaces a part of a file's key by as many bytes, and makes the file whole again. */
+static void rewrite_key(const char *path, const char *from, const char *to)
 {
-    saved kept;
-    begin(state, &kept);
-    const size_t files = kept.count;
-    char path[PATH_BYTES];
     unsigned char *bytes = NULL;
-    const size_t size = read_bytes(kept.files[0], &bytes);
-    unsigned char *driver = bytes + 40;
-    while (memcmp(driver, "\ndriver ", 8) != 0) {
-        ++driver;
-        assert_true(driver < bytes + size - 9);
+    const size_t size = read_bytes(path, &bytes), length = strlen(from);
+    unsigned char *at = bytes + 40;
+    assert_int_equal(length, strlen(to));
+    while (memcmp(at, from, length) != 0) {
+        ++at;
+        assert_true(at < bytes + size - length);
     }
-    driver[8] ^= 1;
+    memcpy(at, to, length);
     XXH3_state_t hash;
     XXH128_canonical_t canonical;
     XXH3_128bits_reset(&hash);
@@ -261,8 +278,29 @@ static void files_of_others_are_passed_over(void **state)
     XXH3_128bits_update(&hash, bytes + 40, size - 40);
     XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&hash));
     memcpy(bytes + 24, &canonical, sizeof canonical);
-    write_bytes(kept.files[0], bytes, size);
+    write_bytes(path, bytes, size);
     free(bytes);
+}
+
+/* Files with another driver, program or options in their keys, whole as they are, and things that are no files of
+   kernels. */
+static void files_of_others_are_passed_over(void **state)
+{
+    static const char *const keys[][2] = {{"\ndriver ", "\nDriver "},
+                                          {"\nprogram ", "\nProgram "},
+                                          {"\nprogram ", "\nprogram-"},
+                                          {"\noptions -cl-std=CL1.2", "\noptions -cl-std=CL1.1"}};
+    saved kept;
+    begin(state, &kept);
+    const size_t files = kept.count;
+    char path[PATH_BYTES];
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        rewrite_key(kept.files[0], keys[i][0], keys[i][1]);
+        assert_int_equal(load_and_build(&kept, 0), files - 1);
+        rewrite_key(kept.files[0], keys[i][1], keys[i][0]);
+    }
+    assert_int_equal(load_and_build(&kept, 0), files);
+    rewrite_key(kept.files[0], "\nprogram ", "\nprogram=");
     snprintf(path, sizeof path, "%.200s/notes.txt", kept.folder);
     write_bytes(path, (const unsigned char *)"words", 5);
     assert_int_equal(load_and_build(&kept, 0), files - 1);
@@ -272,6 +310,17 @@ static void files_of_others_are_passed_over(void **state)
     snprintf(path, sizeof path, "%.200s/folder.kernels", kept.folder);
     assert_int_equal(mkdir(path, 0777), 0);
     assert_int_equal(load_and_build(&kept, 2), files - 1);
+    end(&kept);
+}
+
+static void binaries_that_the_driver_refuses_are_compiled(void **state)
+{
+    saved kept;
+    begin(state, &kept);
+    refuses_binaries = true;
+    assert_int_equal(load_and_build(&kept, (unsigned)kept.count), 0);
+    refuses_binaries = false;
+    assert_int_equal(load_and_build(&kept, 0), kept.count);
     end(&kept);
 }
 
@@ -322,6 +371,7 @@ int main(void)
         cmocka_unit_test(saved_kernels_replace_compiling),
         cmocka_unit_test(damaged_files_are_passed_over_and_replaced),
         cmocka_unit_test(files_of_others_are_passed_over),
+        cmocka_unit_test(binaries_that_the_driver_refuses_are_compiled),
         cmocka_unit_test(folders_that_do_not_work_are_named),
         cmocka_unit_test(plans_of_another_device_do_not_warm),
     };

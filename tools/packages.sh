@@ -1,12 +1,22 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
 #
-# `tools/dev deb`: the Debian packages, and whether they install and run in a clean Debian 12. `tools/dev oldest_cmake`:
-# whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and settings.
+# `tools/dev deb`: the Debian packages and the Python wheel, and whether they install and run in a clean Debian 12.
+# `tools/dev oldest_cmake`: whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and
+# settings.
 # shellcheck disable=SC2154
 
 readonly build_deb=build-deb
 readonly build_cmake=build-cmake
+
+# wheel FOLDER: the Python package as a wheel there. pip brings what builds it.
+wheel()
+{
+    local venv=$build_deb/venv
+    [[ -x $venv/bin/pip ]] || quietly "$build_deb/venv.log" python3 -m venv "$venv"
+    quietly "$build_deb/wheel.log" "$venv/bin/pip" wheel --no-deps --wheel-dir "$1" \
+        --config-settings=build-dir="$root/$build_deb/python" "$root/python"
+}
 
 deb()
 {
@@ -17,7 +27,8 @@ deb()
     rm -rf "$build_deb/packages"
     quietly "$build_deb/cpack.log" cpack --config "$build_deb/CPackConfig.cmake" -B "$root/$build_deb/packages"
     rm -rf "$build_deb/packages/_CPack_Packages"
-    ls -s --block-size=K "$build_deb"/packages/*.deb
+    wheel "$build_deb/packages"
+    ls -s --block-size=K "$build_deb"/packages/*.{deb,whl}
     prepare_run_time
     if ((EUID == 0)) || command -v sudo >/dev/null; then
         command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2

@@ -49,34 +49,23 @@ typedef struct egl_context {
 
 static const char *egl_error_name(EGLint error)
 {
-    switch (error) {
-    case EGL_SUCCESS:
-        return "EGL_SUCCESS";
-    case EGL_NOT_INITIALIZED:
-        return "EGL_NOT_INITIALIZED";
-    case EGL_BAD_ACCESS:
-        return "EGL_BAD_ACCESS";
-    case EGL_BAD_ALLOC:
-        return "EGL_BAD_ALLOC";
-    case EGL_BAD_ATTRIBUTE:
-        return "EGL_BAD_ATTRIBUTE";
-    case EGL_BAD_CONFIG:
-        return "EGL_BAD_CONFIG";
-    case EGL_BAD_CONTEXT:
-        return "EGL_BAD_CONTEXT";
-    case EGL_BAD_DISPLAY:
-        return "EGL_BAD_DISPLAY";
-    case EGL_BAD_MATCH:
-        return "EGL_BAD_MATCH";
-    case EGL_BAD_PARAMETER:
-        return "EGL_BAD_PARAMETER";
-    case EGL_BAD_DEVICE_EXT:
-        return "EGL_BAD_DEVICE_EXT";
-    case EGL_CONTEXT_LOST:
-        return "EGL_CONTEXT_LOST";
-    default:
-        return "unknown error";
+    static const struct {
+        EGLint error;
+        const char *name;
+    } names[] = {
+#define EGL_ERROR(name) {name, #name}
+        EGL_ERROR(EGL_SUCCESS),       EGL_ERROR(EGL_NOT_INITIALIZED), EGL_ERROR(EGL_BAD_ACCESS),
+        EGL_ERROR(EGL_BAD_ALLOC),     EGL_ERROR(EGL_BAD_ATTRIBUTE),   EGL_ERROR(EGL_BAD_CONFIG),
+        EGL_ERROR(EGL_BAD_CONTEXT),   EGL_ERROR(EGL_BAD_DISPLAY),     EGL_ERROR(EGL_BAD_MATCH),
+        EGL_ERROR(EGL_BAD_PARAMETER), EGL_ERROR(EGL_BAD_DEVICE_EXT),  EGL_ERROR(EGL_CONTEXT_LOST),
+#undef EGL_ERROR
+    };
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (names[i].error == error) {
+            return names[i].name;
+        }
     }
+    return "unknown error";
 }
 
 static svo_status fail_step(const egl_library *egl, const char *step, svo_message *message)
@@ -123,55 +112,85 @@ static svo_status require_client_extension(const egl_library *egl, const char *e
     return SVO_OK;
 }
 
-static PFNEGLQUERYDEVICESEXTPROC query_devices_function(const egl_library *egl)
+/* How many devices EGL has; 0, and no function, where it cannot list them. */
+static svo_status count_devices(const egl_library *egl, PFNEGLQUERYDEVICESEXTPROC *query_devices, uint32_t *count,
+                                svo_message *message)
 {
+    EGLint all = 0;
+    *query_devices = NULL;
+    *count = 0;
     if (!has_client_extension(egl, "EGL_EXT_device_enumeration") && !has_client_extension(egl, "EGL_EXT_device_base")) {
-        return NULL;
+        return SVO_OK;
     }
-    return (PFNEGLQUERYDEVICESEXTPROC)egl->GetProcAddress("eglQueryDevicesEXT");
+    *query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl->GetProcAddress("eglQueryDevicesEXT");
+    if (*query_devices == NULL) {
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL has no function eglQueryDevicesEXT");
+    }
+    if (!(*query_devices)(0, NULL, &all)) {
+        return fail_step(egl, "eglQueryDevicesEXT", message);
+    }
+    *count = (uint32_t)all;
+    return SVO_OK;
 }
 
-static uint32_t device_count(const egl_library *egl)
+/* The devices of EGL; none where it cannot list them. */
+static svo_status list_devices(const egl_library *egl, const svo_i_memory *memory, EGLDeviceEXT **devices,
+                               uint32_t *count, svo_message *message)
 {
-    PFNEGLQUERYDEVICESEXTPROC query_devices = query_devices_function(egl);
-    EGLint count = 0;
-    if (query_devices == NULL || !query_devices(0, NULL, &count) || count < 0) {
-        return 0;
+    PFNEGLQUERYDEVICESEXTPROC query_devices = NULL;
+    EGLint listed = 0;
+    *devices = NULL;
+    SVO_I_TRY(count_devices(egl, &query_devices, count, message));
+    if (query_devices == NULL) {
+        return SVO_OK;
     }
-    return (uint32_t)count;
+    *devices = svo_i_alloc_zeroed(memory, (size_t)*count + 1, sizeof(EGLDeviceEXT));
+    if (*devices == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no memory for %u devices", *count);
+    }
+    if (!query_devices((EGLint)*count, *devices, &listed)) {
+        svo_i_free(*devices);
+        *devices = NULL;
+        return fail_step(egl, "eglQueryDevicesEXT", message);
+    }
+    *count = (uint32_t)listed;
+    return SVO_OK;
+}
+
+svo_status svo_i_egl_count_devices(uint32_t *count, svo_message *message)
+{
+    svo_status status = SVO_OK;
+    egl_library egl = {0};
+    PFNEGLQUERYDEVICESEXTPROC query_devices = NULL;
+    *count = 0;
+    SVO_I_TRY_CLEANUP(egl_library_open(&egl, message));
+    SVO_I_TRY_CLEANUP(count_devices(&egl, &query_devices, count, message));
+cleanup:
+    svo_i_library_close(egl.library);
+    return status;
 }
 
 uint32_t svo_gl_egl_device_count(void)
 {
-    egl_library egl = {0};
-    uint32_t count = egl_library_open(&egl, NULL) == SVO_OK ? device_count(&egl) : 0;
-    svo_i_library_close(egl.library);
+    uint32_t count = 0;
+    (void)svo_i_egl_count_devices(&count, NULL);
     return count;
 }
 
 static svo_status find_device(const egl_library *egl, uint32_t device_index, const svo_i_memory *memory,
                               EGLDeviceEXT *device, svo_message *message)
 {
-    uint32_t count = device_count(egl);
-    if (device_index >= count) {
-        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: device_index %u is not below the %u EGL devices",
-                          device_index, count);
-    }
-    EGLDeviceEXT *devices = svo_i_alloc_zeroed(memory, count, sizeof(EGLDeviceEXT));
-    if (devices == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no memory for %u devices", count);
-    }
-    svo_status status = SVO_OK;
-    EGLint found = 0;
-    if (!query_devices_function(egl)((EGLint)count, devices, &found)) {
-        status = fail_step(egl, "eglQueryDevicesEXT", message);
-    } else if ((uint32_t)found <= device_index) {
-        status = svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: EGL device %u has gone", device_index);
-    } else {
+    EGLDeviceEXT *devices = NULL;
+    uint32_t count = 0;
+    SVO_I_TRY(list_devices(egl, memory, &devices, &count, message));
+    if (device_index < count) {
         *device = devices[device_index];
     }
     svo_i_free(devices);
-    return status;
+    return device_index < count ? SVO_OK
+                                : svo_i_fail(message, SVO_NO_GL,
+                                             "svo_gl_context_create: device_index %u is not below the %u EGL devices",
+                                             device_index, count);
 }
 
 /* Finds the platform and the native display that eglGetPlatformDisplayEXT needs for the kind. */

@@ -7,6 +7,9 @@
 
 extern const svo_i_gl_platform svo_i_egl_platform;
 
+/* How many devices EGL lists. A failure, with *count 0: no libEGL, or it cannot be asked. */
+svo_status svo_i_egl_count_devices(uint32_t *count, svo_message *message);
+
 /* What EGL has current on this thread. Handles are EGL's, without its types. */
 typedef struct svo_i_egl_binding {
     bool loaded; /* the process has loaded libEGL, so there is something to restore */

@@ -28,22 +28,22 @@ enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0], EXTENSI
 
 static const char *gl_error_name(GLenum error)
 {
-    switch (error) {
-    case GL_INVALID_ENUM:
-        return "GL_INVALID_ENUM";
-    case GL_INVALID_VALUE:
-        return "GL_INVALID_VALUE";
-    case GL_INVALID_OPERATION:
-        return "GL_INVALID_OPERATION";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-        return "GL_INVALID_FRAMEBUFFER_OPERATION";
-    case GL_OUT_OF_MEMORY:
-        return "GL_OUT_OF_MEMORY";
-    case GL_CONTEXT_LOST:
-        return "GL_CONTEXT_LOST";
-    default:
-        return "unknown error";
+    static const struct {
+        GLenum error;
+        const char *name;
+    } names[] = {
+#define GL_ERROR(name) {name, #name}
+        GL_ERROR(GL_INVALID_ENUM),      GL_ERROR(GL_INVALID_VALUE),
+        GL_ERROR(GL_INVALID_OPERATION), GL_ERROR(GL_INVALID_FRAMEBUFFER_OPERATION),
+        GL_ERROR(GL_OUT_OF_MEMORY),     GL_ERROR(GL_CONTEXT_LOST),
+#undef GL_ERROR
+    };
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (names[i].error == error) {
+            return names[i].name;
+        }
     }
+    return "unknown error";
 }
 
 static svo_status fail_error(const char *function, const char *step, GLenum error, svo_message *message)

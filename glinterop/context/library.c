@@ -13,7 +13,8 @@ svo_status svo_i_library_open(const char *file_name, void **library, svo_message
     void *opened = dlopen(file_name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (opened == NULL) {
         const char *words = dlerror(); /* names the file itself */
-        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: %s", words != NULL ? words : file_name);
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: %s%s", words != NULL ? words : file_name,
+                          words != NULL ? "" : " cannot be opened");
     }
     *library = opened;
     return SVO_OK;

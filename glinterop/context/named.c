@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "context/context.h"
+#include "context/egl.h"
 #include "core/message.h"
 
 #define GPU "gpu"
@@ -92,7 +93,8 @@ svo_status svo_gl_context_create_named_with(const char *device_name, const svo_g
         return svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, out, message);
     }
     svo_message list = {""};
-    const uint32_t count = svo_gl_egl_device_count();
+    uint32_t count = 0;
+    SVO_I_TRY(svo_i_egl_count_devices(&count, message));
     for (index = 0; index < count; ++index) {
         svo_gl_context *context = NULL;
         const svo_status status = try_device(index, device_name, options, &context, &list);

@@ -186,14 +186,16 @@ static svo_status check_device(cl_device_id device, const char *name, const svo_
 }
 
 /* Whether the device is the other one, or a part of it. */
-static bool is_part_of(cl_device_id device, cl_device_id other)
+static cl_int find_whole(cl_device_id device, cl_device_id other, bool *found)
 {
-    while (device != NULL && device != other) {
+    cl_int error = CL_SUCCESS;
+    while (error == CL_SUCCESS && device != NULL && device != other) {
         cl_device_id parent = NULL;
-        clGetDeviceInfo(device, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
+        error = clGetDeviceInfo(device, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
         device = parent;
     }
-    return device == other;
+    *found = device == other;
+    return error;
 }
 
 /* Whether the context has the device. PoCL lists the whole device for a context that was made for a part of it. */
@@ -208,12 +210,12 @@ static svo_status check_context(cl_context context, cl_device_id device, const s
     }
     error = error == CL_SUCCESS ? clGetContextInfo(context, CL_CONTEXT_DEVICES, bytes, devices, NULL) : error;
     bool found = false;
-    for (size_t i = 0; error == CL_SUCCESS && i < bytes / sizeof *devices; ++i) {
-        found = found || is_part_of(device, devices[i]);
+    for (size_t i = 0; error == CL_SUCCESS && !found && i < bytes / sizeof *devices; ++i) {
+        error = find_whole(device, devices[i], &found);
     }
     svo_i_free(devices);
     if (error != CL_SUCCESS) {
-        return svo_i_fail_cl(message, CREATE, "clGetContextInfo", error);
+        return svo_i_fail_cl(message, CREATE, "clGetContextInfo or clGetDeviceInfo", error);
     }
     return found ? SVO_OK : svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": device does not belong to context");
 }

@@ -174,8 +174,12 @@ static svo_status find_device(const char *wanted, const svo_i_memory *memory, cl
 static svo_status limit_threads(uint32_t threads, cl_device_id *device, svo_message *message)
 {
     cl_uint units = 0;
-    clGetDeviceInfo(*device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
-    if (threads == 0 || threads >= units) {
+    if (threads == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(
+        svo_i_device_property(*device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, CREATE_DEFAULT, message));
+    if (threads >= units) {
         return SVO_OK;
     }
     const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, (cl_device_partition_property)threads,

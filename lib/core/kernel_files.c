@@ -40,6 +40,7 @@
 typedef struct program_key {
     char text[KEY_BYTES];
     char name[40]; /* of the file */
+    cl_int error; /* the first of the queries */
 } program_key;
 
 /* The contents of a file. */
@@ -65,10 +66,16 @@ static void add_line(program_key *key, const char *name, const char *value)
     (void)snprintf(key->text + used, sizeof key->text - used, "%s %s\n", name, value);
 }
 
+/* Keeps the first error. */
+static void note_error(program_key *key, cl_int error)
+{
+    key->error = key->error == CL_SUCCESS ? error : key->error;
+}
+
 static void add_device_line(program_key *key, const char *name, const svo_device *device, cl_device_info what)
 {
     char value[512] = "";
-    clGetDeviceInfo(device->device, what, sizeof value - 1, value, NULL);
+    note_error(key, clGetDeviceInfo(device->device, what, sizeof value - 1, value, NULL));
     add_line(key, name, value);
 }
 
@@ -76,8 +83,8 @@ static void add_platform_line(program_key *key, const char *name, const svo_devi
 {
     char value[512] = "";
     cl_platform_id platform = NULL;
-    clGetDeviceInfo(device->device, CL_DEVICE_PLATFORM, sizeof platform, &platform, NULL);
-    clGetPlatformInfo(platform, what, sizeof value - 1, value, NULL);
+    note_error(key, clGetDeviceInfo(device->device, CL_DEVICE_PLATFORM, sizeof(cl_platform_id), &platform, NULL));
+    note_error(key, clGetPlatformInfo(platform, what, sizeof value - 1, value, NULL));
     add_line(key, name, value);
 }
 
@@ -86,20 +93,21 @@ static void hash_text(XXH128_hash_t hash, char text[33])
     (void)snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
 }
 
-static void make_key(const svo_device *device, svo_i_program_kind kind, const char *defines, program_key *key)
+static svo_status make_key(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
+                           program_key *key)
 {
     const char *source = svo_i_program_source(kind);
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     char hash[33];
     cl_uint bits = 0;
-    *key = (program_key){{0}, {0}};
+    *key = (program_key){.error = CL_SUCCESS};
     add_platform_line(key, "platform", device, CL_PLATFORM_NAME);
     add_platform_line(key, "platform-version", device, CL_PLATFORM_VERSION);
     add_device_line(key, "device", device, CL_DEVICE_NAME);
     add_device_line(key, "vendor", device, CL_DEVICE_VENDOR);
     add_device_line(key, "device-version", device, CL_DEVICE_VERSION);
     add_device_line(key, "driver", device, CL_DRIVER_VERSION);
-    clGetDeviceInfo(device->device, CL_DEVICE_ADDRESS_BITS, sizeof bits, &bits, NULL);
+    note_error(key, clGetDeviceInfo(device->device, CL_DEVICE_ADDRESS_BITS, sizeof bits, &bits, NULL));
     add_line(key, "address-bits", bits == 64 ? "64" : "32");
     hash_text(XXH3_128bits(source, strlen(source)), hash);
     add_line(key, "source", hash);
@@ -108,6 +116,9 @@ static void make_key(const svo_device *device, svo_i_program_kind kind, const ch
     add_line(key, "options", options);
     hash_text(XXH3_128bits(key->text, strlen(key->text)), hash);
     (void)snprintf(key->name, sizeof key->name, "%.24s" SUFFIX, hash);
+    return key->error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(device, function, "clGetDeviceInfo or clGetPlatformInfo", key->error);
 }
 
 /* "FOLDER/NAME" and up to 64 bytes more; the caller frees it. */
@@ -299,7 +310,7 @@ static svo_status save_program(svo_device *device, const char *folder, const svo
     svo_status status = SVO_OK;
     program_key key;
     kernel_file file = {0};
-    make_key(device, entry->kind, entry->defines, &key);
+    SVO_I_TRY(make_key(device, SAVE, entry->kind, entry->defines, &key));
     char *path = path_of(device, folder, key.name);
     if (path == NULL) {
         return no_memory(device, SAVE);
@@ -418,7 +429,7 @@ static svo_status load_program(svo_device *device, const char *path, const kerne
     if (!find_program(file, &entry.kind, defines)) {
         return SVO_OK;
     }
-    make_key(device, entry.kind, defines, &key);
+    SVO_I_TRY(make_key(device, LOAD, entry.kind, defines, &key));
     if (!has_key(file, &key) || svo_i_program_known(device, entry.kind, defines)) {
         return SVO_OK;
     }
@@ -460,10 +471,14 @@ static svo_status load_file(svo_device *device, const char *folder, const char *
 
 static svo_status load_files(svo_device *device, const char *folder, DIR *entries, size_t *loaded)
 {
-    for (const struct dirent *entry = readdir(entries); entry != NULL; entry = readdir(entries)) {
+    for (;;) {
+        errno = 0;
+        const struct dirent *entry = readdir(entries);
+        if (entry == NULL) {
+            return errno == 0 ? SVO_OK : fail_errno(device, LOAD, folder, "cannot be read");
+        }
         SVO_I_TRY(load_file(device, folder, entry->d_name, loaded));
     }
-    return SVO_OK;
 }
 
 svo_status svo_device_load_kernels(svo_device *device, const char *folder, size_t *loaded)

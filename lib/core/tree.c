@@ -283,9 +283,6 @@ svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
     if (tree->downloaded) {
         return SVO_OK;
     }
-    if (tree->device == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
     SVO_I_TRY(svo_i_device_queue(tree->device, "svo_tree_download", queue, &queue));
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         SVO_I_TRY_CLEANUP(download_array(tree, queue, i, &host[i]));

@@ -11,10 +11,6 @@ static svo_status check_tree(svo_device *device, const svo_tree *tree)
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
     }
-    if (tree->pending != NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree's build is in flight; call svo_tree_finish first", function);
-    }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: MIT
 #
 # debian_root.sh PACKAGES PROGRAM FOLDER [MIRROR]: whether the .deb files in the folder PACKAGES install and run in a
-# clean Debian 12, which debootstrap makes in FOLDER: the program builds an octree with the same hash as PROGRAM does
-# here, a CMake project and a pkg-config command use the libraries, and nothing is left after a purge. Needs a mirror,
-# debootstrap, and root or sudo; without the last two it is skipped (77). FOLDER keeps the downloads and the log.
+# clean Debian 12, which debootstrap makes in FOLDER: the program and Python build an octree with the same hash as
+# PROGRAM does here, a CMake project and a pkg-config command use the libraries, and nothing is left after a purge. Then
+# the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap, and root or sudo; without
+# the last two it is skipped (77). FOLDER keeps the downloads and the log.
 set -euo pipefail
 readonly packages=$1 program=$2 mirror=${4:-http://deb.debian.org/debian}
 readonly release=bookworm scene='scene:cube -d 6'
@@ -94,8 +95,9 @@ apt-config dump Acquire | as_root tee "$root/etc/apt/apt.conf.d/90acquire" >/dev
 # The root is thrown away: no file of it needs to reach the disk.
 as_root tee "$root/etc/dpkg/dpkg.cfg.d/90unsafe-io" >/dev/null <<<force-unsafe-io
 as_root mkdir "$root/packages" "$root/consumer"
-as_root cp "$packages"/*.deb "$root/packages/"
-as_root cp "$here/consumer/CMakeLists.txt" "$here/../../samples/01_minimal/main.c" "$root/consumer/"
+as_root cp "$packages"/*.deb "$packages"/svocl-*.whl "$root/packages/"
+as_root cp "$here/consumer/CMakeLists.txt" "$here/consumer/hash.py" "$here/../../samples/01_minimal/main.c" \
+    "$root/consumer/"
 
 # The program, as its users install it: with what packages recommend.
 step 'packages' root 'useradd -m visitor && apt-get -q update'
@@ -120,8 +122,25 @@ step 'pkg-config' visitor \
     'gcc /consumer/main.c -o voxels $(pkg-config --cflags --libs svocl svocl-gl svocl-io) && ./voxels'
 expect '^96776 leaves, 128073 nodes, hash '
 
-step 'removing it' root "apt-get -y -q purge 'libsvocl*' svocl"
+# Python: the package, then the wheel where no package is left. A mesh file, which a program of the library's reads.
+step 'a mesh file' visitor 'svocl scene cube -o cube.ply'
+step 'the Python package' root 'apt-get -y -q install --no-install-recommends /packages/python3-svocl_*.deb'
+step 'Python' visitor '/usr/bin/python3 /consumer/hash.py cube.ply 6'
+expect "^[0-9.]+ /usr/lib/python3/dist-packages/svocl $hash\$"
+readonly modules='find . -type f ! -path "*/__pycache__/*" ! -name svocl-import | sort'
+step 'its files' visitor "cd /usr/lib/python3/dist-packages/svocl && $modules >~/files"
+
+step 'removing it' root "apt-get -y -q purge 'libsvocl*' svocl python3-svocl"
 step 'what is left' root "find / -xdev -iname '*svocl*' -not -path '/packages/*' -not -path '/home/*'"
 [[ ! -s $folder/output ]] || fail 'the purge left files'
+
+step 'what a wheel needs' root \
+    'apt-get -y -q install --no-install-recommends python3-venv python3-cffi python3-numpy libassimp5 libzstd1'
+step 'the wheel' visitor \
+    'python3 -m venv --system-site-packages venv && venv/bin/pip install --no-index /packages/svocl-*.whl'
+step 'Python with the wheel' visitor 'venv/bin/python /consumer/hash.py cube.ply 6'
+expect "^[0-9.]+ /home/visitor/venv/lib/python[0-9.]+/site-packages/svocl $hash\$"
+step 'the same files, but for the program that reads meshes' visitor \
+    "cd venv/lib/python*/site-packages/svocl && $modules | diff ~/files -"
 as_root rm -rf --one-file-system "$root"
 printf '\ndebian_root: passed, log in %s\n' "$log"

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenarios of test_faults: compact trees, solids, scenes of placed trees. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "faults_scenario.h"
+
+/*
+ * Compact trees.
+ */
+
+/* Makes a form and downloads it. */
+static svo_status make_compact(subject *of, svo_form form, svo_compact **out)
+{
+    const svo_compact_options asked = {.struct_size = sizeof asked,
+                                       .form = form,
+                                       .minimize = form == SVO_FORM_IMPLIED,
+                                       .color_tolerance = {2, 2, 2, 2}};
+    TRY_TOLD(svo_compact_create(world.device, of->tree, &asked, world.queue, out));
+    return told(of, world.device, svo_compact_download(*out, world.queue));
+}
+
+static svo_status expand_compact(subject *of, svo_compact *compact)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_tree *expanded = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_expand(compact, world.queue, &expanded)));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_tree_download(expanded, world.queue)));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_tree_hash(expanded, SVO_HASH_ALL, hash)));
+    digest(of, hash, sizeof hash);
+
+cleanup:
+    svo_tree_destroy(&expanded);
+    return status;
+}
+
+static svo_status run_compact(subject *of)
+{
+    svo_status status = SVO_OK;
+    svo_compact *compact = NULL;
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
+        char hash[SVO_HASH_TEXT_BYTES];
+        SVO_I_TRY_CLEANUP(make_compact(of, (svo_form)form, &compact));
+        SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_hash(compact, hash)));
+        digest(of, hash, sizeof hash);
+        SVO_I_TRY_CLEANUP(expand_compact(of, compact));
+        svo_compact_destroy(&compact);
+    }
+
+cleanup:
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+static svo_status run_compact_rays(subject *of)
+{
+    svo_voxel_hit hits[RAYS];
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
+    svo_render_options options = {
+        .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = SVO_VIEW_SHADED};
+    svo_status status = SVO_OK;
+    svo_compact *compact = NULL;
+    memset(picture, 0, sizeof picture);
+    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    SVO_I_TRY_CLEANUP(make_compact(of, SVO_FORM_DESCRIPTOR, &compact));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_trace(compact, world.rays, hits, RAYS, 0.0F, world.queue)));
+    digest(of, hits, sizeof hits);
+    SVO_I_TRY_CLEANUP(
+        told(of, world.device, svo_tree_trace_voxels(of->tree, world.rays, hits, RAYS, 0.0F, world.queue)));
+    digest(of, hits, sizeof hits);
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_render(compact, &options, world.queue, picture)));
+    digest(of, picture, sizeof picture);
+
+cleanup:
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+/* Files of words and of records with payload and a packed one of masks, which are read again and brought to the
+   device. */
+static svo_status save_and_load(subject *of, svo_form form, const svo_save_options *options)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_status status = SVO_OK;
+    svo_compact *made = NULL;
+    svo_compact *loaded = NULL;
+    SVO_I_TRY_CLEANUP(make_compact(of, form, &made));
+    SVO_I_TRY_CLEANUP(svo_compact_save(made, world.compact_path, options, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_load(world.compact_path, NULL, &loaded, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_hash(loaded, hash));
+    digest(of, hash, sizeof hash);
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_upload(loaded, world.device, world.queue)));
+
+cleanup:
+    svo_compact_destroy(&loaded);
+    svo_compact_destroy(&made);
+    return status;
+}
+
+static svo_status run_compact_files(subject *of)
+{
+    const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
+    SVO_I_TRY(save_and_load(of, SVO_FORM_DESCRIPTOR, NULL));
+    SVO_I_TRY(save_and_load(of, SVO_FORM_SHARED, NULL));
+    return save_and_load(of, SVO_FORM_IMPLIED, &packed);
+}
+
+/*
+ * Solids.
+ */
+
+/* The inside of a mesh that is not closed. */
+static svo_status run_solid(subject *of)
+{
+    svo_compact *solid = NULL;
+    svo_solid_info info = SVO_SOLID_INFO_INIT;
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    svo_status status = svo_solid_create(of->tree, NULL, world.queue, &solid, &info);
+    if (status == SVO_OK) {
+        status = svo_compact_download(solid, world.queue);
+    }
+    if (status == SVO_OK) {
+        status = svo_compact_hash(solid, hash);
+    }
+    digest(of, &info, sizeof info);
+    digest(of, hash, sizeof hash);
+    svo_compact_destroy(&solid);
+    return told(of, world.device, status);
+}
+
+/*
+ * Scenes.
+ */
+
+/* A picture, voxels and triangles of a scene that was moved and rebuilt. */
+static svo_status use_scene(subject *of, svo_scene *scene)
+{
+    static const float moved[12] = {0, 1, 0, 0.25F, 1, 0, 0, 0, 0, 0, 2, 0};
+    svo_scene_hit hits[RAYS];
+    svo_scene_triangle_hit triangles[RAYS];
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4] = {0};
+    svo_scene_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
+    TRY_TOLD(svo_scene_set_transforms(scene, 1, 1, moved, world.queue));
+    TRY_TOLD(svo_scene_rebuild(scene, world.queue));
+    TRY_TOLD(svo_scene_trace(scene, world.rays, hits, RAYS, 0.0F, SVO_SCENE_CLOSEST, world.queue));
+    digest(of, hits, sizeof hits);
+    TRY_TOLD(svo_scene_trace_triangles(scene, world.rays, triangles, RAYS, SVO_SCENE_CLOSEST, world.queue));
+    digest(of, triangles, sizeof triangles);
+    svo_scene_camera_frame(scene, 1.0F, &options.camera);
+    TRY_TOLD(svo_scene_render(scene, &options, world.queue, picture));
+    digest(of, picture, sizeof picture);
+    return SVO_OK;
+}
+
+static svo_status run_scene(subject *of)
+{
+    static const svo_instance instances[3] = {{0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                              {0, {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}},
+                                              {0, {2, 0, 0, 1, 0, 2, 0, 0, 0, 0, -2, 0}}};
+    const svo_scene_options options = {.struct_size = sizeof options,
+                                       .trees = &of->tree,
+                                       .instances = instances,
+                                       .tree_count = 1,
+                                       .instance_count = 3,
+                                       .need = SVO_NEED_RAYS};
+    svo_scene *scene = NULL;
+    TRY_TOLD(svo_scene_create(world.device, &options, world.queue, &scene));
+    const svo_status status = use_scene(of, scene);
+    svo_scene_destroy(&scene);
+    return status;
+}
+
+static const scenario rows[] = {
+    {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
+    {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
+    {"compact_files", false, false, prepare_tree, run_compact_files, NULL, destroy_all},
+    {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
+    {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
+};
+const scenario_list form_scenarios = {rows, sizeof rows / sizeof rows[0]};

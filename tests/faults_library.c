@@ -1,0 +1,401 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenarios of test_faults: the device, plans, builds, rays; and the steps that all scenarios share. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "faults_scenario.h"
+
+faults_world world;
+
+/*
+ * Small steps of scenarios.
+ */
+
+void digest(subject *of, const void *bytes, size_t byte_count)
+{
+    of->digest = XXH3_64bits_withSeed(bytes, byte_count, of->digest);
+}
+
+/* Takes the message of the device's handle. */
+svo_status told(subject *of, const svo_device *device, svo_status status)
+{
+    if (status != SVO_OK) {
+        (void)snprintf(of->message.text, sizeof of->message.text, "%s", svo_device_message(device));
+    }
+    return status;
+}
+
+const svo_plan_options everything = {.struct_size = sizeof everything, .need = SVO_NEED_ALL};
+
+void prepare_plan_by(subject *of, const svo_plan_options *options)
+{
+    if (svo_plan_create(world.device, &world.mesh.mesh, DEPTH, options, &of->plan) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+void prepare_plan(subject *of)
+{
+    prepare_plan_by(of, &everything);
+}
+
+void prepare_tree(subject *of)
+{
+    prepare_plan(of);
+    if (svo_build(of->plan, world.cl, world.queue, &of->tree, NULL) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+void prepare_nothing(subject *of)
+{
+    (void)of;
+}
+
+void destroy_all(subject *of)
+{
+    svo_tree_destroy(&of->tree);
+    svo_workspace_destroy(&of->workspace);
+    svo_plan_destroy(&of->plan);
+    svo_gl_destroy(&of->gl);
+    svo_device_destroy(&of->device);
+}
+
+/* Downloads the tree and adds its hash to the digest. */
+svo_status digest_tree(subject *of, svo_tree *tree)
+{
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    svo_status status = svo_tree_download(tree, world.queue);
+    if (status == SVO_OK) {
+        status = svo_tree_hash(tree, SVO_HASH_ALL, hash);
+    }
+    digest(of, hash, sizeof hash);
+    return status;
+}
+
+/*
+ * Scenarios: device and plan.
+ */
+
+static svo_status run_device(subject *of)
+{
+    svo_device *device = NULL, *second = NULL;
+    svo_frontend *frontend = NULL;
+    svo_status status = svo_device_create_default(NULL, &device, &of->message);
+    if (status == SVO_OK) {
+        digest(of, svo_device_name(device), strlen(svo_device_name(device)));
+        status = told(of, device, svo_frontend_create_cl(device, &frontend));
+    }
+    if (status == SVO_OK) {
+        status =
+            svo_device_create(svo_device_cl_context(device), svo_device_cl_device(device), NULL, &second, &of->message);
+    }
+    svo_frontend_destroy(&frontend);
+    svo_device_destroy(&second);
+    svo_device_destroy(&device);
+    return status;
+}
+
+/* A part of the device, by name; then a device with a budget that counts a tree's buffers. */
+static svo_status run_limited_device(subject *of)
+{
+    const svo_device_options part = {.struct_size = sizeof part, .device_name = "o", .max_threads = 1};
+    const svo_device_options budget = {.struct_size = sizeof budget, .max_device_bytes = 1 << 30};
+    svo_device *device = NULL;
+    svo_tree *tree = NULL;
+    SVO_I_TRY(svo_device_create_default(&part, &device, &of->message));
+    svo_device_destroy(&device);
+    SVO_I_TRY(svo_device_create_default(&budget, &device, &of->message));
+    svo_status status = svo_tree_load(world.tree_path, &tree, &of->message);
+    if (status == SVO_OK) {
+        status = told(of, device, svo_tree_upload(tree, device, NULL));
+    }
+    svo_tree_destroy(&tree);
+    svo_device_destroy(&device);
+    return status;
+}
+
+static svo_status run_plan(subject *of)
+{
+    svo_plan *plan = NULL;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    const svo_status status = svo_plan_create(world.device, &world.mesh.mesh, DEPTH, &everything, &plan);
+    if (status == SVO_OK) {
+        svo_plan_get_info(plan, &info);
+        info.grid_ms = 0.0;
+        digest(of, &info, sizeof info);
+        const uint64_t bytes = svo_plan_peak_bytes(plan);
+        digest(of, &bytes, sizeof bytes);
+    }
+    svo_plan_destroy(&plan);
+    return told(of, world.device, status);
+}
+
+static svo_status run_count(subject *of)
+{
+    TRY_TOLD(svo_plan_count(of->plan, world.cl, world.queue));
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    svo_plan_get_info(of->plan, &info);
+    digest(of, &info.fragments, sizeof info.fragments);
+    return SVO_OK;
+}
+
+/* Reads a mesh back from OpenCL buffers. */
+static void prepare_buffers(subject *of)
+{
+    const svo_mesh *mesh = &world.mesh.mesh;
+    const cl_context context = svo_device_cl_context(world.device);
+    float *positions = calloc(mesh->vertex_count * 3, sizeof *positions);
+    assert_non_null(positions);
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        positions[i] = (float)i;
+    }
+    of->positions = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, mesh->vertex_count * 12, positions, NULL);
+    of->indices =
+        clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, mesh->triangle_count * 12, world.mesh.base.indices, NULL);
+    free(positions);
+    assert_true(of->positions != NULL && of->indices != NULL);
+}
+
+static svo_status run_mesh_read(subject *of)
+{
+    svo_mesh_copy *copy = NULL;
+    const svo_mesh_buffers buffers = {.struct_size = sizeof buffers,
+                                      .vertex_count = world.mesh.mesh.vertex_count,
+                                      .triangle_count = world.mesh.mesh.triangle_count,
+                                      .positions = {.memory = of->positions},
+                                      .indices = {.memory = of->indices}};
+    const svo_status status = svo_mesh_read(&buffers, world.queue, 0, NULL, &copy, &of->message);
+    if (status == SVO_OK) {
+        const svo_mesh *read = svo_mesh_copy_get(copy);
+        digest(of, read->positions, read->vertex_count * 12);
+        digest(of, read->indices, read->triangle_count * 12);
+    }
+    svo_mesh_copy_destroy(&copy);
+    return status;
+}
+
+static void cleanup_buffers(subject *of)
+{
+    clReleaseMemObject(of->positions);
+    clReleaseMemObject(of->indices);
+}
+
+/*
+ * Scenarios: builds.
+ */
+
+svo_status build_and_digest(subject *of, svo_frontend *frontend)
+{
+    svo_tree *tree = NULL;
+    svo_status status = svo_build(of->plan, frontend, world.queue, &tree, NULL);
+    if (status == SVO_OK) {
+        status = digest_tree(of, tree);
+    }
+    svo_tree_destroy(&tree);
+    return told(of, world.device, status);
+}
+
+static svo_status run_build(subject *of)
+{
+    return build_and_digest(of, world.cl);
+}
+
+/* On a new device: everything is compiled, with a queue and a front end of the device's own. */
+static void prepare_device(subject *of)
+{
+    if (svo_device_create_default(NULL, &of->device, &of->message) != SVO_OK) {
+        fail_msg("%s", of->message.text);
+    }
+    if (svo_plan_create(of->device, &world.mesh.mesh, DEPTH, &everything, &of->plan) != SVO_OK) {
+        fail_msg("%s", svo_device_message(of->device));
+    }
+}
+
+static svo_status run_first_build(subject *of)
+{
+    svo_tree *tree = NULL;
+    svo_status status = svo_build(of->plan, NULL, NULL, &tree, NULL);
+    if (status == SVO_OK) {
+        status = svo_tree_download(tree, NULL);
+    }
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    if (status == SVO_OK) {
+        status = svo_tree_hash(tree, SVO_HASH_ALL, hash);
+        digest(of, hash, sizeof hash);
+    }
+    (void)told(of, of->device, status);
+    svo_tree_destroy(&tree);
+    return status;
+}
+
+static void prepare_sorted(subject *of)
+{
+    svo_plan_options options = everything;
+    options.builder = SVO_BUILDER_SORTED;
+    prepare_plan_by(of, &options);
+}
+
+/* Capacities that are too small: the build makes a second plan and runs stages again. */
+static void prepare_short(subject *of)
+{
+    svo_plan_options options = everything;
+    options.fragment_capacity = 16;
+    prepare_plan_by(of, &options);
+}
+
+static void prepare_chunks(subject *of)
+{
+    svo_plan_options options = everything;
+    options.chunk_bytes = 16384;
+    if (svo_plan_create(world.device, &world.mesh.mesh, DEPTH + 1, &options, &of->plan) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+static svo_status enqueue_and_finish(subject *of, svo_workspace *workspace, svo_tree *tree, int trim)
+{
+    cl_event done = NULL;
+    svo_build_report report = SVO_BUILD_REPORT_INIT;
+    TRY_TOLD(svo_build_enqueue(workspace, tree, world.queue, 0, NULL, &done));
+    faults_spare(true);
+    clReleaseEvent(done);
+    faults_spare(false);
+    TRY_TOLD(svo_tree_finish(tree, world.queue, trim, &report));
+    return told(of, world.device, digest_tree(of, tree));
+}
+
+static svo_status run_workspace(subject *of)
+{
+    svo_workspace *workspace = NULL;
+    svo_tree *tree = NULL;
+    svo_status status = told(of, world.device, svo_workspace_create(of->plan, world.cl, world.queue, NULL, &workspace));
+    if (status == SVO_OK) {
+        status = told(of, world.device, svo_workspace_make_tree(workspace, &tree));
+    }
+    if (status == SVO_OK) {
+        status = enqueue_and_finish(of, workspace, tree, 1);
+    }
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    return status;
+}
+
+static void prepare_workspace(subject *of)
+{
+    prepare_plan(of);
+    if (svo_workspace_create(of->plan, world.cl, world.queue, NULL, &of->workspace) != SVO_OK ||
+        svo_workspace_make_tree(of->workspace, &of->tree) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+/* One workspace and tree for all builds. */
+static svo_status run_enqueue(subject *of)
+{
+    (void)svo_tree_finish(of->tree, world.queue, 0, NULL); /* of an earlier run, where that failed before it began */
+    SVO_I_TRY(enqueue_and_finish(of, of->workspace, of->tree, 0));
+    return enqueue_and_finish(of, of->workspace, of->tree, 0);
+}
+
+/*
+ * Scenarios: rays and pictures.
+ */
+
+svo_status run_rays(subject *of)
+{
+    svo_hit hits[RAYS];
+    svo_nearest nearest[RAYS];
+    TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_CLOSEST, world.queue));
+    digest(of, hits, sizeof hits);
+    TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_COUNT, world.queue));
+    digest(of, hits, sizeof hits);
+    TRY_TOLD(svo_tree_nearest(of->tree, world.points, nearest, RAYS, world.queue));
+    digest(of, nearest, sizeof nearest);
+    return SVO_OK;
+}
+
+static svo_status run_render(subject *of)
+{
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
+    svo_render_options options = {
+        .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = SVO_VIEW_SHADED};
+    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    for (unsigned i = 0; i < 2; ++i) {
+        memset(picture, 0, sizeof picture);
+        TRY_TOLD(svo_tree_render(world.device, of->tree, &options, world.queue, picture));
+        digest(of, picture, sizeof picture);
+        options.view = SVO_VIEW_TRIANGLES;
+    }
+    return SVO_OK;
+}
+
+/* The caller's buffers and event. */
+static void prepare_ray_buffers(subject *of)
+{
+    const cl_context context = svo_device_cl_context(world.device);
+    prepare_tree(of);
+    of->positions = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, sizeof world.rays, world.rays, NULL);
+    of->indices = clCreateBuffer(context, CL_MEM_READ_WRITE, RAYS * sizeof(svo_hit), NULL, NULL);
+    assert_true(of->positions != NULL && of->indices != NULL);
+}
+
+static void cleanup_ray_buffers(subject *of)
+{
+    clReleaseMemObject(of->positions);
+    clReleaseMemObject(of->indices);
+    destroy_all(of);
+}
+
+static svo_status take_result(subject *of, cl_event *done)
+{
+    svo_hit hits[RAYS];
+    faults_spare(true);
+    const cl_int error = clEnqueueReadBuffer(world.queue, of->indices, CL_TRUE, 0, sizeof hits, hits, 1, done, NULL);
+    clReleaseEvent(*done);
+    faults_spare(false);
+    *done = NULL;
+    assert_int_equal(error, CL_SUCCESS);
+    digest(of, hits, sizeof hits);
+    return SVO_OK;
+}
+
+static svo_status run_rays_enqueue(subject *of)
+{
+    cl_event done = NULL;
+    TRY_TOLD(svo_tree_trace_enqueue(of->tree, of->positions, of->indices, RAYS, SVO_TRACE_CLOSEST, world.queue, 0, NULL,
+                                    &done));
+    SVO_I_TRY(take_result(of, &done));
+    TRY_TOLD(svo_tree_nearest_enqueue(of->tree, of->positions, of->indices, RAYS, world.queue, 0, NULL, &done));
+    return take_result(of, &done);
+}
+
+static svo_status run_set_args(subject *of)
+{
+    return told(of, world.device, svo_tree_set_args(of->tree, world.kernel, 0));
+}
+
+static const scenario rows[] = {
+    {"device", false, false, prepare_nothing, run_device, NULL, destroy_all},
+    {"limited_device", false, false, prepare_nothing, run_limited_device, NULL, destroy_all},
+    {"plan", false, false, prepare_nothing, run_plan, NULL, destroy_all},
+    {"plan_count", false, false, prepare_plan, run_count, NULL, destroy_all},
+    {"mesh_read", false, false, prepare_buffers, run_mesh_read, NULL, cleanup_buffers},
+    {"build", false, false, prepare_plan, run_build, NULL, destroy_all},
+    {"build_sorted", false, false, prepare_sorted, run_build, NULL, destroy_all},
+    {"build_short", false, false, prepare_short, run_build, NULL, destroy_all},
+    {"build_chunks", false, false, prepare_chunks, run_build, NULL, destroy_all},
+    {"first_build", false, false, prepare_device, run_first_build, NULL, destroy_all},
+    {"workspace", false, false, prepare_plan, run_workspace, NULL, destroy_all},
+    {"enqueue", false, false, prepare_workspace, run_enqueue, NULL, destroy_all},
+    {"rays", false, false, prepare_tree, run_rays, NULL, destroy_all},
+    {"rays_enqueue", false, false, prepare_ray_buffers, run_rays_enqueue, NULL, cleanup_ray_buffers},
+    {"set_args", false, false, prepare_tree, run_set_args, NULL, destroy_all},
+    {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
+};
+const scenario_list library_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Devices that this machine has not: of an old version, of the other byte order, with small limits, with a compiler
+ * that refuses, in a context of many devices. The linker routes the library's queries here, and they answer so.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "scenes.h"
+
+#define BUILD_LOG "1 error generated.\nprogram.cl:7: error: no such thing\nand more"
+
+/* What one query answers instead. */
+typedef struct answer {
+    cl_uint what; /* 0: nothing is replaced */
+    const void *value;
+    size_t bytes;
+} answer;
+
+static answer device_answer, program_answer;
+static bool refuses_to_compile;
+
+static cl_int tell(const answer *told, size_t bytes, void *value, size_t *needed)
+{
+    if (needed != NULL) {
+        *needed = told->bytes;
+    }
+    if (value != NULL) {
+        assert_true(bytes >= told->bytes);
+        memcpy(value, told->value, told->bytes);
+    }
+    return CL_SUCCESS;
+}
+
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+typedef void(CL_CALLBACK *build_callback)(cl_program, void *);
+cl_int __real_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value, size_t *needed);
+cl_int __real_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info what, size_t bytes,
+                                    void *value, size_t *needed);
+cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user);
+
+cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value, size_t *needed)
+{
+    return device_answer.what == what ? tell(&device_answer, bytes, value, needed)
+                                      : __real_clGetDeviceInfo(device, what, bytes, value, needed);
+}
+
+cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed)
+{
+    return program_answer.what == what ? tell(&program_answer, bytes, value, needed)
+                                       : __real_clGetProgramInfo(program, what, bytes, value, needed);
+}
+
+cl_int __wrap_clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info what, size_t bytes,
+                                    void *value, size_t *needed)
+{
+    (void)program;
+    (void)device;
+    (void)what;
+    return tell(&(answer){.value = BUILD_LOG, .bytes = sizeof BUILD_LOG}, bytes, value, needed);
+}
+
+cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                             build_callback done, void *user)
+{
+    return refuses_to_compile ? CL_BUILD_PROGRAM_FAILURE
+                              : __real_clBuildProgram(program, count, devices, options, done, user);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+static int forget_answers(void **state)
+{
+    (void)state;
+    device_answer = program_answer = (answer){0};
+    refuses_to_compile = false;
+    return 0;
+}
+
+static svo_status open_device(const fixture *opened, const svo_device_options *options, svo_device **out,
+                              svo_message *message)
+{
+    return svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), options, out,
+                             message);
+}
+
+static svo_device *open_or_fail(const fixture *opened, const svo_device_options *options)
+{
+    svo_device *device = NULL;
+    svo_message message = {""};
+    if (open_device(opened, options, &device, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return device;
+}
+
+static void expect(const svo_device *device, svo_status got, svo_status expected, const char *text)
+{
+    if (got != expected || strstr(svo_device_message(device), text) == NULL) {
+        fail_msg("%s \"%s\", expected %s \"%s\"", svo_status_name(got), svo_device_message(device),
+                 svo_status_name(expected), text);
+    }
+}
+
+static void devices_that_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const char old[] = "OpenCL 1.1 of then", words[] = "CUDA";
+    static const cl_bool big = CL_FALSE;
+    static const size_t small = 31;
+    const struct {
+        answer told;
+        const char *text;
+    } rows[] = {
+        {{CL_DEVICE_VERSION, old, sizeof old}, " has OpenCL 1.1, below 1.2"},
+        {{CL_DEVICE_VERSION, words, sizeof words}, " has OpenCL 0.0, below 1.2"},
+        {{CL_DEVICE_ENDIAN_LITTLE, &big, sizeof big}, " is big-endian"},
+        {{CL_DEVICE_MAX_WORK_GROUP_SIZE, &small, sizeof small}, " has work-groups of 31 items, below "},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        svo_device *device = NULL;
+        svo_message message = {""};
+        device_answer = rows[i].told;
+        assert_int_equal(open_device(&opened, NULL, &device, &message), SVO_UNSUPPORTED);
+        if (strstr(message.text, rows[i].text) == NULL) {
+            fail_msg("\"%s\", expected \"%s\" in it", message.text, rows[i].text);
+        }
+        assert_null(device);
+    }
+}
+
+static void little_local_memory(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const cl_ulong local_bytes = 512;
+    svo_frontend *frontend = NULL;
+    device_answer = (answer){CL_DEVICE_LOCAL_MEM_SIZE, &local_bytes, sizeof local_bytes};
+    expect(opened.device, svo_frontend_create_cl(opened.device, &frontend), SVO_UNSUPPORTED,
+           " has 512 bytes of local memory, below ");
+    assert_null(frontend);
+}
+
+/* The sorted builder has the whole list in one buffer; the other one does with chunks. */
+static void a_list_above_the_largest_buffer(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const cl_ulong most_bytes = 400000;
+    struct scene *knot = fixture_scene("knot:5000");
+    device_answer = (answer){CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most_bytes, sizeof most_bytes};
+    svo_device *device = open_or_fail(&opened, NULL);
+    svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_NONE, .builder = SVO_BUILDER_SORTED};
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    expect(device, svo_plan_create(device, scene_mesh(knot), 7, &options, &plan), SVO_OUT_OF_DEVICE_MEMORY,
+           "builder sorted needs the list's ");
+    assert_null(plan);
+    options.builder = SVO_BUILDER_CL;
+    expect(device, svo_plan_create(device, scene_mesh(knot), 7, &options, &plan), SVO_OK, "");
+    expect(device, svo_build(plan, NULL, NULL, &tree, NULL), SVO_OK, "");
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+    svo_device_destroy(&device);
+    scene_destroy(&knot);
+}
+
+static void keep_text(void *user, svo_log_level level, const char *text)
+{
+    assert_int_equal(level, SVO_LOG_ERROR);
+    (void)snprintf(user, sizeof BUILD_LOG, "%s", text);
+}
+
+static void kernels_that_do_not_compile(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    char log[sizeof BUILD_LOG] = "";
+    const svo_device_options options = {.struct_size = sizeof options, .log = keep_text, .log_user = log};
+    svo_device *device = open_or_fail(&opened, &options);
+    struct scene *cube = fixture_scene("cube");
+    svo_plan *plan = NULL;
+    expect(device, svo_plan_create(device, scene_mesh(cube), 4, NULL, &plan), SVO_OK, "");
+    refuses_to_compile = true;
+    expect(device, svo_device_warm(device, plan), SVO_COMPILE_FAILED, ": kernels do not compile on ");
+    assert_null(strchr(svo_device_message(device), '\n'));
+    assert_string_equal(log, BUILD_LOG);
+    refuses_to_compile = false;
+    expect(device, svo_device_warm(device, plan), SVO_OK, "");
+    svo_plan_destroy(&plan);
+    svo_device_destroy(&device);
+    scene_destroy(&cube);
+}
+
+/* A program of many devices, and one that the driver has no binary of. Nothing is written. */
+static void binaries_that_are_not_there(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const cl_uint many = 65;
+    static const size_t none[64];
+    svo_device *device = open_or_fail(&opened, NULL);
+    struct scene *cube = fixture_scene("cube");
+    svo_plan *plan = NULL;
+    size_t saved = 7;
+    expect(device, svo_plan_create(device, scene_mesh(cube), 4, NULL, &plan), SVO_OK, "");
+    expect(device, svo_device_warm(device, plan), SVO_OK, "");
+    program_answer = (answer){CL_PROGRAM_NUM_DEVICES, &many, sizeof many};
+    expect(device, svo_device_save_kernels(device, "/tmp", &saved), SVO_UNSUPPORTED,
+           "svo_device_save_kernels: the context has 65 devices, above 64");
+    program_answer = (answer){CL_PROGRAM_BINARY_SIZES, none, sizeof(size_t)};
+    expect(device, svo_device_save_kernels(device, "/tmp", &saved), SVO_CL_ERROR, "CL_PROGRAM_BINARY_SIZES");
+    assert_int_equal(saved, 7);
+    svo_plan_destroy(&plan);
+    svo_device_destroy(&device);
+    scene_destroy(&cube);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(devices_that_are_refused, forget_answers),
+        cmocka_unit_test_teardown(little_local_memory, forget_answers),
+        cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
+        cmocka_unit_test_teardown(kernels_that_do_not_compile, forget_answers),
+        cmocka_unit_test_teardown(binaries_that_are_not_there, forget_answers),
+    };
+    return cmocka_run_group_tests_name("unusual device", tests, fixture_group_setup, fixture_group_teardown);
+}
