@@ -66,6 +66,13 @@ void parts_add_box(parts *made, const double low[3], const double high[3], bool 
     }
 }
 
+void parts_add_cube(parts *made, double first, double last, bool inwards, int skip)
+{
+    const double low[3] = {first, first, first};
+    const double high[3] = {last, last, last};
+    parts_add_box(made, low, high, inwards, skip);
+}
+
 void parts_add_tetrahedron(parts *made, const double corners[4][3])
 {
     uint32_t v[4];

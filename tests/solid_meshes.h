@@ -25,6 +25,8 @@ svo_mesh parts_mesh(const parts *made);
 /* Triangles of an axis-aligned box that face outwards, or inwards. skip: a face that is left out, 2 axis + (0 low,
    1 high); -1: none. */
 void parts_add_box(parts *made, const double low[3], const double high[3], bool inwards, int skip);
+/* The same with each coordinate from first to last. */
+void parts_add_cube(parts *made, double first, double last, bool inwards, int skip);
 /* A tetrahedron that faces outwards or inwards, as its corners say. */
 void parts_add_tetrahedron(parts *made, const double corners[4][3]);
 /* A sphere of rings * 2 sectors quads and caps, inside the exact one, that faces outwards. */

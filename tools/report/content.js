@@ -92,6 +92,12 @@ const sections = [
     table: "peer-openvdb",
     heading: "Volumes: OpenVDB",
     lead: "The octree and an OpenVDB grid of the same resolution."
+  },
+  {
+    table: "solid",
+    heading: "Solids: OpenVDB",
+    lead: "What is inside of closed meshes, and OpenVDB's level set of the same triangles. Both are compared with an " +
+      "exact reference."
   }
 ];
 

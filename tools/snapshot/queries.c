@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a tree in every view and runs ray, voxel-ray and nearest-point queries on it. */
+/* Renders a tree in every view, runs ray, voxel-ray and nearest-point queries on it, and fills it. */
 #include "queries.h"
 
 #include <inttypes.h>
@@ -232,6 +232,33 @@ static void describe_compact(const char *name, const opened *session, const svo_
     free(hits);
 }
 
+/* The inside of the tree, or why it has none. */
+static void fill(const char *name, const opened *session, const svo_tree *tree, svo_solid_rule rule)
+{
+    const svo_solid_options options = {.struct_size = sizeof options, .rule = rule, .color = {7, 8, 9, 255}};
+    svo_solid_info info = SVO_SOLID_INFO_INIT;
+    svo_compact *solid = NULL;
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    char part[LINE_NAME_BYTES];
+    line_text line = {.used = 0};
+    svo_status status = svo_solid_create(tree, &options, session->queue, &solid, &info);
+    if (status == SVO_OK) {
+        status = svo_compact_download(solid, session->queue);
+    }
+    if (status == SVO_OK) {
+        status = svo_compact_hash(solid, hash);
+    }
+    (void)snprintf(part, sizeof part, "solid %s", svo_solid_rule_name(rule));
+    if (status == SVO_OK) {
+        line_text_add(&line, "%s %" PRIu64 " inside in %" PRIu64 ", %" PRIu64 " ambiguous", hash, info.inside_voxels,
+                      info.inside_leaves, info.ambiguous_voxels);
+        line_print(name, part, line.text);
+    } else {
+        line_print_status(name, part, status);
+    }
+    svo_compact_destroy(&solid);
+}
+
 void describe_queries(const char *name, const opened *session, svo_tree *tree)
 {
     svo_tree_info info = SVO_TREE_INFO_INIT;
@@ -247,6 +274,8 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     trace_voxels(name, session, tree, rays);
     describe_compact(name, session, tree, rays);
     query_nearest(name, session, tree, &info);
+    fill(name, session, tree, SVO_SOLID_WINDING);
+    fill(name, session, tree, SVO_SOLID_PARITY);
     draw_all(name, session, tree, &info);
     line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));
     line_print(name, "bytes of the hierarchy for rays", line.text);
