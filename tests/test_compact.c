@@ -275,7 +275,7 @@ static void check_implied(const fixture *opened, const svo_tree *tree, uint32_t 
     const svo_compact_info info = info_of(made);
     const uint32_t *first_child = tree->host[SVO_TREE_FIRST_CHILD];
     const uint32_t begin = tree->info.level_begin[tree->info.payload_level];
-    const uint32_t log2 = step_log2 == 0 ? 4 : step_log2;
+    const uint32_t log2 = step_log2 == 0 ? 5 : step_log2;
     assert_int_equal(info.stored_count, tree->info.inner_count);
     assert_memory_equal(arrays.nodes, tree->host[SVO_TREE_CHILD_MASK], tree->info.inner_count);
     for (uint64_t i = info.stored_count; i < info.bytes[SVO_COMPACT_NODES]; ++i) {

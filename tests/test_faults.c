@@ -57,7 +57,7 @@ static struct {
     svo_query_point points[RAYS];
     char folder[64];
     char obj_path[128], ply_path[128], stl_path[128], off_path[128];
-    char tree_path[128], packed_path[128], report_path[128];
+    char tree_path[128], packed_path[128], compact_path[128], report_path[128];
     uint64_t stride;
     uint64_t failed_calls[FAULT_KINDS], recovered;
     unsigned violations;
@@ -420,6 +420,33 @@ static svo_status run_compact_rays(subject *of)
 cleanup:
     svo_compact_destroy(&compact);
     return status;
+}
+
+/* A file of words with payload and a packed one of masks, which are read again and brought to the device. */
+static svo_status save_and_load(subject *of, svo_form form, const svo_save_options *options)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_status status = SVO_OK;
+    svo_compact *made = NULL;
+    svo_compact *loaded = NULL;
+    SVO_I_TRY_CLEANUP(make_compact(of, form, &made));
+    SVO_I_TRY_CLEANUP(svo_compact_save(made, world.compact_path, options, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_load(world.compact_path, NULL, &loaded, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_hash(loaded, hash));
+    digest(of, hash, sizeof hash);
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_upload(loaded, world.device, world.queue)));
+
+cleanup:
+    svo_compact_destroy(&loaded);
+    svo_compact_destroy(&made);
+    return status;
+}
+
+static svo_status run_compact_files(subject *of)
+{
+    const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
+    SVO_I_TRY(save_and_load(of, SVO_FORM_DESCRIPTOR, NULL));
+    return save_and_load(of, SVO_FORM_IMPLIED, &packed);
 }
 
 /*
@@ -1015,6 +1042,7 @@ static const scenario scenarios[] = {
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
     {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
     {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
+    {"compact_files", false, false, prepare_tree, run_compact_files, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
@@ -1149,6 +1177,7 @@ static int open_world(void **state)
     (void)snprintf(world.stl_path, sizeof world.stl_path, "%s/a.stl", world.folder);
     (void)snprintf(world.off_path, sizeof world.off_path, "%s/a.off", world.folder);
     (void)snprintf(world.tree_path, sizeof world.tree_path, "%s/a.svo", world.folder);
+    (void)snprintf(world.compact_path, sizeof world.compact_path, "%s/a.svc", world.folder);
     (void)snprintf(world.packed_path, sizeof world.packed_path, "%s/b.svo", world.folder);
     (void)snprintf(world.report_path, sizeof world.report_path, "%s/report", world.folder);
     assert_int_equal(setenv(CHILD_REPORT_VARIABLE, world.report_path, 1), 0);
@@ -1188,7 +1217,8 @@ static int close_world(void **state)
     svo_frontend_destroy(&world.cl);
     clReleaseCommandQueue(world.queue);
     svo_device_destroy(&world.device);
-    const char *const names[] = {"a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl", "a.off", "a.svo", "b.svo", "report"};
+    const char *const names[] = {"a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl",
+                                 "a.off", "a.svo", "b.svo", "a.svc", "report"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char path[160];
         (void)snprintf(path, sizeof path, "%s/%s", world.folder, names[i]);

@@ -81,7 +81,7 @@ typedef struct svo_compact_options {
     size_t struct_size; /**< sizeof(svo_compact_options) */
     svo_form form; /**< how to store the nodes */
     uint32_t leave_out; /**< svo_need bits: payload of the tree that is not carried */
-    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 4 */
+    uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED: 4, 5 or 6, an entry for 16, 32 or 64 nodes; 0 means 5 */
     uint32_t minimize; /**< not 0: eight full leaves with the same payload, or within the tolerances, become one leaf */
     uint32_t color_tolerance[4]; /**< minimize: largest difference of red, green, blue, alpha; 0 .. 255 */
     uint32_t normal_tolerance; /**< minimize: largest difference of each component of a normal; 0 .. 65534 */

@@ -20,7 +20,7 @@ static svo_status read_options(svo_device *device, const char *function, const s
                                  (int)out->form, (int)SVO_FORM_COUNT - 1);
     }
     if (out->directory_step_log2 == 0) {
-        out->directory_step_log2 = SVO_I_DIRECTORY_LOG2_MIN;
+        out->directory_step_log2 = SVO_I_DIRECTORY_LOG2;
     }
     if (out->directory_step_log2 < SVO_I_DIRECTORY_LOG2_MIN || out->directory_step_log2 > SVO_I_DIRECTORY_LOG2_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,

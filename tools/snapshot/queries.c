@@ -199,6 +199,39 @@ cleanup:
     }
 }
 
+/* The arrays of a compact tree as their hash, and its hits. */
+static svo_status use_compact(const opened *session, svo_compact *compact, const svo_ray *rays, svo_voxel_hit *hits,
+                              char hash[SVO_HASH_TEXT_BYTES])
+{
+    const svo_status status = svo_compact_download(compact, session->queue);
+    if (status != SVO_OK) {
+        return status;
+    }
+    const svo_status hashed = svo_compact_hash(compact, hash);
+    return hashed != SVO_OK ? hashed : svo_compact_trace(compact, rays, hits, RAY_COUNT, 0.01f, session->queue);
+}
+
+/* Every form: its arrays, and its rays. */
+static void describe_compact(const char *name, const opened *session, const svo_tree *tree, const svo_ray *rays)
+{
+    svo_voxel_hit *hits = calloc(RAY_COUNT, sizeof *hits);
+    for (int form = 0; form < SVO_FORM_COUNT && hits != NULL; ++form) {
+        svo_compact_options asked = SVO_COMPACT_OPTIONS_INIT;
+        char part[64];
+        char hash[SVO_HASH_TEXT_BYTES] = "";
+        svo_compact *compact = NULL;
+        asked.form = (svo_form)form;
+        const svo_status made = svo_compact_create(session->device, tree, &asked, session->queue, &compact);
+        const svo_status used = made != SVO_OK ? made : use_compact(session, compact, rays, hits, hash);
+        snprintf(part, sizeof part, "compact %s", svo_form_name(asked.form));
+        line_print(name, part, used == SVO_OK ? hash : svo_status_name(used));
+        snprintf(part, sizeof part, "voxels along rays, %s", svo_form_name(asked.form));
+        line_print_digest(name, part, hits, RAY_COUNT * sizeof *hits);
+        svo_compact_destroy(&compact);
+    }
+    free(hits);
+}
+
 void describe_queries(const char *name, const opened *session, svo_tree *tree)
 {
     svo_tree_info info = SVO_TREE_INFO_INIT;
@@ -212,6 +245,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     fill_rays(&info, rays);
     trace(name, session, tree, rays);
     trace_voxels(name, session, tree, rays);
+    describe_compact(name, session, tree, rays);
     query_nearest(name, session, tree, &info);
     draw_all(name, session, tree, &info);
     line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));

@@ -31,19 +31,24 @@ static svo_status expand(const session *opened, svo_compact *compact, const svo_
     char expected[SVO_HASH_TEXT_BYTES];
     svo_tree *expanded = NULL;
     svo_status status = svo_compact_expand(compact, opened->queue, &expanded);
-    if (status == SVO_OK) {
-        status = svo_tree_download(expanded, opened->queue);
+    if (status != SVO_OK) {
+        return status;
     }
-    if (status == SVO_OK) {
-        status = svo_tree_hash(expanded, SVO_HASH_NODES, check->hash);
+    status = svo_tree_download(expanded, opened->queue);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
-    if (status == SVO_OK) {
-        status = svo_tree_hash(tree, SVO_HASH_NODES, expected);
+    status = svo_tree_hash(expanded, SVO_HASH_NODES, check->hash);
+    if (status != SVO_OK) {
+        goto cleanup;
     }
+    status = svo_tree_hash(tree, SVO_HASH_NODES, expected);
     if (status == SVO_OK) {
         check->same_nodes = strcmp(expected, check->hash) == 0;
         check->same_payload = check->same_nodes && same_payload(tree, expanded);
     }
+
+cleanup:
     svo_tree_destroy(&expanded);
     return status;
 }
@@ -55,9 +60,10 @@ static svo_status check_form(const session *opened, const svo_tree *tree, svo_fo
     asked.form = form;
     check->info = (svo_compact_info)SVO_COMPACT_INFO_INIT;
     svo_status status = svo_compact_create(opened->device, tree, &asked, opened->queue, &compact);
-    if (status == SVO_OK) {
-        status = svo_compact_get_info(compact, &check->info);
+    if (status != SVO_OK) {
+        return status;
     }
+    status = svo_compact_get_info(compact, &check->info);
     if (status == SVO_OK) {
         status = expand(opened, compact, tree, check);
     }
