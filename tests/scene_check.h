@@ -8,7 +8,7 @@
 #include "meshes.h"
 
 #define MODELS 3
-#define RAYS   2000
+#define RAYS   1000
 
 /* Trees of different shapes, depths and grids, with leaf lists, colors and normals. */
 typedef struct models {

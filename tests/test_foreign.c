@@ -132,6 +132,8 @@ static void refused(const native *own, svo_status status, const char *function, 
     expect_words(status, svo_device_message(own->opened->device), function, argument, "of another context");
 }
 
+#define REFUSED(function, ...) refused(&own, function(__VA_ARGS__), #function, "queue")
+
 static void queues_of_another_context_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -147,7 +149,6 @@ static void queues_of_another_context_are_refused(void **state)
     svo_tree *unmade = NULL;
     svo_workspace *workspace = NULL;
     svo_camera_frame(own.tree, 1.0F, &options.camera);
-#define REFUSED(function, ...) refused(&own, function(__VA_ARGS__), #function, "queue")
     REFUSED(svo_tree_download, own.tree, queue);
     REFUSED(svo_tree_render, opened.device, own.tree, &options, queue, picture);
     REFUSED(svo_tree_trace, own.tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, queue);
@@ -173,11 +174,46 @@ static void queues_of_another_context_are_refused(void **state)
     succeed(&own, svo_build_enqueue(workspace, unmade, opened.queue, 0, NULL, NULL));
     REFUSED(svo_tree_finish, unmade, queue, 1, NULL);
     succeed(&own, svo_tree_finish(unmade, opened.queue, 1, NULL)); /* the refusal has changed nothing */
-#undef REFUSED
     svo_tree_destroy(&unmade);
     svo_workspace_destroy(&workspace);
     release_foreigner(&other);
     release_native(&own);
+}
+
+static void scenes_refuse_what_is_of_another_context(void **state)
+{
+    static const svo_instance instance = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    const fixture opened = fixture_cl_of_group(state);
+    native own = make_native(&opened);
+    foreigner other = make_foreigner(&opened);
+    const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    const svo_scene_options options = {.struct_size = sizeof options,
+                                       .trees = &own.tree,
+                                       .instances = &instance,
+                                       .tree_count = 1,
+                                       .instance_count = 1};
+    svo_scene_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
+    svo_scene_hit hit;
+    uint8_t picture[8 * 8 * 4];
+    svo_scene *placed = NULL;
+    REFUSED(svo_scene_create, opened.device, &options, other.queue, &placed);
+    assert_null(placed);
+    succeed(&own, svo_scene_create(opened.device, &options, opened.queue, &placed));
+    svo_scene_camera_frame(placed, 1.0F, &shown.camera);
+    REFUSED(svo_scene_set_transforms, placed, 0, 1, instance.transform, other.queue);
+    REFUSED(svo_scene_rebuild, placed, other.queue);
+    REFUSED(svo_scene_render, placed, &shown, other.queue, picture);
+    REFUSED(svo_scene_trace, placed, &ray, &hit, 1, 0.0F, 0, other.queue);
+    REFUSED(svo_scene_trace_enqueue, placed, own.memory, own.memory, 1, 0.0F, 0, other.queue, 0, NULL, NULL);
+    refused(&own, svo_scene_trace_enqueue(placed, other.memory, own.memory, 1, 0, 0, opened.queue, 0, NULL, NULL),
+            "svo_scene_trace_enqueue", "rays");
+    refused(&own, svo_scene_trace_enqueue(placed, own.memory, other.memory, 1, 0, 0, opened.queue, 0, NULL, NULL),
+            "svo_scene_trace_enqueue", "hits");
+    /* Nothing was lost. */
+    succeed(&own, svo_scene_trace(placed, &ray, &hit, 1, 0.0F, 0, opened.queue));
+    svo_scene_destroy(&placed);
+    release_native(&own);
+    release_foreigner(&other);
 }
 
 static void buffers_and_kernels_of_another_context_are_refused(void **state)
@@ -325,6 +361,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(queues_of_another_context_are_refused),
+        cmocka_unit_test(scenes_refuse_what_is_of_another_context),
         cmocka_unit_test(buffers_and_kernels_of_another_context_are_refused),
         cmocka_unit_test(events_of_another_context_are_refused),
         cmocka_unit_test(meshes_of_another_context_are_refused),

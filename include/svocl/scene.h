@@ -68,8 +68,8 @@ typedef struct svo_scene_info {
     uint64_t hierarchy_bytes; /**< the hierarchy */
     uint64_t sort_bytes; /**< Morton codes and what sorts them, kept for svo_scene_rebuild */
     uint64_t total_bytes; /**< all of these */
-    double low[3]; /**< the box around all instances, world coordinates; zero in a plan */
-    double high[3];
+    double low[3]; /**< least corner of the box around all instances, world coordinates; zero in a plan */
+    double high[3]; /**< its greatest corner */
 } svo_scene_info;
 
 /** An empty output. */
@@ -87,7 +87,7 @@ SVO_API svo_status svo_scene_plan(svo_device *device, const svo_scene_options *o
 
 /** Makes a scene and waits for it. The trees may be destroyed afterwards.
  *
- * \param the trees'; must outlive the scene
+ * \param device the trees'; must outlive the scene
  * \param options see svo_scene_options
  * \param queue on the device's context; NULL: the device's own
  * \param scene receives the scene, which the caller destroys

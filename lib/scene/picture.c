@@ -197,7 +197,7 @@ static void release(drawing *drawn)
 svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
                             uint8_t *rgba)
 {
-    svo_scene_render_options asked;
+    svo_scene_render_options asked = {.width = 0};
     svo_scene_picture picture = {.samples = 0};
     svo_scene_light lights[SVO_SCENE_LIGHTS_MAX] = {{.shadows = 0}};
     drawing drawn = {.kernel = NULL};

@@ -79,7 +79,7 @@ static svo_status write_info(svo_device *device, const char *function, const svo
 svo_status svo_scene_plan(svo_device *device, const svo_scene_options *options, svo_scene_info *info)
 {
     static const char function[] = "svo_scene_plan";
-    svo_scene_options asked;
+    svo_scene_options asked = {.trees = NULL};
     svo_i_arena arena = {.sources = NULL};
     svo_status status = SVO_OK;
     if (device == NULL) {
@@ -216,7 +216,7 @@ svo_status svo_scene_create(svo_device *device, const svo_scene_options *options
                             svo_scene **scene)
 {
     static const char function[] = "svo_scene_create";
-    svo_scene_options asked;
+    svo_scene_options asked = {.trees = NULL};
     svo_i_arena arena = {.sources = NULL};
     svo_scene *made = NULL;
     svo_status status = SVO_OK;

@@ -12,8 +12,8 @@
 #include "svocl/svocl.h"
 
 #define MODELS 5
-#define AROUND 48 /* quads around a model, and along it */
-#define ALONG  48
+#define AROUND 48u /* quads around a model, and along it */
+#define ALONG  48u
 #define DEPTH  6
 #define TURN   6.283185307179586
 
@@ -107,9 +107,9 @@ static bool build_model(svo_device *device, int which, svo_tree **out)
     const svo_mesh mesh = {.struct_size = sizeof mesh,
                            .positions = made.positions,
                            .colors = made.colors,
-                           .vertex_count = (AROUND + 1) * (ALONG + 1),
+                           .vertex_count = (size_t)(AROUND + 1) * (ALONG + 1),
                            .indices = made.indices,
-                           .triangle_count = AROUND * ALONG * 2};
+                           .triangle_count = (size_t)AROUND * ALONG * 2};
     const svo_plan_options options = {.struct_size = sizeof options,
                                       .need = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL};
     svo_plan *plan = NULL;

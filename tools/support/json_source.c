@@ -182,17 +182,25 @@ static int parse(json_source *source, const char *text)
     return index_values(source, text);
 }
 
-static int check_names(const json_source *source)
+static int check_members(const json_source *source, const cJSON *object)
 {
-    for (size_t i = 0; i < source->count; ++i) {
-        const cJSON *object = source->values[i];
-        for (const cJSON *a = cJSON_IsObject(object) ? object->child : NULL; a != NULL; a = a->next) {
-            if (cJSON_GetObjectItemCaseSensitive(object, a->string) != a) {
-                return json_source_fail(source, a, "a second '%s' in the same object", a->string);
-            }
+    const cJSON *a = NULL;
+    cJSON_ArrayForEach(a, object)
+    {
+        if (cJSON_GetObjectItemCaseSensitive(object, a->string) != a) {
+            return json_source_fail(source, a, "a second '%s' in the same object", a->string);
         }
     }
     return PROGRAM_DONE;
+}
+
+static int check_names(const json_source *source)
+{
+    int exit_code = PROGRAM_DONE;
+    for (size_t i = 0; i < source->count && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = cJSON_IsObject(source->values[i]) ? check_members(source, source->values[i]) : PROGRAM_DONE;
+    }
+    return exit_code;
 }
 
 int json_source_open(program *state, const char *path, json_source *out)

@@ -127,9 +127,9 @@ static void turn(double matrix[9], int axis, double degrees)
 static void compose(const parts *from, float transform[12])
 {
     double matrix[9] = {0};
-    for (int axis = 0; axis < 3; ++axis) {
-        matrix[4 * axis] = (double)from->scale[axis];
-    }
+    matrix[0] = (double)from->scale[0];
+    matrix[4] = (double)from->scale[1];
+    matrix[8] = (double)from->scale[2];
     for (int axis = 0; axis < 3; ++axis) {
         turn(matrix, axis, (double)from->rotate[axis]);
     }
