@@ -10,6 +10,7 @@
  *     svo_tree    the result: buffers, hash        tree.h
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
+ *     svo_voxels  given voxels -> tree, and back   voxels.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
@@ -24,5 +25,6 @@
 #include "svocl/trace.h"
 #include "svocl/tree.h"
 #include "svocl/version.h"
+#include "svocl/voxels.h"
 
 #endif
