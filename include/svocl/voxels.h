@@ -115,37 +115,38 @@ SVO_API const svo_voxel *svo_voxels_get(const svo_voxels *voxels);
  * \returns svo_voxels_info.property_count properties, which belong to the list. */
 SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels);
 
-/** Options of a tree of voxels. */
-typedef struct svo_voxels_build_options {
-    size_t struct_size; /**< sizeof(svo_voxels_build_options) */
-    uint32_t depth; /**< 1 .. 16; 0: the smallest that holds the voxels (svo_voxels_info.depth) */
-    uint32_t need; /**< SVO_NEED_COLOR, SVO_NEED_MATERIAL, both, or SVO_NEED_NONE; 0: both */
-    uint32_t payload_level; /**< first level with payload, 0 .. depth */
-    svo_progress_callback progress; /**< as in svo_plan_options; NULL: nothing is called */
-    void *progress_user; /**< passed to progress */
-} svo_voxels_build_options;
-
-/** All defaults. */
-#define SVO_VOXELS_BUILD_OPTIONS_INIT SVO_STRUCT_INIT(svo_voxels_build_options)
-
-/** Builds the tree of a list: one leaf per voxel, with its color and material. A node above has the mean of the colors
- *  of its leaves, rounded half up, and the material that most of them have, the smaller one on ties.
+/** Plans the tree of a list: one leaf per voxel, with its color and material. A node above has the mean of the colors of
+ *  its leaves, rounded half up, and the material that most of them have, the smaller one on ties.
  *
  *  The grid begins at the least corner of the voxels and has 2^depth of them along each axis. Voxels go through the
- *  same kernels as triangles do, as points at their centers, with weights uniform and the builder "sorted"; so the
- *  device's budget, progress and messages are those of svo_build. The host needs about 140 bytes a voxel meanwhile.
- *  svo_tree_info.triangles is 0: there are no triangles for rays, but rays through voxels and pictures work.
+ *  kernels of triangles, as points at their centers; so builds, workspaces, budgets, progress and messages are those of
+ *  other plans. svo_tree_info.triangles is 0: there are no triangles for rays, but rays through voxels and pictures
+ *  work. The plan needs about 100 bytes a voxel on the host, and 40 more while it is made.
+ *
+ * \param device not NULL; must outlive the plan
+ * \param voxels not NULL; not needed afterwards
+ * \param depth svo_voxels_info.depth .. 16; 0: that least one
+ * \param options NULL means all defaults, with SVO_BUILDER_SORTED. need: SVO_NEED_COLOR, SVO_NEED_MATERIAL, both, or
+ *        SVO_NEED_NONE; SVO_NEED_DEFAULT is both. coverage, edge and origin must be 0. weights have no meaning: all
+ *        voxels weigh the same. fragment_capacity 0: the number of voxels
+ * \param out receives the plan
+ * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, or they need
+ *          one above SVO_DEPTH_MAX. The device has the message. */
+SVO_API svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
+                                   const svo_plan_options *options, svo_plan **out);
+
+/** Builds the tree of a list: svo_voxels_plan, svo_build with OpenCL alone, svo_plan_destroy.
  *
  * \param device not NULL; must outlive the tree
  * \param voxels not NULL
- * \param options NULL means all defaults
+ * \param depth as for svo_voxels_plan
+ * \param options as for svo_voxels_plan
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the tree
  * \param report receives times and counts, as from svo_build; NULL allowed
- * \returns what svo_plan_create and svo_build return. SVO_INVALID_ARGUMENT also when depth is too small for the voxels,
- *          or they need one above SVO_DEPTH_MAX. The device has the message. */
-SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels,
-                                    const svo_voxels_build_options *options, cl_command_queue queue, svo_tree **out,
+ * \returns what svo_voxels_plan and svo_build return. */
+SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels, unsigned depth,
+                                    const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
                                     svo_build_report *report);
 
 /** The leaves of a tree as a list of voxels: each with the leaf's color, or white, and its material, or 0. On a grid

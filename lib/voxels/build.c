@@ -10,10 +10,10 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "core/tree.h"
+#include "plan/plan_data.h"
 #include "voxels/voxels.h"
 
-static const char function[] = "svo_voxels_build";
+static const char function[] = "svo_voxels_plan";
 
 /* The points as a mesh. All arrays are owned. */
 typedef struct points {
@@ -24,26 +24,36 @@ typedef struct points {
     svo_material *table; /* as many white materials as there are numbers */
 } points;
 
-static svo_status check_options(svo_device *device, const svo_voxels *voxels, svo_voxels_build_options *options)
+/* Checks what concerns voxels, and sets what follows from them. svo_plan_create checks the rest. */
+static svo_status check_options(svo_device *device, const svo_voxels *voxels, unsigned *depth,
+                                svo_plan_options *options)
 {
     const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL;
-    options->need = options->need == 0 ? payload : options->need;
+    const svo_voxels_info *info = &voxels->info;
+    options->need = options->need == SVO_NEED_DEFAULT ? payload : options->need;
     if (options->need != SVO_NEED_NONE && (options->need & ~payload) != 0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "%s: options.need 0x%x is not made of color and material, or none", function,
                                  options->need);
     }
-    const svo_voxels_info *info = &voxels->info;
+    if (options->coverage != SVO_COVERAGE_HALF_OPEN || options->edge != 0.0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.%s is not 0", function,
+                                 options->edge != 0.0 ? "edge" : "coverage");
+    }
     if (info->depth == 0) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT, "%s: the voxels span %d x %d x %d, more than 2^%d along an axis", function,
             info->high[0] - info->low[0], info->high[1] - info->low[1], info->high[2] - info->low[2], SVO_DEPTH_MAX);
     }
-    options->depth = options->depth == 0 ? info->depth : options->depth;
-    if (options->depth < info->depth || options->depth > SVO_DEPTH_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.depth %u is not in %u .. %d, or 0",
-                                 function, options->depth, info->depth, SVO_DEPTH_MAX);
+    *depth = *depth == 0 ? info->depth : *depth;
+    if (*depth < info->depth || *depth > SVO_DEPTH_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: depth %u is not in %u .. %d, or 0", function,
+                                 *depth, info->depth, SVO_DEPTH_MAX);
     }
+    options->weights = SVO_WEIGHTS_UNIFORM;
+    options->edge = ldexp(1.0, (int)*depth);
+    memset(options->origin, 0, sizeof options->origin);
+    options->fragment_capacity = options->fragment_capacity == 0 ? info->voxel_count : options->fragment_capacity;
     return SVO_OK;
 }
 
@@ -100,7 +110,7 @@ static void fill_points(const svo_voxels *voxels, points *p)
 }
 
 /* Replaces the grid of the points by that of the voxels. */
-static void place_tree(const svo_voxels *voxels, svo_tree_info *info)
+static void place_plan(const svo_voxels *voxels, svo_plan_info *info)
 {
     const svo_voxels_info *list = &voxels->info;
     for (int axis = 0; axis < 3; ++axis) {
@@ -111,40 +121,20 @@ static void place_tree(const svo_voxels *voxels, svo_tree_info *info)
     info->triangles = 0;
 }
 
-static svo_status build_points(svo_device *device, const svo_voxels *voxels, const svo_voxels_build_options *options,
-                               const svo_mesh *mesh, cl_command_queue queue, svo_tree **out, svo_build_report *report)
-{
-    const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
-                                           .need = options->need,
-                                           .weights = SVO_WEIGHTS_UNIFORM,
-                                           .builder = SVO_BUILDER_SORTED,
-                                           .payload_level = options->payload_level,
-                                           .edge = ldexp(1.0, (int)options->depth),
-                                           .fragment_capacity = voxels->info.voxel_count,
-                                           .progress = options->progress,
-                                           .progress_user = options->progress_user};
-    svo_plan *plan = NULL;
-    SVO_I_TRY(svo_plan_create(device, mesh, options->depth, &plan_options, &plan));
-    const svo_status status = svo_build(plan, NULL, queue, out, report);
-    svo_plan_destroy(&plan);
-    SVO_I_TRY(status);
-    place_tree(voxels, &(*out)->info);
-    return SVO_OK;
-}
-
-svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels, const svo_voxels_build_options *options,
-                            cl_command_queue queue, svo_tree **out, svo_build_report *report)
+svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
+                           const svo_plan_options *options, svo_plan **out)
 {
     svo_status status = SVO_OK;
-    svo_voxels_build_options asked;
+    svo_plan_options asked;
     points p = {.positions = NULL};
     if (device == NULL || voxels == NULL || out == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
                                  device == NULL ? "device" : (voxels == NULL ? "voxels" : "out"));
     }
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_voxels_build_options, progress_user)));
-    SVO_I_TRY(check_options(device, voxels, &asked));
+                                SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
+    asked.builder = options == NULL ? SVO_BUILDER_SORTED : asked.builder;
+    SVO_I_TRY(check_options(device, voxels, &depth, &asked));
     if (!allocate_points(voxels, asked.need, &p)) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                                    (unsigned long long)voxels->info.voxel_count);
@@ -160,11 +150,32 @@ svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels, const 
                            .triangle_materials = p.materials,
                            .materials = p.table,
                            .material_count = p.table != NULL ? voxels->info.material_count : 0};
-    status = build_points(device, voxels, &asked, &mesh, queue, out, report);
-    if (status != SVO_OK) {
+    status = svo_plan_create(device, &mesh, depth, &asked, out);
+    if (status == SVO_OK) {
+        place_plan(voxels, &(*out)->info);
+    } else {
         svo_i_message_rename(svo_i_device_message(device), function);
     }
 cleanup:
     free_points(&p);
+    return status;
+}
+
+svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels, unsigned depth,
+                            const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
+                            svo_build_report *report)
+{
+    svo_plan *plan = NULL;
+    if (out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_voxels_build: out is NULL");
+    }
+    svo_status status = svo_voxels_plan(device, voxels, depth, options, &plan);
+    if (status == SVO_OK) {
+        status = svo_build(plan, NULL, queue, out, report);
+        svo_plan_destroy(&plan);
+    }
+    if (status != SVO_OK) {
+        svo_i_message_rename(svo_i_device_message(device), "svo_voxels_build");
+    }
     return status;
 }

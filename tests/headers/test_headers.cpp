@@ -57,7 +57,6 @@ static void initialize_structs()
     EXPECT_SIZE(svo_render_options, SVO_RENDER_OPTIONS_INIT);
     EXPECT_SIZE(svo_voxels_source, SVO_VOXELS_SOURCE_INIT);
     EXPECT_SIZE(svo_voxels_info, SVO_VOXELS_INFO_INIT);
-    EXPECT_SIZE(svo_voxels_build_options, SVO_VOXELS_BUILD_OPTIONS_INIT);
 #ifdef HAVE_GL
     EXPECT_SIZE(svo_gl_context_info, SVO_GL_CONTEXT_INFO_INIT);
     EXPECT_SIZE(svo_gl_options, SVO_GL_OPTIONS_INIT);
