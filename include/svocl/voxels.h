@@ -115,8 +115,8 @@ SVO_API const svo_voxel *svo_voxels_get(const svo_voxels *voxels);
  * \returns svo_voxels_info.property_count properties, which belong to the list. */
 SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels);
 
-/** Plans the tree of a list: one leaf per voxel, with its color and material. A node above has the mean of the colors of
- *  its leaves, rounded half up, and the material that most of them have, the smaller one on ties.
+/** Plans the tree of a list: one leaf per voxel, with its color and material. A node above has the mean of the colors
+ *  of its leaves, rounded half up, and the material that most of them have, the smaller one on ties.
  *
  *  The grid begins at the least corner of the voxels and has 2^depth of them along each axis. Voxels go through the
  *  kernels of triangles, as points at their centers; so builds, workspaces, budgets, progress and messages are those of

@@ -273,6 +273,9 @@ static void put_zsh_argument(FILE *script, const program *state, const command *
     if (kind == ARGUMENT_SUBJECT) {
         fputs(" \\\n            '2:INPUT:_svocl_input'", script);
     }
+    if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0) {
+        fputs(" \\\n            '2:OUT:_files'", script);
+    }
 }
 
 static void write_zsh(const program *state, FILE *script)
