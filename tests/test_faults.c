@@ -57,7 +57,7 @@ static struct {
     svo_query_point points[RAYS];
     char folder[64];
     char obj_path[128], ply_path[128], stl_path[128], off_path[128];
-    char tree_path[128], packed_path[128], report_path[128];
+    char tree_path[128], packed_path[128], report_path[128], vox_path[128];
     uint64_t stride;
     uint64_t failed_calls[FAULT_KINDS], recovered;
     unsigned violations;
@@ -481,6 +481,88 @@ static svo_status run_load(subject *of)
         SVO_I_TRY(status);
     }
     return SVO_OK;
+}
+
+/* A file in memory. */
+typedef struct voxel_bytes {
+    uint8_t bytes[1 << 16];
+    size_t count;
+} voxel_bytes;
+
+static int put_voxel_bytes(void *user, const void *bytes, size_t byte_count)
+{
+    voxel_bytes *to = user;
+    if (byte_count > sizeof to->bytes - to->count) {
+        return 1;
+    }
+    memcpy(to->bytes + to->count, bytes, byte_count);
+    to->count += byte_count;
+    return 0;
+}
+
+/* Writes a list in one format, and reads it again. */
+static svo_status write_and_read(subject *of, const svo_voxels *voxels, svo_voxel_format format)
+{
+    static voxel_bytes file;
+    svo_voxels *again = NULL;
+    svo_voxels_info info = SVO_VOXELS_INFO_INIT;
+    file.count = 0;
+    SVO_I_TRY(svo_voxels_write(voxels, format, put_voxel_bytes, &file, NULL, &of->message));
+    digest(of, file.bytes, file.count);
+    SVO_I_TRY(svo_voxels_load_memory(file.bytes, file.count, world.vox_path, NULL, &again, NULL, &of->message));
+    (void)svo_voxels_get_info(again, &info);
+    digest(of, svo_voxels_get(again), info.voxel_count * sizeof(svo_voxel));
+    svo_voxels_destroy(&again);
+    return SVO_OK;
+}
+
+static svo_status use_voxels(subject *of, const svo_voxels *voxels)
+{
+    svo_voxels *again = NULL;
+    SVO_I_TRY(write_and_read(of, voxels, SVO_VOXEL_FORMAT_VOX));
+    SVO_I_TRY(write_and_read(of, voxels, SVO_VOXEL_FORMAT_BINVOX));
+    const svo_status status = write_and_read(of, voxels, SVO_VOXEL_FORMAT_SVX);
+    if (status != SVO_OK && status != SVO_UNSUPPORTED) {
+        return status;
+    }
+    SVO_I_TRY(svo_voxels_save(voxels, world.vox_path, SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
+    SVO_I_TRY(svo_voxels_load(world.vox_path, NULL, &again, NULL, &of->message));
+    svo_voxels_destroy(&again);
+    return SVO_OK;
+}
+
+/* A list, its tree and files. */
+static svo_status run_voxels(subject *of)
+{
+    static const svo_voxel_property property = {9, "_type", "_glass"};
+    svo_voxel given[TRIANGLES];
+    svo_voxels *voxels = NULL, *again = NULL;
+    svo_tree *tree = NULL;
+    for (int i = 0; i < TRIANGLES; ++i) {
+        given[i] = (svo_voxel){.x = i % 4, .y = i * 7 % 5, .z = i % 3, .rgba = {(uint8_t)i, 1, 2, 255}, .material = 9};
+    }
+    const svo_voxels_source source = {.struct_size = sizeof source,
+                                      .voxels = given,
+                                      .voxel_count = TRIANGLES,
+                                      .properties = &property,
+                                      .property_count = 1};
+    svo_status status = svo_voxels_create(&source, &voxels, &of->message);
+    if (status == SVO_OK) {
+        status = use_voxels(of, voxels);
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, svo_voxels_build(world.device, voxels, 0, NULL, world.queue, &tree, NULL));
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, digest_tree(of, tree));
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_get_voxels(tree, &again, &of->message);
+    }
+    svo_tree_destroy(&tree);
+    svo_voxels_destroy(&again);
+    svo_voxels_destroy(&voxels);
+    return status;
 }
 
 static void prepare_loaded(subject *of)
@@ -908,6 +990,7 @@ static const scenario scenarios[] = {
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
+    {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
     {"upload", false, false, prepare_loaded, run_upload, NULL, destroy_all},
     {"import", false, false, prepare_obj, run_import, NULL, destroy_all},
     {"import_obj", false, true, prepare_obj, run_import, NULL, destroy_all},
@@ -1038,6 +1121,7 @@ static int open_world(void **state)
     (void)snprintf(world.ply_path, sizeof world.ply_path, "%s/a.ply", world.folder);
     (void)snprintf(world.stl_path, sizeof world.stl_path, "%s/a.stl", world.folder);
     (void)snprintf(world.off_path, sizeof world.off_path, "%s/a.off", world.folder);
+    (void)snprintf(world.vox_path, sizeof world.vox_path, "%s/a.vox", world.folder);
     (void)snprintf(world.tree_path, sizeof world.tree_path, "%s/a.svo", world.folder);
     (void)snprintf(world.packed_path, sizeof world.packed_path, "%s/b.svo", world.folder);
     (void)snprintf(world.report_path, sizeof world.report_path, "%s/report", world.folder);
@@ -1078,7 +1162,8 @@ static int close_world(void **state)
     svo_frontend_destroy(&world.cl);
     clReleaseCommandQueue(world.queue);
     svo_device_destroy(&world.device);
-    const char *const names[] = {"a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl", "a.off", "a.svo", "b.svo", "report"};
+    const char *const names[] = {"a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl",
+                                 "a.off", "a.svo", "b.svo", "a.vox", "report"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char path[160];
         (void)snprintf(path, sizeof path, "%s/%s", world.folder, names[i]);

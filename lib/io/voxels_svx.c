@@ -176,7 +176,7 @@ static svo_status add_slice(svx_reader *r, uint32_t slice, const svx_image image
     const uint32_t half = half_density(r, &images[SVX_DENSITY]);
     for (size_t pixel = 0; pixel < (size_t)r->width * r->height; ++pixel) {
         int32_t place[3];
-        if (images[SVX_DENSITY].gray[pixel] < half) {
+        if (svo_i_svx_png_gray(&images[SVX_DENSITY], pixel) < half) {
             continue;
         }
         place[m->slice_axis] = (int32_t)slice;
@@ -187,7 +187,7 @@ static svo_status add_slice(svx_reader *r, uint32_t slice, const svx_image image
             memcpy(voxel.rgba, images[SVX_COLOR].rgba + 4 * pixel, 4);
         }
         if (images[SVX_MATERIAL].gray != NULL) {
-            voxel.material = images[SVX_MATERIAL].gray[pixel];
+            voxel.material = (uint16_t)svo_i_svx_png_gray(&images[SVX_MATERIAL], pixel);
         }
         SVO_I_TRY(svo_i_voxels_append(r->reader, voxel));
     }

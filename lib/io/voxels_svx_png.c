@@ -6,6 +6,7 @@
  */
 #include "io/voxels_svx_png.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -105,6 +106,30 @@ static const char *decode_failure(void)
     return reason != NULL && strcmp(reason, "outofmem") == 0 ? svo_i_svx_png_no_memory : "it cannot be decoded";
 }
 
+/* Decodes pixels as deep as the file has them: where stb_image converts them and runs out of memory, it loses the
+   others. Deep colors keep their high bytes. */
+static const char *decode(const uint8_t *bytes, int byte_count, bool deep, bool color, svx_image *image)
+{
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    const int wanted = color ? 4 : 1;
+    void *pixels = deep ? (void *)stbi_load_16_from_memory(bytes, byte_count, &width, &height, &channels, wanted)
+                        : (void *)stbi_load_from_memory(bytes, byte_count, &width, &height, &channels, wanted);
+    if (pixels == NULL) {
+        return decode_failure();
+    }
+    for (size_t i = 0; deep && color && i < 4 * (size_t)width * (size_t)height; ++i) {
+        uint16_t value = 0;
+        memcpy(&value, (const uint8_t *)pixels + 2 * i, sizeof value);
+        ((uint8_t *)pixels)[i] = (uint8_t)(value >> 8);
+    }
+    image->gray = color ? NULL : pixels;
+    image->rgba = color ? pixels : NULL;
+    image->bits = deep ? 16 : 8;
+    return NULL;
+}
+
 const char *svo_i_svx_png_read(const uint8_t *bytes, size_t byte_count, uint32_t width, uint32_t height, int color,
                                svx_image *image, size_t *offset)
 {
@@ -123,21 +148,12 @@ const char *svo_i_svx_png_read(const uint8_t *bytes, size_t byte_count, uint32_t
     if (wrong != NULL) {
         return wrong;
     }
-    int got_width = 0;
-    int got_height = 0;
-    int channels = 0;
-    if (color != 0) {
-        image->rgba = stbi_load_from_memory(bytes, (int)byte_count, &got_width, &got_height, &channels, 4);
-        return image->rgba != NULL ? NULL : decode_failure();
-    }
-    /* Values of 16 bits as they are; fewer bits are in both bytes. */
-    const uint32_t depth = header[8];
-    image->gray = stbi_load_16_from_memory(bytes, (int)byte_count, &got_width, &got_height, &channels, 1);
-    image->bits = depth == 16 ? 16 : 8;
-    for (size_t i = 0; image->gray != NULL && depth != 16 && i < (size_t)width * height; ++i) {
-        image->gray[i] >>= 8;
-    }
-    return image->gray != NULL ? NULL : decode_failure();
+    return decode(bytes, (int)byte_count, header[8] == 16, color != 0, image);
+}
+
+uint32_t svo_i_svx_png_gray(const svx_image *image, size_t pixel)
+{
+    return image->bits == 16 ? ((const uint16_t *)image->gray)[pixel] : ((const uint8_t *)image->gray)[pixel];
 }
 
 void svo_i_svx_png_free(svx_image *image)

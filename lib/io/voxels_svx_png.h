@@ -8,9 +8,9 @@
 
 /* The pixels of an image. */
 typedef struct svx_image {
-    uint16_t *gray; /* one value per pixel, of bits bits; by malloc. NULL for a color image */
-    uint32_t bits;
-    uint8_t *rgba; /* four bytes per pixel, by malloc. NULL for a gray image */
+    void *gray; /* a uint8_t or, with 16 bits, a uint16_t per pixel, by malloc; NULL for a color image */
+    uint32_t bits; /* of a gray pixel: 8 or 16 */
+    uint8_t *rgba; /* four bytes per pixel, by malloc; NULL for a gray image */
 } svx_image;
 
 /* The most bytes that an image of that size may have as a file. */
@@ -24,6 +24,9 @@ uint64_t svo_i_svx_png_bytes_max(uint32_t width, uint32_t height);
 const char *svo_i_svx_png_read(const uint8_t *bytes, size_t byte_count, uint32_t width, uint32_t height, int color,
                                svx_image *image, size_t *offset);
 void svo_i_svx_png_free(svx_image *image);
+
+/* A pixel of a gray image. */
+uint32_t svo_i_svx_png_gray(const svx_image *image, size_t pixel);
 
 extern const char svo_i_svx_png_no_memory[];
 

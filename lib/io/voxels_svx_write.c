@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The .svx writer: a grid as large as the voxels' bounds, cut along y, with an image for each slice and channel. Colors
- * and materials are left out where all voxels are white or of material 0. The archive is made in memory, since its
- * beginning is known last.
+ * and materials are left out where all voxels are white or of material 0. Images are not packed; the archive is. It is
+ * made in memory, since its beginning is known last.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -12,15 +12,8 @@
 
 #include "io/voxels_formats.h"
 #include "io/voxels_svx.h"
+#include "io/voxels_svx_png_write.h"
 #include "io/voxels_text.h"
-
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STBI_WRITE_NO_STDIO
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wconversion"
-#include <stb/stb_image_write.h>
-#pragma GCC diagnostic error "-Wconversion"
 
 #define MANIFEST_BYTES 2048
 #define DOS_DATE       0x21 /* the first day that an archive can have, so that equal voxels make equal files */
@@ -32,42 +25,31 @@ typedef struct svx_writer {
     uint32_t size[3];
     bool color, material; /* whether the channel is written */
     svo_voxel *sorted; /* by slice and row; owned */
+    uint8_t **entries; /* bytes that the archive refers to until it is closed; owned */
+    size_t entry_count, entry_capacity;
 } svx_writer;
-
-/* Bytes that grow. */
-typedef struct growing {
-    uint8_t *bytes; /* owned */
-    size_t used, capacity;
-    bool failed;
-} growing;
-
-static void grow(void *user, void *bytes, int byte_count)
-{
-    growing *to = user;
-    const size_t needed = to->used + (size_t)byte_count;
-    if (needed > to->capacity && !to->failed) {
-        uint8_t *larger = realloc(to->bytes, 2 * needed);
-        to->failed = larger == NULL;
-        to->bytes = larger != NULL ? larger : to->bytes;
-        to->capacity = larger != NULL ? 2 * needed : to->capacity;
-    }
-    if (!to->failed) {
-        memcpy(to->bytes + to->used, bytes, (size_t)byte_count);
-        to->used = needed;
-    }
-}
 
 static svo_status no_memory(const svx_writer *w)
 {
     return svo_i_voxels_write_fail(w->out, SVO_OUT_OF_HOST_MEMORY, "no memory for a .svx archive");
 }
 
-/* Adds an entry that takes over bytes, which came from malloc. */
+/* Adds an entry. Takes over bytes, which came from malloc, also on failure. */
 static svo_status add_entry(svx_writer *w, const char *name, uint8_t *bytes, size_t byte_count)
 {
-    zip_source_t *source = zip_source_buffer(w->archive, bytes, byte_count, 1);
+    if (w->entry_count == w->entry_capacity) {
+        const size_t capacity = 2 * w->entry_capacity + 64;
+        uint8_t **larger = realloc((void *)w->entries, capacity * sizeof *larger);
+        if (larger == NULL) {
+            free(bytes);
+            return no_memory(w);
+        }
+        w->entries = larger;
+        w->entry_capacity = capacity;
+    }
+    w->entries[w->entry_count++] = bytes;
+    zip_source_t *source = zip_source_buffer(w->archive, bytes, byte_count, 0);
     if (source == NULL) {
-        free(bytes);
         return no_memory(w);
     }
     const zip_int64_t index = zip_file_add(w->archive, name, source, ZIP_FL_ENC_UTF_8);
@@ -75,11 +57,7 @@ static svo_status add_entry(svx_writer *w, const char *name, uint8_t *bytes, siz
         zip_source_free(source);
         return no_memory(w);
     }
-    if (zip_file_set_dostime(w->archive, (zip_uint64_t)index, 0, DOS_DATE, 0) != 0 ||
-        zip_set_file_compression(w->archive, (zip_uint64_t)index, ZIP_CM_STORE, 0) != 0) {
-        return no_memory(w);
-    }
-    return SVO_OK;
+    return zip_file_set_dostime(w->archive, (zip_uint64_t)index, 0, DOS_DATE, 0) == 0 ? SVO_OK : no_memory(w);
 }
 
 /* Adds the text of a channel to the manifest. Returns the new length. */
@@ -131,23 +109,21 @@ static void draw(const svx_writer *w, svx_kind kind, const svo_voxel *voxels, si
 static svo_status add_image(svx_writer *w, svx_kind kind, uint32_t slice, const svo_voxel *voxels, size_t count)
 {
     static const char *const folders[SVX_KINDS] = {"density", "color", "material"};
-    const int channels = kind == SVX_COLOR ? 3 : 1;
+    const uint32_t channels = kind == SVX_COLOR ? 3 : 1;
     char name[64];
-    growing png = {.bytes = NULL};
-    uint8_t *pixels = calloc((size_t)w->size[0] * w->size[2], (size_t)channels);
+    size_t byte_count = 0;
+    uint8_t *pixels = calloc((size_t)w->size[0] * w->size[2], channels);
     if (pixels == NULL) {
         return no_memory(w);
     }
     draw(w, kind, voxels, count, pixels);
-    const int written = stbi_write_png_to_func(grow, &png, (int)w->size[0], (int)w->size[2], channels, pixels,
-                                               (int)w->size[0] * channels);
+    uint8_t *png = svo_i_svx_png_write(pixels, w->size[0], w->size[2], channels, &byte_count);
     free(pixels);
-    if (written == 0 || png.failed) {
-        free(png.bytes);
+    if (png == NULL) {
         return no_memory(w);
     }
     (void)snprintf(name, sizeof name, "%s/slice%04u.png", folders[kind], slice);
-    return add_entry(w, name, png.bytes, png.used);
+    return add_entry(w, name, png, byte_count);
 }
 
 static svo_status add_slices(svx_writer *w)
@@ -244,6 +220,10 @@ svo_status svo_i_voxels_write_svx(voxel_writer *writer)
         zip_source_free(source);
     }
     zip_error_fini(&error);
+    for (size_t i = 0; i < w.entry_count; ++i) {
+        free(w.entries[i]);
+    }
+    free((void *)w.entries);
     free(w.sorted);
     return status;
 }
