@@ -194,22 +194,27 @@ static svo_status add_slice(svx_reader *r, uint32_t slice, const svx_image image
     return SVO_OK;
 }
 
-static svo_status read_slices(svx_reader *r)
+static svo_status read_slice_images(svx_reader *r, uint32_t slice)
 {
     svo_status status = SVO_OK;
-    for (uint32_t slice = 0; slice < r->slice_count && status == SVO_OK; ++slice) {
-        svx_image images[SVX_KINDS] = {{.gray = NULL}};
-        for (int kind = 0; kind < SVX_KINDS && status == SVO_OK; ++kind) {
-            status = read_slice(r, (svx_kind)kind, slice, &images[kind]);
-        }
-        if (status == SVO_OK) {
-            status = add_slice(r, slice, images);
-        }
-        for (int kind = 0; kind < SVX_KINDS; ++kind) {
-            svo_i_svx_png_free(&images[kind]);
-        }
+    svx_image images[SVX_KINDS] = {{.gray = NULL}};
+    for (int kind = 0; kind < SVX_KINDS; ++kind) {
+        SVO_I_TRY_CLEANUP(read_slice(r, (svx_kind)kind, slice, &images[kind]));
+    }
+    status = add_slice(r, slice, images);
+cleanup:
+    for (int kind = 0; kind < SVX_KINDS; ++kind) {
+        svo_i_svx_png_free(&images[kind]);
     }
     return status;
+}
+
+static svo_status read_slices(svx_reader *r)
+{
+    for (uint32_t slice = 0; slice < r->slice_count; ++slice) {
+        SVO_I_TRY(read_slice_images(r, slice));
+    }
+    return SVO_OK;
 }
 
 static svo_status read_archive(svx_reader *r)

@@ -3,6 +3,7 @@
 #include "svocl/subjects.h"
 
 #include "bench/builders.h"
+#include "bench/convert.h"
 #include "bench/filter.h"
 #include "bench/import.h"
 #include "bench/leaving_out.h"
@@ -24,6 +25,7 @@ const suite_subject *const subjects[] = {
     &bench_filter,
     &bench_startup,
     &bench_import,
+    &bench_convert,
     &bench_rays,
     &bench_leaving_out,
     &bench_scene_sizes,
