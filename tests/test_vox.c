@@ -80,7 +80,7 @@ static bool matrix_of(int byte, double matrix[3][3])
     return true;
 }
 
-static void apply(const double matrix[3][3], const int32_t moved[3], double point[3])
+static void apply(double matrix[3][3], const int32_t moved[3], double point[3])
 {
     double made[3];
     for (int row = 0; row < 3; ++row) {

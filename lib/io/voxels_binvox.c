@@ -162,17 +162,29 @@ static svo_status check_runs(const voxel_reader *reader, size_t data, uint64_t c
                                       cells, reader->byte_count);
 }
 
+/* Goes to the next cell of the grid. */
+static void next_cell(const header *read, uint32_t cell[3])
+{
+    if (++cell[1] == read->dim[2]) {
+        cell[1] = 0;
+        if (++cell[2] == read->dim[1]) {
+            cell[2] = 0;
+            ++cell[0];
+        }
+    }
+}
+
 /* Values of version 2 stand for materials. */
 static void add_runs(voxel_reader *reader, const header *read, size_t data)
 {
-    uint64_t cell = 0;
+    uint32_t cell[3] = {0, 0, 0}; /* x, y, z */
     for (size_t at = data; at < reader->byte_count; at += 2) {
         const uint8_t value = reader->bytes[at];
-        for (unsigned i = 0; i < reader->bytes[at + 1]; ++i, ++cell) {
+        for (unsigned i = 0; i < reader->bytes[at + 1]; ++i, next_cell(read, cell)) {
             if (value != 0) {
-                svo_i_voxels_add(reader, (svo_voxel){.x = (int32_t)(cell / read->dim[2] / read->dim[1]),
-                                                     .y = (int32_t)(cell % read->dim[2]),
-                                                     .z = (int32_t)(cell / read->dim[2] % read->dim[1]),
+                svo_i_voxels_add(reader, (svo_voxel){.x = (int32_t)cell[0],
+                                                     .y = (int32_t)cell[1],
+                                                     .z = (int32_t)cell[2],
                                                      .rgba = {255, 255, 255, 255},
                                                      .material = reader->info.version == 2 ? value : 0});
             }

@@ -128,8 +128,8 @@ static svo_status read_attributes(vox_cursor *cursor, attributes *read)
     *read = (attributes){.transform = {.column = {0, 1, 2}, .sign = {1, 1, 1}}, .frame = -1};
     SVO_I_TRY(read_pair_count(cursor, &count));
     for (int32_t i = 0; i < count; ++i) {
-        vox_text key;
-        vox_text value;
+        vox_text key = {.byte_count = 0};
+        vox_text value = {.byte_count = 0};
         SVO_I_TRY(read_text(cursor, &key));
         SVO_I_TRY(read_text(cursor, &value));
         SVO_I_TRY(read_attribute(cursor, key, value, read));
@@ -267,8 +267,8 @@ svo_status svo_i_vox_read_matl(vox_file *file, vox_cursor *cursor)
     SVO_I_TRY(read_material_id(cursor, &id));
     SVO_I_TRY(read_pair_count(cursor, &count));
     for (int32_t i = 0; i < count; ++i) {
-        vox_text key;
-        vox_text value;
+        vox_text key = {.byte_count = 0};
+        vox_text value = {.byte_count = 0};
         SVO_I_TRY(read_text(cursor, &key));
         SVO_I_TRY(read_text(cursor, &value));
         if (key.byte_count == 0) {

@@ -223,8 +223,9 @@ static svo_status sort_nodes(const walk *w)
 static svo_status place_scene(vox_file *file)
 {
     svo_status status = SVO_OK;
-    walk w = {.file = file, .counts = true, .path = malloc(VOX_DEPTH_MAX * sizeof *w.path)};
-    if (w.path == NULL) {
+    step *path = calloc(VOX_DEPTH_MAX, sizeof *path);
+    walk w = {.file = file, .counts = true, .path = path};
+    if (path == NULL) {
         return svo_i_voxels_fail(file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the scene");
     }
     SVO_I_TRY_CLEANUP(sort_nodes(&w));
@@ -234,7 +235,7 @@ static svo_status place_scene(vox_file *file)
     w.counts = false;
     SVO_I_TRY_CLEANUP(walk_scene(&w));
 cleanup:
-    free(w.path);
+    free(path);
     return status;
 }
 

@@ -83,7 +83,7 @@ static svo_status find_blocks(vox_writer *w)
                                        "the voxels lie in %" PRIu64 " blocks of 256^3, above the limit of %d models",
                                        count, SVO_VOXEL_INSTANCES_MAX);
     }
-    w->blocks = malloc((size_t)(count + 1) * sizeof *w->blocks);
+    w->blocks = calloc((size_t)count + 1, sizeof *w->blocks);
     if (w->blocks == NULL) {
         return svo_i_voxels_write_fail(out, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " models", count);
     }

@@ -106,7 +106,7 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
         offset[axis] = of_world ? (int32_t)info->origin[axis] : 0;
         source.origin[axis] = of_world ? 0.0 : info->origin[axis];
     }
-    svo_voxel *voxels = malloc((size_t)info->leaf_count * sizeof *voxels + 1);
+    svo_voxel *voxels = calloc((size_t)info->leaf_count + 1, sizeof *voxels);
     if (voxels == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                           (unsigned long long)info->leaf_count);

@@ -26,26 +26,25 @@ typedef struct sphere {
     svo_tree *tree; /* by the second */
     uint8_t *file; /* of the last step that wrote one; owned */
     size_t file_bytes, file_capacity;
+    bool uses_file; /* set by steps that write or read one */
 } sphere;
 
-/* One thing to measure: a step does its work once and says how many bytes it made, 0 for no file. */
+/* One thing to measure: does its work once. */
 typedef struct convert_step {
     const char *name;
-    svo_status (*run)(sphere *of, svo_message *message, uint64_t *bytes);
+    svo_status (*run)(sphere *of, svo_message *message);
 } convert_step;
 
-static svo_status make_list(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status make_list(sphere *of, svo_message *message)
 {
     const svo_voxels_source source = {.struct_size = sizeof source, .voxels = of->given, .voxel_count = of->count};
-    (void)bytes;
     svo_voxels_destroy(&of->voxels);
     return svo_voxels_create(&source, &of->voxels, message);
 }
 
-static svo_status make_tree(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status make_tree(sphere *of, svo_message *message)
 {
     const session *opened = &of->all->opened;
-    (void)bytes;
     svo_tree_destroy(&of->tree);
     const svo_status status = svo_voxels_build(opened->device, of->voxels, 0, NULL, opened->queue, &of->tree, NULL);
     if (status != SVO_OK) {
@@ -54,10 +53,9 @@ static svo_status make_tree(sphere *of, svo_message *message, uint64_t *bytes)
     return status;
 }
 
-static svo_status take_leaves(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status take_leaves(sphere *of, svo_message *message)
 {
     svo_voxels *leaves = NULL;
-    (void)bytes;
     svo_status status = svo_tree_download(of->tree, of->all->opened.queue);
     if (status == SVO_OK) {
         status = svo_tree_get_voxels(of->tree, &leaves, message);
@@ -83,28 +81,27 @@ static int keep_bytes(void *user, const void *bytes, size_t byte_count)
     return 0;
 }
 
-static svo_status write_as(sphere *of, svo_voxel_format format, svo_message *message, uint64_t *bytes)
+static svo_status write_as(sphere *of, svo_voxel_format format, svo_message *message)
 {
     of->file_bytes = 0;
-    const svo_status status = svo_voxels_write(of->voxels, format, keep_bytes, of, NULL, message);
-    *bytes = of->file_bytes;
-    return status;
+    of->uses_file = true;
+    return svo_voxels_write(of->voxels, format, keep_bytes, of, NULL, message);
 }
 
-static svo_status write_vox(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status write_vox(sphere *of, svo_message *message)
 {
-    return write_as(of, SVO_VOXEL_FORMAT_VOX, message, bytes);
+    return write_as(of, SVO_VOXEL_FORMAT_VOX, message);
 }
 
-static svo_status write_binvox(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status write_binvox(sphere *of, svo_message *message)
 {
-    return write_as(of, SVO_VOXEL_FORMAT_BINVOX, message, bytes);
+    return write_as(of, SVO_VOXEL_FORMAT_BINVOX, message);
 }
 
-static svo_status read_file(sphere *of, svo_message *message, uint64_t *bytes)
+static svo_status read_file(sphere *of, svo_message *message)
 {
     svo_voxels *read = NULL;
-    *bytes = of->file_bytes;
+    of->uses_file = true;
     const svo_status status = svo_voxels_load_memory(of->file, of->file_bytes, "sphere", NULL, &read, NULL, message);
     svo_voxels_destroy(&read);
     return status;
@@ -148,10 +145,12 @@ static int measure(sphere *of, double *times, uint64_t bytes[STEPS])
     for (size_t round = 0; round <= repeats; ++round) {
         for (size_t i = 0; i < STEPS; ++i) {
             svo_message message = {""};
+            of->uses_file = false;
             const double start_ms = input_now_ms();
-            if (steps[i].run(of, &message, &bytes[i]) != SVO_OK) {
+            if (steps[i].run(of, &message) != SVO_OK) {
                 return program_fail_library(of->all->state, message.text);
             }
+            bytes[i] = of->uses_file ? of->file_bytes : 0;
             if (round > 0) {
                 times[i * repeats + round - 1] = input_now_ms() - start_ms;
             }
