@@ -2,7 +2,7 @@
 /* In place of the .svx reader and writer, where the library is built without what they need. */
 #include "io/voxels_formats.h"
 
-#define REASON ".svx needs libzip, expat and stb, which svocl was built without"
+#define REASON ".svx needs libzip and expat, which svocl was built without"
 
 svo_status svo_i_voxels_read_svx(voxel_reader *reader)
 {

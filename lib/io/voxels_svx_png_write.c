@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/voxels_svx_png.h"
-
 #define BLOCK_BYTES_MAX 65535u /* of zlib's stored blocks */
 #define ADLER           65521u
+#define CHUNK_BYTES     12u /* length, kind and checksum */
+#define HEADER_BYTES    13u
 
 /* A file that is being written, into memory that is large enough. */
 typedef struct png_writer {
@@ -60,11 +60,18 @@ static void end_chunk(png_writer *png)
 static void put_header(png_writer *png, uint32_t width, uint32_t height, uint32_t channels)
 {
     const uint8_t format[5] = {8, channels == 3 ? 2 : 0, 0, 0, 0}; /* bits, color, packing, filters, no interlace */
-    begin_chunk(png, "IHDR", 13);
+    begin_chunk(png, "IHDR", HEADER_BYTES);
     put_u32(png, width);
     put_u32(png, height);
     put(png, format, sizeof format);
     end_chunk(png);
+}
+
+/* Bytes of the pixels' chunk: zlib's header, the heads of its blocks, the rows, and its checksum. */
+static size_t pixel_bytes(size_t row_bytes, uint32_t height)
+{
+    const size_t rows = (row_bytes + 1) * height;
+    return 2 + (rows + BLOCK_BYTES_MAX - 1) / BLOCK_BYTES_MAX * 5 + rows + 4;
 }
 
 /* Puts the rows, each after the byte of its filter, in blocks. */
@@ -75,7 +82,7 @@ static void put_rows(png_writer *png, const uint8_t *pixels, size_t row_bytes, u
     size_t in_block = 0;
     uint32_t low = 1;
     uint32_t high = 0;
-    begin_chunk(png, "IDAT", 2 + (left + BLOCK_BYTES_MAX - 1) / BLOCK_BYTES_MAX * 5 + left + 4);
+    begin_chunk(png, "IDAT", pixel_bytes(row_bytes, height));
     put(png, zlib_header, sizeof zlib_header);
     for (size_t i = 0; left > 0; ++i, --left, --in_block) {
         if (in_block == 0) {
@@ -98,17 +105,18 @@ uint8_t *svo_i_svx_png_write(const uint8_t *pixels, uint32_t width, uint32_t hei
                              size_t *byte_count)
 {
     static const uint8_t signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    png_writer png = {.bytes = malloc((size_t)svo_i_svx_png_bytes_max(width, height))};
+    const size_t row_bytes = (size_t)width * channels;
+    const size_t all = sizeof signature + 3 * CHUNK_BYTES + HEADER_BYTES + pixel_bytes(row_bytes, height);
+    png_writer png = {.bytes = malloc(all)};
     if (png.bytes == NULL) {
         return NULL;
     }
     fill_sums(&png);
     put(&png, signature, sizeof signature);
     put_header(&png, width, height, channels);
-    put_rows(&png, pixels, (size_t)width * channels, height);
+    put_rows(&png, pixels, row_bytes, height);
     begin_chunk(&png, "IEND", 0);
     end_chunk(&png);
     *byte_count = png.count;
-    uint8_t *fitting = realloc(png.bytes, png.count);
-    return fitting != NULL ? fitting : png.bytes;
+    return png.bytes;
 }

@@ -71,7 +71,7 @@ static svo_status find_bounds(const svo_voxel *voxels, uint64_t count, svo_voxel
             return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %c coordinates %d .. %d are not in %d .. %d",
                               create_name, "xyz"[axis], low[axis], high[axis], -COORDINATE_MAX, COORDINATE_MAX);
         }
-        if (high[axis] - low[axis] >= SVO_VOXELS_EXTENT_MAX) {
+        if ((int64_t)high[axis] - low[axis] >= SVO_VOXELS_EXTENT_MAX) {
             return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %c coordinates %d .. %d span more than %d voxels",
                               create_name, "xyz"[axis], low[axis], high[axis], SVO_VOXELS_EXTENT_MAX);
         }
@@ -230,7 +230,7 @@ svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, 
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %" PRIu64 " voxels", create_name,
                           given.voxel_count);
     }
-    if (bytes > 0) {
+    if (given.voxel_count > 0) {
         memcpy(voxels, given.voxels, bytes);
     }
     return svo_i_voxels_take(&given, voxels, spare, out, message);
