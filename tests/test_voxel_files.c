@@ -4,6 +4,7 @@
  * files that are cut off or changed are refused in one line or read. Points and cubes against a search through all
  * voxels.
  */
+#include <dirent.h>
 #include <inttypes.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,28 +66,27 @@ static svo_voxels_info info_of(const svo_voxels *voxels)
     return info;
 }
 
-/* The world position of a voxel's corner. */
-static double world(const svo_voxels_info *info, const svo_voxel *voxel, int axis)
-{
-    const int32_t place[3] = {voxel->x, voxel->y, voxel->z};
-    return info->origin[axis] + place[axis] * info->voxel_edge;
-}
-
-/* Whether two lists have the same voxels in the world. */
+/* Whether two lists have the same voxels in the world: the same least corner, bit for bit, and the same places from
+   there on. Then their trees are the same. */
 static void expect_same(const svo_voxels *a, const svo_voxels *b, bool colors, bool materials)
 {
     const svo_voxels_info left = info_of(a);
     const svo_voxels_info right = info_of(b);
     assert_int_equal(left.voxel_count, right.voxel_count);
+    assert_true(left.voxel_edge == right.voxel_edge);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double one = left.origin[axis] + left.low[axis] * left.voxel_edge;
+        const double other = right.origin[axis] + right.low[axis] * right.voxel_edge;
+        if (one != other) {
+            fail_msg("axis %d begins at %.17g and %.17g", axis, one, other);
+        }
+    }
     for (uint64_t i = 0; i < left.voxel_count; ++i) {
         const svo_voxel *one = &svo_voxels_get(a)[i];
         const svo_voxel *other = &svo_voxels_get(b)[i];
-        for (int axis = 0; axis < 3; ++axis) {
-            if (world(&left, one, axis) != world(&right, other, axis)) {
-                fail_msg("voxel %" PRIu64 " axis %d: %.17g and %.17g", i, axis, world(&left, one, axis),
-                         world(&right, other, axis));
-            }
-        }
+        assert_int_equal(one->x - left.low[0], other->x - right.low[0]);
+        assert_int_equal(one->y - left.low[1], other->y - right.low[1]);
+        assert_int_equal(one->z - left.low[2], other->z - right.low[2]);
         assert_true(!colors || memcmp(one->rgba, other->rgba, 4) == 0);
         assert_true(!materials || one->material == other->material);
     }
@@ -523,6 +523,47 @@ static void test_cubes_have_outer_faces_alone(void **state)
     bytes_free(&file);
 }
 
+/* ---- real files ---- */
+
+/* Every file of a folder that can be read, there and back in its own format. Returns how many there were. */
+static int round_trip_folder(const char *folder)
+{
+    DIR *opened = opendir(folder);
+    int count = 0;
+    for (const struct dirent *entry = opened != NULL ? readdir(opened) : NULL; entry != NULL; entry = readdir(opened)) {
+        char path[512];
+        svo_voxels *voxels = NULL;
+        svo_message message = {""};
+        const svo_voxel_format format = svo_voxel_format_of_path(entry->d_name);
+        (void)snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (format < SVO_VOXEL_FORMAT_VOX || format > SVO_VOXEL_FORMAT_BINVOX ||
+            (format == SVO_VOXEL_FORMAT_SVX && !has_svx())) {
+            continue;
+        }
+        if (svo_voxels_load(path, NULL, &voxels, NULL, &message) != SVO_OK) {
+            fail_msg("%s", message.text);
+        }
+        check_round_trip(voxels, format, true, true);
+        svo_voxels_destroy(&voxels);
+        ++count;
+    }
+    if (opened != NULL) {
+        closedir(opened);
+    }
+    return count;
+}
+
+static void test_real_files_there_and_back(void **state)
+{
+    (void)state;
+    const int count = round_trip_folder(SHARED_SCENES "/vox") + round_trip_folder(SHARED_SCENES "/voxel-other");
+    if (count == 0) {
+        print_message("skipped: no files in %s\n", SHARED_SCENES);
+        skip();
+    }
+    assert_true(count >= 21);
+}
+
 /* ---- damage ---- */
 
 /* Reads bytes that may be damaged: one line that begins with the name, or a list. */
@@ -689,6 +730,7 @@ int main(void)
         cmocka_unit_test(test_binvox_damage),
         cmocka_unit_test(test_points),
         cmocka_unit_test(test_cubes_have_outer_faces_alone),
+        cmocka_unit_test(test_real_files_there_and_back),
         cmocka_unit_test(test_damaged_vox),
         cmocka_unit_test(test_damaged_binvox),
         cmocka_unit_test(test_damaged_svx),

@@ -20,26 +20,10 @@
 #include "errors/e5_conditioning.h"
 
 const suite_subject *const subjects[] = {
-    &bench_voxelize,
-    &bench_builders,
-    &bench_filter,
-    &bench_startup,
-    &bench_import,
-    &bench_convert,
-    &bench_rays,
-    &bench_leaving_out,
-    &bench_scene_sizes,
-    &bench_memory,
-    &bench_thesis_2020,
-    &bench_thesis_2016,
-    &bench_peer_embree,
-    &bench_peer_openvdb,
-    &errors_voxelization,
-    &errors_rays,
-    &errors_attributes,
-    &errors_detail,
-    &errors_conditioning,
-    NULL,
+    &bench_voxelize,    &bench_builders,    &bench_filter,      &bench_startup,       &bench_import,
+    &bench_convert,     &bench_rays,        &bench_leaving_out, &bench_scene_sizes,   &bench_memory,
+    &bench_thesis_2020, &bench_thesis_2016, &bench_peer_embree, &bench_peer_openvdb,  &errors_voxelization,
+    &errors_rays,       &errors_attributes, &errors_detail,     &errors_conditioning, NULL,
 };
 
 bool subjects_know(const char *wanted)
