@@ -14,7 +14,8 @@ set(svocl_pkgconfig_io_modules "")
 if(svocl_type STREQUAL "STATIC_LIBRARY")
   set(svocl_static TRUE)
   set(svocl_pkgconfig_definitions " -DSVO_STATIC")
-  set(svocl_pkgconfig_io_modules "assimp libzstd")
+  list(JOIN svocl_svx_modules " " modules)
+  string(STRIP "assimp libzstd ${modules}" svocl_pkgconfig_io_modules)
 endif()
 
 # svocl_install_library(target component name): installs target as svocl::component with svocl-component.cmake and

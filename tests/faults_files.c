@@ -203,6 +203,92 @@ static svo_status run_load_kernels(subject *of)
     return status;
 }
 
+/*
+ * Voxels: lists, their trees and files.
+ */
+
+/* A file in memory. */
+typedef struct voxel_bytes {
+    uint8_t bytes[1 << 16];
+    size_t count;
+} voxel_bytes;
+
+static int put_voxel_bytes(void *user, const void *bytes, size_t byte_count)
+{
+    voxel_bytes *to = user;
+    if (byte_count > sizeof to->bytes - to->count) {
+        return 1;
+    }
+    memcpy(to->bytes + to->count, bytes, byte_count);
+    to->count += byte_count;
+    return 0;
+}
+
+/* Writes a list in one format, and reads it again. */
+static svo_status write_and_read(subject *of, const svo_voxels *voxels, svo_voxel_format format)
+{
+    static voxel_bytes file;
+    svo_voxels *again = NULL;
+    svo_voxels_info info = SVO_VOXELS_INFO_INIT;
+    file.count = 0;
+    SVO_I_TRY(svo_voxels_write(voxels, format, put_voxel_bytes, &file, NULL, &of->message));
+    digest(of, file.bytes, file.count);
+    SVO_I_TRY(svo_voxels_load_memory(file.bytes, file.count, world.vox_path, NULL, &again, NULL, &of->message));
+    (void)svo_voxels_get_info(again, &info);
+    digest(of, svo_voxels_get(again), info.voxel_count * sizeof(svo_voxel));
+    svo_voxels_destroy(&again);
+    return SVO_OK;
+}
+
+static svo_status use_voxels(subject *of, const svo_voxels *voxels)
+{
+    svo_voxels *again = NULL;
+    SVO_I_TRY(write_and_read(of, voxels, SVO_VOXEL_FORMAT_VOX));
+    SVO_I_TRY(write_and_read(of, voxels, SVO_VOXEL_FORMAT_BINVOX));
+    const svo_status status = write_and_read(of, voxels, SVO_VOXEL_FORMAT_SVX);
+    if (status != SVO_OK && status != SVO_UNSUPPORTED) {
+        return status;
+    }
+    SVO_I_TRY(svo_voxels_save(voxels, world.vox_path, SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
+    SVO_I_TRY(svo_voxels_load(world.vox_path, NULL, &again, NULL, &of->message));
+    svo_voxels_destroy(&again);
+    return SVO_OK;
+}
+
+/* A list, its tree and files. */
+static svo_status run_voxels(subject *of)
+{
+    static const svo_voxel_property property = {9, "_type", "_glass"};
+    svo_voxel given[TRIANGLES];
+    svo_voxels *voxels = NULL, *again = NULL;
+    svo_tree *tree = NULL;
+    for (int i = 0; i < TRIANGLES; ++i) {
+        given[i] = (svo_voxel){.x = i % 4, .y = i * 7 % 5, .z = i % 3, .rgba = {(uint8_t)i, 1, 2, 255}, .material = 9};
+    }
+    const svo_voxels_source source = {.struct_size = sizeof source,
+                                      .voxels = given,
+                                      .voxel_count = TRIANGLES,
+                                      .properties = &property,
+                                      .property_count = 1};
+    svo_status status = svo_voxels_create(&source, &voxels, &of->message);
+    if (status == SVO_OK) {
+        status = use_voxels(of, voxels);
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, svo_voxels_build(world.device, voxels, 0, NULL, world.queue, &tree, NULL));
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, digest_tree(of, tree));
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_get_voxels(tree, &again, &of->message);
+    }
+    svo_tree_destroy(&tree);
+    svo_voxels_destroy(&again);
+    svo_voxels_destroy(&voxels);
+    return status;
+}
+
 static const scenario rows[] = {
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
@@ -214,6 +300,7 @@ static const scenario rows[] = {
     {"import_ply", false, true, prepare_ply, run_import, NULL, destroy_all},
     {"import_stl", false, true, prepare_stl, run_import, NULL, destroy_all},
     {"import_off", false, true, prepare_off, run_import, NULL, destroy_all},
+    {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
     {"save_kernels", false, false, prepare_nothing, run_save_kernels, NULL, destroy_all},
     {"load_kernels", false, false, prepare_nothing, run_load_kernels, NULL, destroy_all},
 };

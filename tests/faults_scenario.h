@@ -38,7 +38,7 @@ typedef struct faults_world {
     char folder[64];
     char obj_path[128], ply_path[128], stl_path[128], off_path[128];
     char gltf_path[128], kernels_folder[128];
-    char tree_path[128], packed_path[128], compact_path[128], report_path[128];
+    char tree_path[128], packed_path[128], compact_path[128], vox_path[128], report_path[128];
     uint64_t stride;
     uint64_t failed_calls[FAULT_KINDS], recovered;
     unsigned violations;

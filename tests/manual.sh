@@ -61,7 +61,8 @@ cd "$work"
 touch model.obj 'my model.ply'
 mkdir folder
 expect_completion 'build bench' svocl b
-expect_completion '--frontend' svocl build --fr
+expect_completion '--frontend' svocl build --fro
+expect_completion 'model.obj' svocl convert mo
 expect_completion '--depth --device' svocl build --de
 expect_completion 'cl' svocl build scene : cube --frontend c
 expect_completion 'gl-expand gl-hw' svocl build --frontend = gl

@@ -445,6 +445,7 @@ static int open_world(void **state)
     (void)snprintf(world.kernels_folder, sizeof world.kernels_folder, "%s/kernels", world.folder);
     (void)snprintf(world.tree_path, sizeof world.tree_path, "%s/a.svo", world.folder);
     (void)snprintf(world.compact_path, sizeof world.compact_path, "%s/a.svc", world.folder);
+    (void)snprintf(world.vox_path, sizeof world.vox_path, "%s/a.vox", world.folder);
     (void)snprintf(world.packed_path, sizeof world.packed_path, "%s/b.svo", world.folder);
     (void)snprintf(world.report_path, sizeof world.report_path, "%s/report", world.folder);
     assert_int_equal(setenv(CHILD_REPORT_VARIABLE, world.report_path, 1), 0);
@@ -489,7 +490,7 @@ static int close_world(void **state)
     remove_kernels();
     (void)rmdir(world.kernels_folder);
     const char *const names[] = {"a.gltf", "a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl",
-                                 "a.off",  "a.svo", "b.svo", "a.svc", "report"};
+                                 "a.off",  "a.svo", "b.svo", "a.svc", "a.vox", "report"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char path[160];
         (void)snprintf(path, sizeof path, "%s/%s", world.folder, names[i]);

@@ -766,6 +766,45 @@ static void the_hash_is_the_same_by_every_method(void **state)
     }
 }
 
+static void voxel_files_are_converted(void **state)
+{
+    (void)state;
+    need_builds();
+    /* Two voxels of a cube of eight. */
+    run_well(
+        "printf '#binvox 1\\ndim 2 2 2\\ntranslate 3 4 5\\nscale 2\\ndata\\n\\000\\003\\001\\002\\000\\003' >a.binvox");
+    run_well("$SVOCL convert a.binvox a.svo");
+    assert_non_null(strstr(last.output, "2 leaves"));
+    cJSON *document = run_json("$SVOCL convert a.svo b.vox --json");
+    assert_string_equal(text_of(cJSON_GetObjectItem(document, "written"), "format"), "vox");
+    cJSON_Delete(document);
+    run_well("$SVOCL hash a.svo >one.txt && $SVOCL hash a.binvox >two.txt && cmp one.txt two.txt");
+    /* Materials of .vox files begin at 1. */
+    run_well("$SVOCL hash a.svo --nodes >one.txt && $SVOCL convert b.vox c.svo -q");
+    run_well("$SVOCL hash c.svo --nodes >two.txt && cmp one.txt two.txt");
+    run_well("$SVOCL hash - --nodes <b.vox >two.txt && cmp one.txt two.txt");
+    run_well("$SVOCL convert b.vox d.ply -q && $SVOCL convert b.vox d.obj && $SVOCL render b.vox -o d.png --size 9x9");
+    document = run_json("$SVOCL build b.vox -d 3 --json");
+    assert_int_equal((int)number_of(document, "depth"), 3);
+    assert_int_equal((int)number_of(cJSON_GetObjectItem(document, "voxels"), "distinct_voxels"), 2);
+    cJSON_Delete(document);
+    run_badly("$SVOCL convert a.binvox", 2, "OUT is missing");
+    run_badly("$SVOCL convert a.binvox x.tga", 2, "OUT x.tga is not");
+    run_badly("$SVOCL convert x.obj x.vox", 2, "IN x.obj is not");
+    run_badly("$SVOCL convert a.svo x.vox --frame 1", 2, "--frame");
+    run_badly("$SVOCL convert a.binvox x.vox --compress", 2, "--compress");
+    run_badly("$SVOCL convert a.binvox no/x.vox", 1, "no/x.vox");
+    run_badly("$SVOCL convert no.vox x.vox", 1, "no.vox");
+    run_badly("$SVOCL verify b.vox", 2, "no rays");
+    run_badly("$SVOCL build b.vox --need normal", 2, "no normal");
+    run_badly("$SVOCL build b.vox --coverage closed", 2, "--coverage");
+    run_badly("$SVOCL build scene:cube --hidden", 2, "--hidden");
+    run_badly("head -c 51 a.binvox >e.binvox; $SVOCL hash e.binvox", 1, "e.binvox: data: ");
+    static const char *const kept[] = {"a.binvox", "a.svo", "b.vox",    "c.svo",   "d.obj",
+                                       "d.ply",    "d.png", "e.binvox", "one.txt", "two.txt"};
+    expect_files(kept, sizeof kept / sizeof kept[0]);
+}
+
 static void hash_says_what_ran(void **state)
 {
     (void)state;
@@ -1041,6 +1080,7 @@ int main(void)
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),
                                        IN_FOLDER(verify_finds_every_scene_exact),
                                        IN_FOLDER(the_hash_is_the_same_by_every_method),
+                                       IN_FOLDER(voxel_files_are_converted),
                                        IN_FOLDER(hash_says_what_ran),
                                        IN_FOLDER(a_picture_is_written),
                                        IN_FOLDER(rays_from_a_file_become_hits),

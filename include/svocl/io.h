@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows.
+ * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows. It includes
+ * voxel_files.h, whose subject is voxels.
  *
  * The .svo format, version 1. All numbers are little-endian; offsets are bytes from the start of the file.
  *
@@ -66,6 +67,7 @@
 #include "svocl/mesh.h"
 #include "svocl/status.h"
 #include "svocl/tree.h"
+#include "svocl/voxel_files.h"
 
 #ifdef __cplusplus
 extern "C" {

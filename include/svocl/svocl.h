@@ -12,6 +12,7 @@
  *     rays        triangles, voxels, pictures      trace.h
  *     svo_compact smaller forms of a tree          compact.h
  *     svo_scene   many placed trees                scene.h
+ *     svo_voxels  given voxels -> tree, and back   voxels.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
@@ -30,5 +31,6 @@
 #include "svocl/trace.h"
 #include "svocl/tree.h"
 #include "svocl/version.h"
+#include "svocl/voxels.h"
 
 #endif

@@ -56,6 +56,8 @@ static void initialize_structs()
     EXPECT_SIZE(svo_tree_info, SVO_TREE_INFO_INIT);
     EXPECT_SIZE(svo_tree_arrays, SVO_TREE_ARRAYS_INIT);
     EXPECT_SIZE(svo_render_options, SVO_RENDER_OPTIONS_INIT);
+    EXPECT_SIZE(svo_voxels_source, SVO_VOXELS_SOURCE_INIT);
+    EXPECT_SIZE(svo_voxels_info, SVO_VOXELS_INFO_INIT);
 #ifdef HAVE_GL
     EXPECT_SIZE(svo_gl_context_options, SVO_GL_CONTEXT_OPTIONS_INIT);
     EXPECT_SIZE(svo_gl_context_info, SVO_GL_CONTEXT_INFO_INIT);
@@ -65,6 +67,9 @@ static void initialize_structs()
     EXPECT_SIZE(svo_load_options, SVO_LOAD_OPTIONS_INIT);
     EXPECT_SIZE(svo_save_options, SVO_SAVE_OPTIONS_INIT);
     EXPECT_SIZE(svo_import_options, SVO_IMPORT_OPTIONS_INIT);
+    EXPECT_SIZE(svo_voxels_load_options, SVO_VOXELS_LOAD_OPTIONS_INIT);
+    EXPECT_SIZE(svo_voxel_file_info, SVO_VOXEL_FILE_INFO_INIT);
+    EXPECT_SIZE(svo_voxels_save_info, SVO_VOXELS_SAVE_INFO_INIT);
 #endif
 }
 

@@ -50,9 +50,13 @@ static void print_what_ran(const job *done)
     const unsigned long width = 1UL << result->info.depth;
     table *rows = table_create("ll");
     table_heading("%s", done->source.name);
-    table_cell(rows, "mesh");
-    table_cell(rows, "%s triangles, %s vertices", figure_count(result->info.triangles).text,
-               figure_count(done->source.mesh->vertex_count).text);
+    if (done->source.mesh != NULL) {
+        table_cell(rows, "mesh");
+        table_cell(rows, "%s triangles, %s vertices", figure_count(result->info.triangles).text,
+                   figure_count(done->source.mesh->vertex_count).text);
+    } else {
+        voxel_input_add_rows(rows, &done->source.voxels);
+    }
     table_cell(rows, "grid");
     table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
                svo_coverage_name((svo_coverage)result->info.coverage), result->info.snap_error);
@@ -195,10 +199,13 @@ static void add_stages(cJSON *document, const program *state, const job *done)
     cJSON_AddNumberToObject(document, "tree_fragments_per_s", per_second(fragments, tree_ms(done)));
 }
 
-/* What a mesh file declares and what was read; generated scenes have none. */
+/* What a mesh file declares and what was read, or what a voxel file holds; generated scenes have neither. */
 static void add_import(cJSON *document, const job *done)
 {
     const svo_import_info *info = &done->source.import_info;
+    if (done->source.mesh == NULL) {
+        voxel_input_add_json(document, &done->source.voxels);
+    }
     if (done->source.import == NULL) {
         return;
     }

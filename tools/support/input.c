@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads meshes and trees, generates scenes, and counts the triangles that will be refused. */
+/* Reads meshes, voxels and trees, generates scenes, and counts the triangles that will be refused. */
 #include "support/input.h"
 
 #include <errno.h>
@@ -199,6 +199,9 @@ int input_open(program *state, input *opened)
     if (input_is_tree(state)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree, a mesh is needed here", opened->name);
     }
+    if (voxel_input_is_given(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s holds voxels, a mesh is needed here", opened->name);
+    }
     const double started_ms = input_now_ms();
     int result = is_scene ? open_scene(state, opened) : open_file(state, opened);
     opened->import_ms = input_now_ms() - started_ms;
@@ -211,8 +214,28 @@ int input_open(program *state, input *opened)
     return result;
 }
 
+int input_open_any(program *state, uint32_t need, input *opened)
+{
+    if (!voxel_input_is_given(state)) {
+        return (state->options.given_groups & (unsigned)OPTION_VOXELS) == 0
+                   ? input_open(state, opened)
+                   : program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame apply to voxel files, not to %s",
+                                  state->options.input);
+    }
+    *opened = (input){.name = state->options.input};
+    progress_step(state->progress, "reading the voxels");
+    int exit_code = voxel_input_check_options(state, need);
+    const double started_ms = input_now_ms();
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = voxel_input_open(state, &opened->voxels);
+    }
+    opened->import_ms = input_now_ms() - started_ms;
+    return exit_code;
+}
+
 void input_close(input *opened)
 {
+    voxel_input_close(&opened->voxels);
     svo_import_destroy(&opened->import);
     scene_destroy(&opened->made);
     *opened = (input){0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INPUT of a command: a mesh file, a generated scene, or a .svo file. */
+/* INPUT of a command: a mesh file, a generated scene, a voxel file, or a .svo file. */
 #ifndef SVOCL_TOOLS_SUPPORT_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_INPUT_H
 
@@ -7,6 +7,7 @@
 
 #include "scenes/scenes.h"
 #include "support/program.h"
+#include "support/voxel_input.h"
 #include "svocl/io.h"
 
 /* Triangles that the library refuses, and why. */
@@ -17,7 +18,8 @@ typedef struct refused_triangles {
 
 typedef struct input {
     const char *name;
-    const svo_mesh *mesh; /* has at least one triangle */
+    const svo_mesh *mesh; /* has at least one triangle; NULL: voxels are given */
+    voxel_input voxels; /* of a voxel file */
     double import_ms; /* wall-clock time of reading or generating */
     refused_triangles refused;
     svo_import *import; /* of a mesh file, else NULL */
@@ -36,6 +38,8 @@ int input_refuse_build_options(program *state);
 
 /* Reads or generates the mesh; one step of the progress bar. Returns the exit code; on failure nothing stays open. */
 int input_open(program *state, input *opened);
+/* The same, or reads the voxels of a voxel file, whose tree can have need (svo_need bits). */
+int input_open_any(program *state, uint32_t need, input *opened);
 void input_close(input *opened);
 
 /* Loads the tree that input names. Returns the exit code. */

@@ -19,9 +19,14 @@ static void keep_buffers(const svo_plan *plan, build_result *result)
 }
 
 /* A plan at the requested depth, or at the best depth for rays. */
-static svo_status make_plan(const options *given, svo_device *device, const svo_mesh *mesh,
+static svo_status make_plan(const program *state, svo_device *device, const input *source,
                             const svo_plan_options *plan_options, svo_plan **out)
 {
+    const options *given = &state->options;
+    const svo_mesh *mesh = source->mesh;
+    if (mesh == NULL) {
+        return voxel_input_plan(state, device, &source->voxels, plan_options, out);
+    }
     svo_status status = svo_plan_create(device, mesh, (unsigned)given->depth, plan_options, out);
     if (status != SVO_OK || !given->depth_for_rays) {
         return status;
@@ -41,7 +46,7 @@ static int show_progress(void *user, svo_stage stage, double fraction)
     return 0;
 }
 
-int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out)
+int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out)
 {
     const options *given = &state->options;
     const bool in_gl = given->builder == OPTION_BUILDER_GL_COMPUTE;
@@ -57,7 +62,7 @@ int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t 
         plan_options.progress = show_progress;
         plan_options.progress_user = state->progress;
     }
-    return make_plan(given, device, mesh, &plan_options, out) == SVO_OK
+    return make_plan(state, device, source, &plan_options, out) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(state, svo_device_message(device));
 }
@@ -86,12 +91,12 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
     return PROGRAM_DONE;
 }
 
-/* One build from the mesh to the tree. */
-static int build_once(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+/* One build from the source to the tree. */
+static int build_once(program *state, session *opened, const input *source, uint32_t need, build_result *result)
 {
     svo_plan *plan = NULL;
     progress_step(state->progress, "snapping to the grid");
-    int exit_code = job_plan(state, opened->device, mesh, need, &plan);
+    int exit_code = job_plan(state, opened->device, source, need, &plan);
     if (exit_code == PROGRAM_DONE) {
         exit_code = build_plan(state, opened, plan, result);
     }
@@ -120,7 +125,7 @@ static void take_medians(double *times, size_t repeats, svo_build_report *report
     }
 }
 
-static int build_repeatedly(program *state, session *opened, const svo_mesh *mesh, uint32_t need, build_result *result)
+static int build_repeatedly(program *state, session *opened, const input *source, uint32_t need, build_result *result)
 {
     const size_t repeats = (size_t)state->options.repeat;
     double *times = calloc(repeats * SVO_STAGE_COUNT, sizeof *times); /* per stage, the builds after the first */
@@ -129,7 +134,7 @@ static int build_repeatedly(program *state, session *opened, const svo_mesh *mes
     }
     int exit_code = PROGRAM_DONE;
     for (size_t i = 0; i < repeats && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = build_once(state, opened, mesh, need, result);
+        exit_code = build_once(state, opened, source, need, result);
         if (i == 0) {
             result->first_compile_ms = result->report.stage_times[SVO_STAGE_COMPILE].ms;
         }
@@ -147,14 +152,14 @@ static int build_repeatedly(program *state, session *opened, const svo_mesh *mes
 
 int job_build(program *state, uint32_t need, job *done)
 {
-    return build_repeatedly(state, &done->opened, done->source.mesh, need, &done->result);
+    return build_repeatedly(state, &done->opened, &done->source, need, &done->result);
 }
 
 int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
 {
     *done = (job){0};
     program_begin_progress(state, 1 + 2 * (unsigned)state->options.repeat + further_steps);
-    int exit_code = input_open(state, &done->source);
+    int exit_code = input_open_any(state, need, &done->source);
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open(state, &done->opened);
     }

@@ -34,8 +34,8 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 int job_load(program *state, unsigned further_steps, job *done);
 void job_release(job *done);
 
-/* Plans the mesh by the options, with the svo_need bits of need. Returns the exit code. */
-int job_plan(program *state, svo_device *device, const svo_mesh *mesh, uint32_t need, svo_plan **out);
+/* Plans the source by the options, with the svo_need bits of need. Returns the exit code. */
+int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out);
 
 /* The building part of job_run, for a source and a session that are already open. On failure both stay open. */
 int job_build(program *state, uint32_t need, job *done);

@@ -32,7 +32,9 @@ enum option_group {
     OPTION_MEASURE = 16384, /* amount of work and number of repeats */
     OPTION_REPORT_COMMAND = 32768, /* from, docs */
     OPTION_FORM = 65536, /* form */
-    OPTION_SOLID = 131072 /* solid */
+    OPTION_SOLID = 131072, /* solid */
+    OPTION_VOXELS = 262144, /* what is read of a voxel file */
+    OPTION_CONVERT_COMMAND = 524288 /* a second argument, the file to write */
 };
 
 enum option_frontend {
@@ -67,6 +69,7 @@ typedef struct options {
     uint64_t depth;
     int frontend; /* option_frontend */
     bool has_depth;
+    bool has_builder;
     bool depth_for_rays; /* set by commands: the depth that svo_plan_ray_depth finds, in place of depth */
     int share; /* svo_gl_share */
     int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
@@ -81,7 +84,7 @@ typedef struct options {
     double edge; /* 0: not given */
     uint32_t need; /* svo_need bits */
 
-    const char *output_path; /* NULL: not given */
+    const char *output_path; /* NULL: not given. convert: the second argument */
     uint64_t repeat, compress;
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
@@ -101,6 +104,7 @@ typedef struct options {
     const char *from; /* report: a file of measurements; NULL: measure now */
     const char *docs; /* report: the folder whose documents are updated; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
+    uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
 } options;
 
 enum option_output {

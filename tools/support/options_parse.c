@@ -85,6 +85,9 @@ static int parse_all(program *state, const command *which, int argument_count, c
             }
         } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.subject == NULL) {
             state->options.subject = arguments[i];
+        } else if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0 && state->options.input != NULL &&
+                   state->options.output_path == NULL) {
+            state->options.output_path = arguments[i];
         } else if (which->input_name == NULL || state->options.input != NULL) {
             return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s'", arguments[i]);
         } else {

@@ -205,6 +205,12 @@ static int read_depth(program *state, const rule *option, const char *value)
     return read_count(state, option, value);
 }
 
+static int read_builder(program *state, const rule *option, const char *value)
+{
+    state->options.has_builder = true;
+    return read_choice(state, option, value);
+}
+
 static int read_repeat(program *state, const rule *option, const char *value)
 {
     state->options.has_repeat = true;
@@ -233,7 +239,7 @@ static int read_pixels(program *state, const rule *option, const char *value)
 
 static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
-     "levels below the root: 2^D voxels per axis, 1 to 16 (8)"},
+     "levels below the root: 2^D voxels per axis, 1 to 16 (8; voxels: the least that holds them)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, needs,
      "color,normal,rays,material,fill or none (colors and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
@@ -252,8 +258,8 @@ static const rule rules[] = {
      "auto, cl, gl-expand, gl-hw (auto: the fastest)"},
     {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, interop, host, copy (auto)"},
-    {"builder", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(builder), 0, 0, builders,
-     "cl: top-down; sorted: bottom-up; gl-compute: top-down in OpenGL (cl)"},
+    {"builder", '\0', OPTION_BUILD, "NAME", read_builder, FIELD(builder), 0, 0, builders,
+     "cl: top-down; sorted: bottom-up; gl-compute: top-down in OpenGL (cl; voxels: sorted)"},
     {"context", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(context), 0, 0, contexts,
      "auto, surfaceless, egl-device, osmesa (auto)"},
     {"gl-device", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_text, FIELD(gl_device), 0, 0, NULL,
@@ -302,7 +308,11 @@ static const rule rules[] = {
      "first level with payload, 0 to 16 (0: all levels)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
-    {"compress", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
+    {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,
+     "voxel files: also read what hidden layers and nodes hold"},
+    {"frame", '\0', OPTION_VOXELS, "N", read_count, FIELD(frame), 0, INT32_MAX, NULL,
+     "voxel files: the frame, or the model where there is no scene (0)"},
+    {"compress", '\0', OPTION_BUILD_COMMAND | OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},

@@ -109,6 +109,9 @@ const char *piped_judge(piped_input *piped)
     piped->suffix = begins_with(piped, "\x89SVO")                                ? ".svo"
                     : begins_with(piped, "ply\n") || begins_with(piped, "ply\r") ? ".ply"
                     : begins_with(piped, "glTF")                                 ? ".glb"
+                    : begins_with(piped, "VOX ")                                 ? ".vox"
+                    : begins_with(piped, "#binvox")                              ? ".binvox"
+                    : begins_with(piped, "PK\3\4")                               ? ".svx"
                     : is_off(piped)                                              ? ".off"
                     : is_stl(piped)                                              ? ".stl"
                     : is_obj(piped)                                              ? ".obj"
@@ -118,8 +121,8 @@ const char *piped_judge(piped_input *piped)
     }
     if (piped->suffix == NULL) {
         return is_gltf_text(piped) ? "glTF in several files cannot come through a pipe, binary glTF can"
-                                   : "this format cannot come through a pipe; .svo, PLY, STL, OFF, binary glTF and OBJ "
-                                     "without materials can";
+                                   : "this format cannot come through a pipe; .svo, PLY, STL, OFF, binary glTF, OBJ "
+                                     "without materials and voxel files can";
     }
     if (strcmp(piped->suffix, ".obj") == 0 && has_material_library(piped)) {
         return "OBJ with a file of materials (mtllib) beside it cannot come through a pipe";

@@ -13,7 +13,7 @@ typedef struct piped_input {
     const char *name; /* "standard input", or the path of a named pipe; NULL: INPUT is no pipe */
     char *bytes; /* by malloc */
     size_t byte_count;
-    const char *suffix; /* ".svo", ".ply", ".stl", ".off", ".obj" or ".glb": what the bytes are */
+    const char *suffix; /* ".svo", ".ply", ".vox", ...: what the bytes are */
 } piped_input;
 
 /* Whether a path is "-" or leads to standard input. */

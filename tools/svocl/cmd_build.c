@@ -6,51 +6,15 @@
 #include "support/plan_report.h"
 #include "support/solid_report.h"
 #include "support/table.h"
+#include "support/tree_output.h"
 #include "svocl/commands.h"
-
-static int write_bytes(void *user, const void *bytes, size_t byte_count)
-{
-    output_file *file = user;
-    output_write(file, bytes, byte_count);
-    return file->error;
-}
-
-/* Writes the solid where there is one, else the tree. */
-static svo_status write_result(const svo_tree *tree, const svo_compact *solid, output_file *file,
-                               const svo_save_options *save_options, svo_message *message)
-{
-    return solid != NULL ? svo_compact_write(solid, write_bytes, file, save_options, message)
-                         : svo_tree_write(tree, write_bytes, file, save_options, message);
-}
-
-static int save(program *state, const svo_tree *tree, const solid_result *solid)
-{
-    output_file file;
-    if (state->options.output_path == NULL) {
-        return PROGRAM_DONE;
-    }
-    svo_message message = {""};
-    const svo_save_options save_options = {.struct_size = sizeof save_options,
-                                           .compress = (uint32_t)state->options.compress};
-    progress_step(state->progress, "writing the tree");
-    const int exit_code = output_open(state, state->options.output_path, &file);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    /* A write that failed is reported by output_commit. */
-    if (write_result(tree, solid->solid, &file, &save_options, &message) != SVO_OK && file.error == 0) {
-        output_abandon(&file);
-        return program_fail_library(state, message.text);
-    }
-    return output_commit(state, &file);
-}
 
 /* Prints, or adds to *document, the plan of a source on a device. */
 static int show_plan(program *state, const input *source, svo_device *device, cJSON *document)
 {
     const bool with_opengl = options_ask_for_gl(&state->options);
     svo_plan *plan = NULL;
-    const int exit_code = job_plan(state, device, source->mesh, state->options.need, &plan);
+    const int exit_code = job_plan(state, device, source, state->options.need, &plan);
     if (exit_code == PROGRAM_DONE && document != NULL) {
         plan_add_json(cJSON_AddObjectToObject(document, "plan"), plan, with_opengl);
     } else if (exit_code == PROGRAM_DONE) {
@@ -67,14 +31,14 @@ static int plan_alone(program *state)
     input source = {0};
     session opened = {0};
     program_begin_progress(state, 2);
-    int exit_code = input_open(state, &source);
+    int exit_code = input_open_any(state, state->options.need, &source);
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open_device(state, &opened);
     }
     if (exit_code == PROGRAM_DONE) {
         svo_plan *plan = NULL;
         progress_step(state->progress, "planning");
-        exit_code = job_plan(state, opened.device, source.mesh, state->options.need, &plan);
+        exit_code = job_plan(state, opened.device, &source, state->options.need, &plan);
         progress_destroy(&state->progress);
         if (exit_code == PROGRAM_DONE && state->options.json) {
             cJSON *document = json_document();
@@ -127,8 +91,8 @@ static int finish(program *state, const job *done)
     if (exit_code == PROGRAM_DONE && solid.solid != NULL && svo_compact_download(solid.solid, NULL) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(done->opened.device));
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = save(state, done->result.tree, &solid);
+    if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
+        exit_code = tree_output_write(state, done->result.tree, solid.solid, state->options.output_path);
     }
     progress_destroy(&state->progress);
     if (exit_code == PROGRAM_DONE) {

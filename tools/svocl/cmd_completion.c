@@ -62,6 +62,7 @@ static argument_kind kind_of(const command *which)
     return which->input_name == NULL                    ? ARGUMENT_NONE
            : strcmp(which->input_name, "INPUT") == 0    ? ARGUMENT_INPUT
            : strcmp(which->input_name, "FILE.svo") == 0 ? ARGUMENT_FILE
+           : strcmp(which->input_name, "IN OUT") == 0   ? ARGUMENT_FILE
            : strcmp(which->input_name, "NAME") == 0     ? ARGUMENT_SCENE
            : strcmp(which->input_name, "SHELL") == 0    ? ARGUMENT_SHELL
            : strcmp(which->input_name, "COMMAND") == 0  ? ARGUMENT_COMMAND
@@ -271,6 +272,9 @@ static void put_zsh_argument(FILE *script, const program *state, const command *
     fputs("'", script);
     if (kind == ARGUMENT_SUBJECT) {
         fputs(" \\\n            '2:INPUT:_svocl_input'", script);
+    }
+    if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0) {
+        fputs(" \\\n            '2:OUT:_files'", script);
     }
 }
 

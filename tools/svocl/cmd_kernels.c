@@ -46,7 +46,7 @@ static int make_kernels(program *state, const input *source, const session *open
     svo_plan *plan = NULL;
     size_t saved = 0;
     progress_step(state->progress, "planning");
-    int exit_code = job_plan(state, opened->device, source->mesh, state->options.need, &plan);
+    int exit_code = job_plan(state, opened->device, source, state->options.need, &plan);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -70,7 +70,7 @@ int command_kernels(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--kernels DIR is missing: the folder to save them in");
     }
     program_begin_progress(state, 4);
-    int exit_code = input_open(state, &source);
+    int exit_code = input_open_any(state, state->options.need, &source);
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open_device(state, &opened);
     }

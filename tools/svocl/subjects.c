@@ -4,6 +4,7 @@
 
 #include "bench/builders.h"
 #include "bench/compact.h"
+#include "bench/convert.h"
 #include "bench/filter.h"
 #include "bench/import.h"
 #include "bench/leaving_out.h"
@@ -22,17 +23,29 @@
 #include "errors/e5_conditioning.h"
 
 const suite_subject *const subjects[] = {
-    &bench_voxelize,      &bench_builders,
-    &bench_filter,        &bench_startup,
-    &bench_import,        &bench_rays,
-    &bench_compact,       &bench_solid,
-    &bench_scene,         &bench_leaving_out,
-    &bench_scene_sizes,   &bench_memory,
-    &bench_thesis_2020,   &bench_thesis_2016,
-    &bench_peer_embree,   &bench_peer_openvdb,
-    &errors_voxelization, &errors_rays,
-    &errors_attributes,   &errors_detail,
-    &errors_conditioning, NULL,
+    &bench_voxelize,
+    &bench_builders,
+    &bench_filter,
+    &bench_startup,
+    &bench_import,
+    &bench_convert,
+    &bench_rays,
+    &bench_compact,
+    &bench_solid,
+    &bench_scene,
+    &bench_leaving_out,
+    &bench_scene_sizes,
+    &bench_memory,
+    &bench_thesis_2020,
+    &bench_thesis_2016,
+    &bench_peer_embree,
+    &bench_peer_openvdb,
+    &errors_voxelization,
+    &errors_rays,
+    &errors_attributes,
+    &errors_detail,
+    &errors_conditioning,
+    NULL,
 };
 
 bool subjects_know(const char *wanted)

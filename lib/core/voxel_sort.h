@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* Voxels in order: of their Morton codes for trees, of rows for files. */
+#ifndef SVO_LIB_CORE_VOXEL_SORT_H
+#define SVO_LIB_CORE_VOXEL_SORT_H
+
+#include "core/message.h"
+#include "svocl/voxels.h"
+
+/* By what voxels are sorted. */
+typedef enum svo_i_voxel_order {
+    SVO_I_VOXEL_MORTON = 0, /* by Morton code */
+    SVO_I_VOXEL_ROWS, /* by x, then z, then y, as .binvox files have them */
+    SVO_I_VOXEL_SLICES /* by y, then z, then x, as .svx files have them */
+} svo_i_voxel_order;
+
+SVO_I_SHARED_BEGIN
+
+/*
+ * Sorts voxels; those with the same place stay in their order.
+ *
+ * voxels, spare: count elements each; the result is in voxels. low: the least coordinates. bits: coordinates less low
+ * are below 2^bits; at most 21.
+ */
+void svo_i_voxel_sort(svo_voxel *voxels, svo_voxel *spare, size_t count, const int32_t low[3], uint32_t bits,
+                      svo_i_voxel_order order);
+
+/* The Morton code of a voxel's place. */
+uint64_t svo_i_voxel_code(const svo_voxel *voxel, const int32_t low[3]);
+
+SVO_I_SHARED_END
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/* Messages and growing lists of the readers of voxel files. */
+#include "io/voxels_reader.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static svo_status fail(const voxel_reader *reader, svo_status status, const char *format, va_list arguments)
+{
+    svo_message detail;
+    svo_i_fail_v(&detail, status, format, arguments);
+    return svo_i_fail(reader->message, status, "%s: %s", reader->name, detail.text);
+}
+
+svo_status svo_i_voxels_damaged(const voxel_reader *reader, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(reader, SVO_FILE_DAMAGED, format, arguments);
+    va_end(arguments);
+    return SVO_FILE_DAMAGED;
+}
+
+svo_status svo_i_voxels_fail(const voxel_reader *reader, svo_status status, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(reader, status, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+void svo_i_voxels_warn(voxel_reader *reader, const char *format, ...)
+{
+    ++reader->info.warnings;
+    if (reader->options.log == NULL) {
+        return;
+    }
+    svo_message detail;
+    svo_message line;
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(&detail, SVO_OK, format, arguments);
+    va_end(arguments);
+    svo_i_message_set(&line, "%s: %s", reader->name, detail.text);
+    reader->options.log(reader->options.log_user, SVO_LOG_WARNING, line.text);
+}
+
+svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count)
+{
+    if (voxel_count > reader->options.voxels_max) {
+        return svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT, "%" PRIu64 " voxels are above the limit of %" PRIu64,
+                                 voxel_count, reader->options.voxels_max);
+    }
+    if (voxel_count <= reader->voxel_capacity) {
+        return SVO_OK;
+    }
+    size_t bytes = 0;
+    svo_voxel *grown =
+        svo_i_mul_size((size_t)voxel_count, sizeof *grown, &bytes) ? realloc(reader->voxels, bytes) : NULL;
+    if (grown == NULL) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " voxels", voxel_count);
+    }
+    reader->voxels = grown;
+    reader->voxel_capacity = voxel_count;
+    return SVO_OK;
+}
+
+void svo_i_voxels_add(voxel_reader *reader, svo_voxel voxel)
+{
+    reader->voxels[reader->voxel_count++] = voxel;
+}
+
+svo_status svo_i_voxels_append(voxel_reader *reader, svo_voxel voxel)
+{
+    if (reader->voxel_count == reader->voxel_capacity) {
+        const uint64_t limit = reader->options.voxels_max;
+        uint64_t capacity = reader->voxel_capacity < 512 ? 1024 : 2 * reader->voxel_capacity;
+        capacity = capacity > limit ? limit : capacity;
+        capacity = reader->voxel_count < capacity ? capacity : limit + 1; /* which is refused */
+        SVO_I_TRY(svo_i_voxels_reserve(reader, capacity));
+    }
+    svo_i_voxels_add(reader, voxel);
+    return SVO_OK;
+}
+
+/* Appends a text and a terminator. Returns its offset in *offset. */
+static bool put_text(voxel_reader *reader, const char *text, size_t bytes, size_t *offset)
+{
+    size_t needed = 0;
+    if (!svo_i_add_size(reader->text_bytes + 1, bytes, &needed)) {
+        return false;
+    }
+    if (needed > reader->text_capacity) {
+        const size_t capacity = needed > SIZE_MAX / 2 ? needed : 2 * needed + 256;
+        char *grown = realloc(reader->texts, capacity);
+        if (grown == NULL) {
+            return false;
+        }
+        reader->texts = grown;
+        reader->text_capacity = capacity;
+    }
+    *offset = reader->text_bytes;
+    if (bytes > 0) {
+        memcpy(reader->texts + *offset, text, bytes);
+    }
+    reader->texts[*offset + bytes] = '\0';
+    reader->text_bytes = needed;
+    return true;
+}
+
+svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, const char *key, size_t key_bytes,
+                                     const char *value, size_t value_bytes)
+{
+    voxel_property added = {.material = material};
+    if (reader->property_count == reader->property_capacity) {
+        const size_t capacity = 2 * reader->property_capacity + 64;
+        voxel_property *grown = realloc(reader->properties, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu properties", capacity);
+        }
+        reader->properties = grown;
+        reader->property_capacity = capacity;
+    }
+    if (!put_text(reader, key, key_bytes, &added.key) || !put_text(reader, value, value_bytes, &added.value)) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the texts of %zu properties",
+                                 reader->property_count + 1);
+    }
+    reader->properties[reader->property_count++] = added;
+    return SVO_OK;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* What the readers of voxel files share: the file in memory, messages with their place in it, and growing lists. */
+#ifndef SVO_LIB_IO_VOXELS_READER_H
+#define SVO_LIB_IO_VOXELS_READER_H
+
+#include "core/message.h"
+#include "svocl/voxel_files.h"
+
+/* A property of a material, whose texts lie in the reader's. */
+typedef struct voxel_property {
+    uint32_t material;
+    size_t key, value; /* offsets into texts */
+} voxel_property;
+
+/* A file that is being read, and what was found in it. */
+typedef struct voxel_reader {
+    const char *name;
+    const uint8_t *bytes;
+    size_t byte_count;
+    svo_voxels_load_options options; /* voxels_max is not 0 */
+    svo_message *message;
+    svo_voxel_file_info info;
+
+    svo_voxel *voxels; /* owned, as the arrays below */
+    uint64_t voxel_count, voxel_capacity;
+    voxel_property *properties;
+    size_t property_count, property_capacity;
+    char *texts;
+    size_t text_bytes, text_capacity;
+    double origin[3]; /* of the list */
+    double voxel_edge; /* 0: 1 */
+} voxel_reader;
+
+/* Fails with SVO_FILE_DAMAGED: "NAME: " and what the format says, which names the part of the file and the byte. */
+svo_status svo_i_voxels_damaged(const voxel_reader *reader, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* The same with another status. */
+svo_status svo_i_voxels_fail(const voxel_reader *reader, svo_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Counts a warning and gives it to the log callback: "NAME: " and what the format says. */
+void svo_i_voxels_warn(voxel_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Makes room for so many voxels in all, after a check of the limit. */
+svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count);
+/* Adds a voxel, for which there is room. */
+void svo_i_voxels_add(voxel_reader *reader, svo_voxel voxel);
+/* The same where the number was not known before: makes room as it goes. */
+svo_status svo_i_voxels_append(voxel_reader *reader, svo_voxel voxel);
+
+/* Adds a property. key, value: of those lengths, without a terminator. */
+svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, const char *key, size_t key_bytes,
+                                     const char *value, size_t value_bytes);
+
+#endif

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists of voxels to files: through the caller's function, or whole or not at all through lib/output. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/struct_size.h"
+#include "io/voxels_formats.h"
+#include "output/output.h"
+
+static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
+{
+    switch (format) {
+    case SVO_VOXEL_FORMAT_VOX:
+        return svo_i_voxels_write_vox(writer);
+    case SVO_VOXEL_FORMAT_SVX:
+        return svo_i_voxels_write_svx(writer);
+    case SVO_VOXEL_FORMAT_BINVOX:
+        return svo_i_voxels_write_binvox(writer);
+    case SVO_VOXEL_FORMAT_PLY:
+        return svo_i_voxels_write_ply(writer);
+    default:
+        return svo_i_voxels_write_obj(writer);
+    }
+}
+
+/* Writes a list whose format is known; then fills info, which may be NULL. */
+static svo_status write_list(voxel_writer *writer, const svo_voxels *voxels, svo_voxel_format format,
+                             svo_voxels_save_info *info)
+{
+    writer->voxels = svo_voxels_get(voxels);
+    writer->properties = svo_voxels_get_properties(voxels);
+    writer->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
+    SVO_I_TRY(svo_voxels_get_info(voxels, &writer->list));
+    writer->info = (svo_voxels_save_info){.struct_size = sizeof writer->info, .format = format, .models = 1};
+    writer->buffer = malloc(VOXEL_BUFFER_BYTES);
+    if (writer->buffer == NULL) {
+        return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for a buffer");
+    }
+    svo_status status = write_format(writer, format);
+    if (status == SVO_OK) {
+        status = svo_i_voxels_flush(writer);
+    }
+    free(writer->buffer);
+    if (status == SVO_OK && info != NULL) {
+        (void)svo_i_struct_write(NULL, "", "info", &writer->info, info,
+                                 SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes));
+    }
+    return status;
+}
+
+static svo_status check_info(const char *function, const svo_voxels_save_info *info, svo_message *message)
+{
+    return info == NULL
+               ? SVO_OK
+               : svo_i_struct_check(message, function, "info", info, SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes));
+}
+
+svo_status svo_voxels_write(const svo_voxels *voxels, svo_voxel_format format, svo_voxels_write_callback write,
+                            void *user, svo_voxels_save_info *info, svo_message *message)
+{
+    static const char function[] = "svo_voxels_write";
+    if (voxels == NULL || write == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                          voxels == NULL ? "voxels" : "write");
+    }
+    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_OBJ) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function, (int)format,
+                          SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_OBJ);
+    }
+    SVO_I_TRY(check_info(function, info, message));
+    voxel_writer writer = {.name = function, .message = message, .write = write, .user = user};
+    return write_list(&writer, voxels, format, info);
+}
+
+/* An output and the first error of writing to it. */
+typedef struct sink {
+    svo_i_output output;
+    int error;
+} sink;
+
+static int write_to_sink(void *user, const void *bytes, size_t byte_count)
+{
+    sink *to = user;
+    to->error = svo_i_output_write(&to->output, bytes, byte_count);
+    return to->error;
+}
+
+svo_status svo_voxels_save(const svo_voxels *voxels, const char *path, svo_voxel_format format,
+                           svo_voxels_save_info *info, svo_message *message)
+{
+    static const char function[] = "svo_voxels_save";
+    if (voxels == NULL || path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                          voxels == NULL ? "voxels" : "path");
+    }
+    if (format == SVO_VOXEL_FORMAT_AUTO) {
+        format = svo_voxel_format_of_path(path);
+    }
+    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_OBJ) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: the suffix of '%s' is not vox, svx, binvox, ply or obj, and format is %d", function,
+                          path, (int)format);
+    }
+    SVO_I_TRY(check_info(function, info, message));
+    sink to = {.output = {.descriptor = -1}};
+    voxel_writer writer = {.name = path, .message = message, .write = write_to_sink, .user = &to};
+    to.error = svo_i_output_open(path, NULL, &to.output);
+    svo_status status = to.error == 0 ? write_list(&writer, voxels, format, info) : SVO_FILE_ERROR;
+    if (status == SVO_OK) {
+        to.error = svo_i_output_commit(&to.output);
+    }
+    svo_i_output_abandon(&to.output);
+    return to.error != 0 ? svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(to.error))
+                         : status;
+}

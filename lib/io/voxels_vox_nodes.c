@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/* The nodes, layers and materials of a .vox file: chunks with dictionaries of texts. */
+#include "io/voxels_vox_nodes.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/voxels_text.h"
+
+#define TEXT_BYTES   64 /* longer than three numbers of 32 bits */
+#define MATERIAL_MAX 256
+
+/* A text in the file, without a terminator. */
+typedef struct vox_text {
+    const char *bytes;
+    size_t byte_count;
+} vox_text;
+
+/* What dictionaries of nodes and layers say. */
+typedef struct attributes {
+    bool hidden;
+    vox_transform transform;
+    int32_t frame; /* -1: not said */
+} attributes;
+
+static svo_status read_text(vox_cursor *cursor, vox_text *text)
+{
+    int32_t length = 0;
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the length of a text", &length));
+    if (length < 0 || length > cursor->end - cursor->at) {
+        return svo_i_vox_damaged(cursor, "a text of %" PRId32 " bytes, %td are left", length, cursor->end - cursor->at);
+    }
+    if (memchr(cursor->at, 0, (size_t)length) != NULL) {
+        return svo_i_vox_damaged(cursor, "a text has a byte 0");
+    }
+    *text = (vox_text){.bytes = (const char *)cursor->at, .byte_count = (size_t)length};
+    cursor->at += length;
+    return SVO_OK;
+}
+
+static svo_status read_pair_count(vox_cursor *cursor, int32_t *count)
+{
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the number of attributes", count));
+    return *count >= 0 && *count <= (cursor->end - cursor->at) / 8
+               ? SVO_OK
+               : svo_i_vox_damaged(cursor, "%" PRId32 " attributes in %td bytes", *count, cursor->end - cursor->at);
+}
+
+static bool is_text(vox_text text, const char *name)
+{
+    return text.byte_count == strlen(name) && memcmp(text.bytes, name, text.byte_count) == 0;
+}
+
+/* Reads exactly count whole numbers with spaces between them. The cursor is behind the text. */
+static svo_status read_numbers(const vox_cursor *cursor, const char *key, vox_text text, int32_t *numbers, size_t count)
+{
+    char copy[TEXT_BYTES] = "";
+    const bool fits = text.byte_count < sizeof copy;
+    if (fits) {
+        memcpy(copy, text.bytes, text.byte_count);
+    }
+    const char *rest = copy;
+    for (size_t i = 0; i < count; ++i) {
+        char *end = NULL;
+        const long long number = strtoll(rest, &end, 10);
+        if (!fits || end == rest || number < INT32_MIN || number > INT32_MAX) {
+            return svo_i_vox_damaged(cursor, "%s is not %zu whole numbers", key, count);
+        }
+        numbers[i] = (int32_t)number;
+        rest = end;
+    }
+    return rest[strspn(rest, " ")] == '\0' ? SVO_OK
+                                           : svo_i_vox_damaged(cursor, "%s is not %zu whole numbers", key, count);
+}
+
+/*
+ * The byte of a rotation:
+ *
+ *   7   6      5      4      3-2             1-0
+ *   0   sign2  sign1  sign0  column of row 1 column of row 0
+ */
+static svo_status read_rotation(const vox_cursor *cursor, vox_text text, vox_transform *transform)
+{
+    int32_t byte = 0;
+    SVO_I_TRY(read_numbers(cursor, "_r", text, &byte, 1));
+    const uint32_t first = (uint32_t)byte & 3u;
+    const uint32_t second = (uint32_t)byte >> 2 & 3u;
+    if (byte < 0 || byte > 127 || first > 2 || second > 2 || first == second) {
+        return svo_i_vox_damaged(cursor, "rotation %" PRId32 " is none", byte);
+    }
+    transform->column[0] = (uint8_t)first;
+    transform->column[1] = (uint8_t)second;
+    transform->column[2] = (uint8_t)(3u - first - second);
+    for (int row = 0; row < 3; ++row) {
+        transform->sign[row] = ((uint32_t)byte >> (4 + row) & 1u) != 0 ? -1 : 1;
+    }
+    return SVO_OK;
+}
+
+static svo_status read_attribute(const vox_cursor *cursor, vox_text key, vox_text value, attributes *read)
+{
+    int32_t numbers[3] = {0, 0, 0};
+    if (is_text(key, "_hidden")) {
+        read->hidden = is_text(value, "1");
+    } else if (is_text(key, "_r")) {
+        return read_rotation(cursor, value, &read->transform);
+    } else if (is_text(key, "_t")) {
+        SVO_I_TRY(read_numbers(cursor, "_t", value, numbers, 3));
+        for (int axis = 0; axis < 3; ++axis) {
+            read->transform.translation[axis] = numbers[axis];
+        }
+    } else if (is_text(key, "_f")) {
+        SVO_I_TRY(read_numbers(cursor, "_f", value, numbers, 1));
+        if (numbers[0] < 0) {
+            return svo_i_vox_damaged(cursor, "frame %" PRId32 " is below 0", numbers[0]);
+        }
+        read->frame = numbers[0];
+    }
+    return SVO_OK;
+}
+
+static svo_status read_attributes(vox_cursor *cursor, attributes *read)
+{
+    int32_t count = 0;
+    *read = (attributes){.transform = {.column = {0, 1, 2}, .sign = {1, 1, 1}}, .frame = -1};
+    SVO_I_TRY(read_pair_count(cursor, &count));
+    for (int32_t i = 0; i < count; ++i) {
+        vox_text key = {.byte_count = 0};
+        vox_text value = {.byte_count = 0};
+        SVO_I_TRY(read_text(cursor, &key));
+        SVO_I_TRY(read_text(cursor, &value));
+        SVO_I_TRY(read_attribute(cursor, key, value, read));
+    }
+    return SVO_OK;
+}
+
+/* Which of the frames of a node is shown: the last to begin at the asked frame or earlier; where none does, the one
+   that begins first. Frames without a number count from 0. */
+typedef struct frame_choice {
+    int64_t asked;
+    int64_t begins; /* of the chosen one; -1: none yet */
+} frame_choice;
+
+static bool choose_frame(frame_choice *choice, int64_t begins)
+{
+    const int64_t held = choice->begins;
+    const bool none_in_time = held < 0 || held > choice->asked;
+    const bool chosen =
+        begins <= choice->asked ? none_in_time || begins >= held : none_in_time && (held < 0 || begins < held);
+    choice->begins = chosen ? begins : held;
+    return chosen;
+}
+
+/* The number of a node's frames or models, each of which has at least element_bytes. */
+static svo_status read_frame_count(vox_cursor *cursor, const char *what, ptrdiff_t element_bytes, int32_t *count)
+{
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, what, count));
+    return *count >= 1 && *count <= (cursor->end - cursor->at) / element_bytes
+               ? SVO_OK
+               : svo_i_vox_damaged(cursor, "%s is %" PRId32 " in %td bytes", what, *count, cursor->end - cursor->at);
+}
+
+/* Begins a node: its id and its attributes. */
+static svo_status begin_node(vox_cursor *cursor, vox_node_kind kind, vox_node *node)
+{
+    attributes own;
+    *node = (vox_node){.kind = kind, .offset = cursor->offset, .layer = -1};
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the node's id", &node->id));
+    SVO_I_TRY(read_attributes(cursor, &own));
+    node->hidden = own.hidden;
+    return SVO_OK;
+}
+
+static svo_status add_node(vox_file *file, const vox_node *node)
+{
+    SVO_I_TRY(svo_i_vox_grow(file->reader, (void **)&file->nodes, file->node_count, &file->node_capacity,
+                             sizeof *file->nodes));
+    file->nodes[file->node_count++] = *node;
+    return SVO_OK;
+}
+
+svo_status svo_i_vox_read_transform(vox_file *file, vox_cursor *cursor)
+{
+    vox_node node;
+    int32_t reserved = 0;
+    int32_t frames = 0;
+    frame_choice choice = {.asked = file->reader->options.frame, .begins = -1};
+    SVO_I_TRY(begin_node(cursor, VOX_NODE_TRANSFORM, &node));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the child's id", &node.child));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "a reserved number", &reserved));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the layer's id", &node.layer));
+    SVO_I_TRY(read_frame_count(cursor, "the number of frames", 4, &frames));
+    for (int32_t i = 0; i < frames; ++i) {
+        attributes frame;
+        SVO_I_TRY(read_attributes(cursor, &frame));
+        if (choose_frame(&choice, frame.frame >= 0 ? frame.frame : i)) {
+            node.transform = frame.transform;
+        }
+    }
+    return add_node(file, &node);
+}
+
+svo_status svo_i_vox_read_group(vox_file *file, vox_cursor *cursor)
+{
+    vox_node node;
+    int32_t count = 0;
+    SVO_I_TRY(begin_node(cursor, VOX_NODE_GROUP, &node));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the number of children", &count));
+    if (count < 0 || count > (cursor->end - cursor->at) / VOX_NODE_BYTES) {
+        return svo_i_vox_damaged(cursor, "%" PRId32 " children in %td bytes", count, cursor->end - cursor->at);
+    }
+    node.children = cursor->at;
+    node.child_count = (uint32_t)count;
+    return add_node(file, &node);
+}
+
+svo_status svo_i_vox_read_shape(vox_file *file, vox_cursor *cursor)
+{
+    vox_node node;
+    int32_t models = 0;
+    frame_choice choice = {.asked = file->reader->options.frame, .begins = -1};
+    SVO_I_TRY(begin_node(cursor, VOX_NODE_SHAPE, &node));
+    SVO_I_TRY(read_frame_count(cursor, "the number of models", 8, &models));
+    for (int32_t i = 0; i < models; ++i) {
+        int32_t model = 0;
+        attributes own;
+        SVO_I_TRY(svo_i_vox_read_i32(cursor, "a model's id", &model));
+        if (model < 0) {
+            return svo_i_vox_damaged(cursor, "model %" PRId32 " is below 0", model);
+        }
+        SVO_I_TRY(read_attributes(cursor, &own));
+        if (choose_frame(&choice, own.frame >= 0 ? own.frame : i)) {
+            node.child = model;
+        }
+    }
+    return add_node(file, &node);
+}
+
+svo_status svo_i_vox_read_layer(vox_file *file, vox_cursor *cursor)
+{
+    vox_layer layer = {.id = 0};
+    attributes own;
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the layer's id", &layer.id));
+    SVO_I_TRY(read_attributes(cursor, &own));
+    layer.hidden = own.hidden;
+    SVO_I_TRY(svo_i_vox_grow(file->reader, (void **)&file->layers, file->layer_count, &file->layer_capacity,
+                             sizeof *file->layers));
+    file->layers[file->layer_count++] = layer;
+    return SVO_OK;
+}
+
+static svo_status read_material_id(vox_cursor *cursor, int32_t *id)
+{
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the material's id", id));
+    return *id >= 0 && *id <= MATERIAL_MAX
+               ? SVO_OK
+               : svo_i_vox_damaged(cursor, "material %" PRId32 " is not in 0 .. %d", *id, MATERIAL_MAX);
+}
+
+svo_status svo_i_vox_read_matl(vox_file *file, vox_cursor *cursor)
+{
+    int32_t id = 0;
+    int32_t count = 0;
+    SVO_I_TRY(read_material_id(cursor, &id));
+    SVO_I_TRY(read_pair_count(cursor, &count));
+    for (int32_t i = 0; i < count; ++i) {
+        vox_text key = {.byte_count = 0};
+        vox_text value = {.byte_count = 0};
+        SVO_I_TRY(read_text(cursor, &key));
+        SVO_I_TRY(read_text(cursor, &value));
+        if (key.byte_count == 0) {
+            return svo_i_vox_damaged(cursor, "an attribute without a key");
+        }
+        SVO_I_TRY(svo_i_voxels_add_property(file->reader, (uint32_t)id, key.bytes, key.byte_count, value.bytes,
+                                            value.byte_count));
+    }
+    return SVO_OK;
+}
+
+static svo_status add_words(vox_file *file, int32_t id, const char *key, const char *value)
+{
+    return svo_i_voxels_add_property(file->reader, (uint32_t)id, key, strlen(key), value, strlen(value));
+}
+
+/* A material as versions before the scene have it, under the keys of MATL. Bit 7 has no value. */
+svo_status svo_i_vox_read_matt(vox_file *file, vox_cursor *cursor)
+{
+    static const char *const types[] = {"_diffuse", "_metal", "_glass", "_emit"};
+    static const char *const keys[] = {"_plastic", "_rough", "_spec", "_ior", "_att", "_flux", "_emit"};
+    int32_t id = 0;
+    int32_t type = 0;
+    int32_t weight = 0;
+    int32_t bits = 0;
+    char value[VOXEL_NUMBER_BYTES];
+    SVO_I_TRY(read_material_id(cursor, &id));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the material's type", &type));
+    if (type < 0 || type > 3) {
+        return svo_i_vox_damaged(cursor, "material type %" PRId32 " is not in 0 .. 3", type);
+    }
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the material's weight", &weight));
+    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the material's properties", &bits));
+    SVO_I_TRY(add_words(file, id, "_type", types[type]));
+    for (int bit = -1; bit < (int)(sizeof keys / sizeof keys[0]); ++bit) {
+        float number = 0.0f;
+        int32_t word = weight;
+        if (bit >= 0 && ((uint32_t)bits >> bit & 1u) == 0) {
+            continue;
+        }
+        if (bit >= 0) {
+            SVO_I_TRY(svo_i_vox_read_i32(cursor, keys[bit], &word));
+        }
+        memcpy(&number, &word, sizeof number);
+        if (!isfinite(number)) {
+            return svo_i_vox_damaged(cursor, "a property of material %" PRId32 " is not finite", id);
+        }
+        SVO_I_TRY(add_words(file, id, bit < 0 ? "_weight" : keys[bit], svo_i_voxel_number(value, (double)number, 9)));
+    }
+    return SVO_OK;
+}

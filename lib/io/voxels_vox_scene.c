@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Places the models of a .vox file. The scene is walked twice: once to count instances and voxels against their limits,
+ * once to place them. Transforms compose as R = Rp Rc, T = Rp Tc + Tp for parent p and child c: a child's translation
+ * turns with its parent.
+ */
+#include "io/voxels_vox_scene.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Groups may share children, so that a small file could be walked for ever. */
+#define VISITS_MAX      (UINT64_C(4) * SVO_VOXEL_INSTANCES_MAX)
+#define TRANSLATION_MAX (INT64_C(1) << 30)
+
+/* A node on the way from the root. */
+typedef struct step {
+    vox_node *node;
+    vox_transform transform; /* of what is in the node */
+    bool hidden;
+    uint32_t next_child;
+} step;
+
+typedef struct walk {
+    vox_file *file;
+    bool counts; /* else it places */
+    step *path; /* VOX_DEPTH_MAX of them */
+    size_t depth;
+    uint64_t visits;
+    uint64_t voxels;
+} walk;
+
+static const vox_transform identity = {.column = {0, 1, 2}, .sign = {1, 1, 1}};
+
+static svo_status node_damaged(const walk *w, const vox_node *node, const char *what, int32_t value)
+{
+    static const char *const names[] = {"nTRN", "nGRP", "nSHP"};
+    return svo_i_voxels_damaged(w->file->reader, "chunk %s at byte %zu: node %" PRId32 " %s %" PRId32,
+                                names[node->kind], node->offset, node->id, what, value);
+}
+
+static int compare_nodes(const void *a, const void *b)
+{
+    const vox_node *left = a;
+    const vox_node *right = b;
+    return (left->id > right->id) - (left->id < right->id);
+}
+
+static vox_node *find_node(const vox_file *file, int32_t id)
+{
+    const vox_node key = {.id = id};
+    return bsearch(&key, file->nodes, file->node_count, sizeof key, compare_nodes);
+}
+
+/* Whether a layer is hidden; the last chunk of an id counts. */
+static bool is_hidden_layer(const vox_file *file, int32_t id)
+{
+    for (size_t i = file->layer_count; i-- > 0;) {
+        if (file->layers[i].id == id) {
+            return file->layers[i].hidden;
+        }
+    }
+    return false;
+}
+
+static vox_transform compose(const vox_transform *parent, const vox_transform *child)
+{
+    vox_transform made = identity;
+    for (int row = 0; row < 3; ++row) {
+        const uint8_t through = parent->column[row];
+        made.column[row] = child->column[through];
+        made.sign[row] = (int8_t)(parent->sign[row] * child->sign[through]);
+        made.translation[row] = parent->sign[row] * child->translation[through] + parent->translation[row];
+    }
+    return made;
+}
+
+static bool is_rotated(const vox_transform *transform)
+{
+    return memcmp(transform->column, identity.column, sizeof identity.column) != 0 ||
+           memcmp(transform->sign, identity.sign, sizeof identity.sign) != 0;
+}
+
+/* n / 2 rounded down. */
+static int32_t half(int32_t n)
+{
+    return n >= 0 ? n / 2 : -((1 - n) / 2);
+}
+
+/* Voxel p of a model of size s goes to floor(R (2 p + 1 - 2 floor(s / 2)) / 2) + T: the model turns about the corner of
+   its middle voxel. */
+static void place_model(walk *w, const vox_model *model, const vox_transform *transform)
+{
+    voxel_reader *reader = w->file->reader;
+    for (uint32_t i = 0; i < model->count; ++i) {
+        const uint8_t *entry = model->voxels + 4 * (size_t)i;
+        int32_t doubled[3];
+        int32_t place[3];
+        if (entry[3] == 0) {
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            doubled[axis] = 2 * entry[axis] + 1 - model->size[axis] / 2 * 2;
+        }
+        for (int row = 0; row < 3; ++row) {
+            place[row] =
+                half(transform->sign[row] * doubled[transform->column[row]]) + (int32_t)transform->translation[row];
+        }
+        svo_voxel voxel = {.x = place[0], .y = place[1], .z = place[2], .material = entry[3]};
+        memcpy(voxel.rgba, w->file->palette[entry[3]], 4);
+        svo_i_voxels_add(reader, voxel);
+    }
+}
+
+/* Counts or places the model of a shape. */
+static svo_status visit_shape(walk *w, const step *at)
+{
+    vox_file *file = w->file;
+    svo_voxel_file_info *info = &file->reader->info;
+    if ((size_t)at->node->child >= file->model_count) {
+        return node_damaged(w, at->node, "names a model that the file does not have:", at->node->child);
+    }
+    const vox_model *model = &file->models[at->node->child];
+    if (at->hidden && file->reader->options.hidden == 0) {
+        info->hidden_instances += w->counts ? 1 : 0;
+        return SVO_OK;
+    }
+    if (!w->counts) {
+        place_model(w, model, &at->transform);
+        return SVO_OK;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t t = at->transform.translation[axis];
+        if (t < -TRANSLATION_MAX + VOX_SIDE_MAX || t > TRANSLATION_MAX - VOX_SIDE_MAX) {
+            return node_damaged(w, at->node, "is moved beyond 2^30 along axis", axis);
+        }
+    }
+    if (info->instances == SVO_VOXEL_INSTANCES_MAX) {
+        return node_damaged(w, at->node, "is beyond the limit of instances,", SVO_VOXEL_INSTANCES_MAX);
+    }
+    ++info->instances;
+    info->rotated_instances += is_rotated(&at->transform) ? 1 : 0;
+    w->voxels += model->filled;
+    return SVO_OK;
+}
+
+/* Goes to a node below the one that the walk is at. */
+static svo_status enter(walk *w, const vox_node *from, int32_t id)
+{
+    vox_node *node = find_node(w->file, id);
+    if (node == NULL) {
+        return node_damaged(w, from, "has a child that is not there:", id);
+    }
+    if (node->on_path) {
+        return node_damaged(w, node, "contains itself, by its child", from->id);
+    }
+    if (w->depth == VOX_DEPTH_MAX) {
+        return node_damaged(w, node, "lies deeper than", VOX_DEPTH_MAX);
+    }
+    if (++w->visits > VISITS_MAX) {
+        return node_damaged(w, node, "is visited too often: the limit of all visits is", (int32_t)VISITS_MAX);
+    }
+    const step *parent = w->depth > 0 ? &w->path[w->depth - 1] : NULL;
+    step *entered = &w->path[w->depth];
+    *entered = (step){.node = node,
+                      .transform = parent != NULL ? parent->transform : identity,
+                      .hidden = (parent != NULL && parent->hidden) || node->hidden};
+    if (node->kind == VOX_NODE_TRANSFORM) {
+        entered->transform = compose(&entered->transform, &node->transform);
+        entered->hidden = entered->hidden || is_hidden_layer(w->file, node->layer);
+    }
+    node->on_path = true;
+    ++w->depth;
+    return SVO_OK;
+}
+
+/* Enters the next child of the node that the walk is at, or leaves the node. */
+static svo_status advance(walk *w)
+{
+    step *at = &w->path[w->depth - 1];
+    vox_node *node = at->node;
+    const uint32_t children =
+        node->kind == VOX_NODE_GROUP ? node->child_count : (node->kind == VOX_NODE_TRANSFORM ? 1 : 0);
+    if (at->next_child < children) {
+        int32_t id = node->child;
+        if (node->kind == VOX_NODE_GROUP) {
+            memcpy(&id, node->children + (size_t)at->next_child * VOX_NODE_BYTES, sizeof id);
+        }
+        ++at->next_child;
+        return enter(w, node, id);
+    }
+    const svo_status status = node->kind == VOX_NODE_SHAPE ? visit_shape(w, at) : SVO_OK;
+    node->on_path = false;
+    --w->depth;
+    return status;
+}
+
+static svo_status walk_scene(walk *w)
+{
+    w->visits = 0;
+    SVO_I_TRY(enter(w, &w->file->nodes[0], 0));
+    while (w->depth > 0) {
+        SVO_I_TRY(advance(w));
+    }
+    return SVO_OK;
+}
+
+/* Sorts the nodes by id; each id may occur once, and node 0 is the root. */
+static svo_status sort_nodes(const walk *w)
+{
+    vox_file *file = w->file;
+    qsort(file->nodes, file->node_count, sizeof *file->nodes, compare_nodes);
+    for (size_t i = 1; i < file->node_count; ++i) {
+        if (file->nodes[i - 1].id == file->nodes[i].id) {
+            return node_damaged(w, &file->nodes[i], "has the id of another node:", file->nodes[i].id);
+        }
+    }
+    return find_node(file, 0) != NULL ? SVO_OK
+                                      : node_damaged(w, &file->nodes[0], "has the least id; there is no root,", 0);
+}
+
+static svo_status place_scene(vox_file *file)
+{
+    svo_status status = SVO_OK;
+    step *path = calloc(VOX_DEPTH_MAX, sizeof *path);
+    walk w = {.file = file, .counts = true, .path = path};
+    if (path == NULL) {
+        return svo_i_voxels_fail(file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the scene");
+    }
+    SVO_I_TRY_CLEANUP(sort_nodes(&w));
+    SVO_I_TRY_CLEANUP(walk_scene(&w));
+    file->reader->info.instance_voxels = w.voxels;
+    SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));
+    w.counts = false;
+    SVO_I_TRY_CLEANUP(walk_scene(&w));
+cleanup:
+    free(path);
+    return status;
+}
+
+/* Without a scene the frame is the number of a model, whose voxels stay where they are. */
+static svo_status place_frame(vox_file *file)
+{
+    voxel_reader *reader = file->reader;
+    const uint32_t frame = reader->options.frame;
+    if (file->model_count == 0) {
+        return svo_i_voxels_damaged(reader, "chunk MAIN at byte 8: no model in it");
+    }
+    if (frame >= file->model_count) {
+        return svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT, "frame %" PRIu32 " is not below its %zu models", frame,
+                                 file->model_count);
+    }
+    const vox_model *model = &file->models[frame];
+    walk w = {.file = file};
+    vox_transform where_it_is = identity;
+    for (int axis = 0; axis < 3; ++axis) {
+        where_it_is.translation[axis] = model->size[axis] / 2;
+    }
+    reader->info.instances = 1;
+    reader->info.instance_voxels = model->filled;
+    SVO_I_TRY(svo_i_voxels_reserve(reader, model->filled));
+    place_model(&w, model, &where_it_is);
+    return SVO_OK;
+}
+
+svo_status svo_i_vox_place(vox_file *file)
+{
+    file->reader->info.instances = 0;
+    return file->node_count > 0 ? place_scene(file) : place_frame(file);
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists of voxels: each place once, in Morton order. Files and trees are made from them, and they from those. */
+#include "voxels/voxels.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/struct_size.h"
+#include "core/voxel_sort.h"
+
+#define COORDINATE_MAX (1 << 30)
+#define MATERIAL_MAX   65534u
+#define PROPERTIES_MAX UINT32_MAX
+
+static const char create_name[] = "svo_voxels_create";
+
+static svo_status check_source(const svo_voxels_source *source, svo_message *message)
+{
+    if (source->voxel_count > SVO_VOXELS_MAX) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.voxel_count %" PRIu64 " is above %u", create_name,
+                          source->voxel_count, SVO_VOXELS_MAX);
+    }
+    if ((source->voxels == NULL && source->voxel_count > 0) ||
+        (source->properties == NULL && source->property_count > 0)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.%s is NULL", create_name,
+                          source->voxels == NULL && source->voxel_count > 0 ? "voxels" : "properties");
+    }
+    if (source->property_count > PROPERTIES_MAX) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.property_count %zu is above %u", create_name,
+                          source->property_count, PROPERTIES_MAX);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!isfinite(source->origin[axis])) {
+            return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.origin[%d] %g is not finite", create_name,
+                              axis, source->origin[axis]);
+        }
+    }
+    if (!isfinite(source->voxel_edge) || source->voxel_edge < 0.0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.voxel_edge %g is not finite and at least 0",
+                          create_name, source->voxel_edge);
+    }
+    for (size_t i = 0; i < source->property_count; ++i) {
+        const svo_voxel_property *one = &source->properties[i];
+        if (one->key == NULL || one->key[0] == '\0' || one->value == NULL || one->material > MATERIAL_MAX) {
+            return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                              "%s: source.properties[%zu] has no key, no value or a material above %u", create_name, i,
+                              MATERIAL_MAX);
+        }
+    }
+    return SVO_OK;
+}
+
+/* Checks the voxels and finds their bounds. */
+static svo_status find_bounds(const svo_voxel *voxels, uint64_t count, svo_voxels_info *info, svo_message *message)
+{
+    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX};
+    int32_t high[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
+    uint32_t material_count = 0;
+    for (uint64_t i = 0; i < count; ++i) {
+        const int32_t place[3] = {voxels[i].x, voxels[i].y, voxels[i].z};
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = place[axis] < low[axis] ? place[axis] : low[axis];
+            high[axis] = place[axis] > high[axis] ? place[axis] : high[axis];
+        }
+        material_count = voxels[i].material >= material_count ? voxels[i].material + 1u : material_count;
+    }
+    for (int axis = 0; axis < 3 && count > 0; ++axis) {
+        if (low[axis] < -COORDINATE_MAX || high[axis] > COORDINATE_MAX) {
+            return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %c coordinates %d .. %d are not in %d .. %d",
+                              create_name, "xyz"[axis], low[axis], high[axis], -COORDINATE_MAX, COORDINATE_MAX);
+        }
+        if ((int64_t)high[axis] - low[axis] >= SVO_VOXELS_EXTENT_MAX) {
+            return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %c coordinates %d .. %d span more than %d voxels",
+                              create_name, "xyz"[axis], low[axis], high[axis], SVO_VOXELS_EXTENT_MAX);
+        }
+        info->low[axis] = low[axis];
+        info->high[axis] = high[axis] + 1;
+    }
+    if (material_count > MATERIAL_MAX + 1) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: a voxel's material %u is above %u", create_name,
+                          material_count - 1, MATERIAL_MAX);
+    }
+    info->material_count = material_count;
+    return SVO_OK;
+}
+
+/* The least number of bits that holds all coordinates less low; at least 1. */
+static uint32_t extent_bits(const svo_voxels_info *info)
+{
+    uint32_t bits = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        while (info->high[axis] - info->low[axis] > 1 << bits) {
+            ++bits;
+        }
+    }
+    return bits;
+}
+
+/* Keeps the last voxel of each place. Returns how many there are. */
+static size_t keep_last(svo_voxel *voxels, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const svo_voxel *last = kept > 0 ? &voxels[kept - 1] : NULL;
+        if (last != NULL && last->x == voxels[i].x && last->y == voxels[i].y && last->z == voxels[i].z) {
+            --kept;
+        }
+        voxels[kept++] = voxels[i];
+    }
+    return kept;
+}
+
+/* By material, then by key, then in the given order. */
+static int compare_properties(const void *a, const void *b)
+{
+    const svo_voxel_property *left = *(const svo_voxel_property *const *)a;
+    const svo_voxel_property *right = *(const svo_voxel_property *const *)b;
+    if (left->material != right->material) {
+        return left->material < right->material ? -1 : 1;
+    }
+    const int order = strcmp(left->key, right->key);
+    return order != 0 ? order : (left > right) - (left < right);
+}
+
+static char *put_text(char **end, const char *text)
+{
+    char *begin = *end;
+    const size_t bytes = strlen(text) + 1;
+    memcpy(begin, text, bytes);
+    *end += bytes;
+    return begin;
+}
+
+static svo_status copy_properties(const svo_voxels_source *source, svo_voxels *made, svo_message *message)
+{
+    const size_t count = source->property_count;
+    size_t bytes = 1;
+    for (size_t i = 0; i < count; ++i) {
+        bytes += strlen(source->properties[i].key) + strlen(source->properties[i].value) + 2;
+    }
+    const svo_voxel_property **sorted = malloc((count + 1) * sizeof *sorted);
+    made->properties = malloc((count + 1) * sizeof *made->properties);
+    made->texts = malloc(bytes);
+    if (sorted == NULL || made->properties == NULL || made->texts == NULL) {
+        free((void *)sorted);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu properties", create_name, count);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        sorted[i] = &source->properties[i];
+    }
+    qsort((void *)sorted, count, sizeof *sorted, compare_properties);
+    char *end = made->texts;
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const bool last = i + 1 == count || sorted[i]->material != sorted[i + 1]->material ||
+                          strcmp(sorted[i]->key, sorted[i + 1]->key) != 0;
+        if (last) {
+            made->properties[kept++] = (svo_voxel_property){.material = sorted[i]->material,
+                                                            .key = put_text(&end, sorted[i]->key),
+                                                            .value = put_text(&end, sorted[i]->value)};
+        }
+    }
+    free((void *)sorted);
+    made->info.property_count = kept;
+    return SVO_OK;
+}
+
+/* Sorts the list's voxels and leaves out those that others replace. */
+static void sort_voxels(svo_voxels *made, svo_voxel *spare, size_t count)
+{
+    svo_i_voxel_sort(made->voxels, spare, count, made->info.low, extent_bits(&made->info), SVO_I_VOXEL_MORTON);
+    const size_t kept = keep_last(made->voxels, count);
+    made->info.voxel_count = kept;
+    svo_voxel *smaller = kept < count ? realloc(made->voxels, kept * sizeof *smaller) : NULL;
+    made->voxels = smaller != NULL ? smaller : made->voxels;
+}
+
+svo_status svo_i_voxels_take(const svo_voxels_source *source, svo_voxel *voxels, svo_voxel *spare, svo_voxels **out,
+                             svo_message *message)
+{
+    svo_status status = SVO_OK;
+    svo_voxels *made = calloc(1, sizeof *made);
+    if (made == NULL) {
+        free(voxels);
+        status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list", create_name);
+        goto cleanup;
+    }
+    made->voxels = voxels;
+    made->info = (svo_voxels_info){.struct_size = sizeof made->info,
+                                   .voxel_count = source->voxel_count,
+                                   .given_count = source->voxel_count,
+                                   .voxel_edge = source->voxel_edge > 0.0 ? source->voxel_edge : 1.0};
+    for (int axis = 0; axis < 3; ++axis) {
+        made->info.origin[axis] = source->origin[axis] + 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
+    }
+    SVO_I_TRY_CLEANUP(find_bounds(voxels, source->voxel_count, &made->info, message));
+    SVO_I_TRY_CLEANUP(copy_properties(source, made, message));
+    if (spare != NULL && source->voxel_count > 0) {
+        sort_voxels(made, spare, (size_t)source->voxel_count);
+    }
+    made->info.depth = extent_bits(&made->info);
+    made->info.depth = made->info.depth > SVO_DEPTH_MAX ? 0 : made->info.depth;
+    *out = made;
+    made = NULL;
+cleanup:
+    free(spare);
+    svo_voxels_destroy(&made);
+    return status;
+}
+
+svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, svo_message *message)
+{
+    svo_voxels_source given;
+    if (source == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", create_name,
+                          source == NULL ? "source" : "out");
+    }
+    SVO_I_TRY(svo_i_struct_read(message, create_name, "source", source, &given,
+                                SVO_I_STRUCT_SIZES(svo_voxels_source, voxel_edge)));
+    SVO_I_TRY(check_source(&given, message));
+    size_t bytes = 0;
+    const bool fits = svo_i_mul_size((size_t)given.voxel_count, sizeof(svo_voxel), &bytes);
+    svo_voxel *voxels = fits ? malloc(bytes + 1) : NULL;
+    svo_voxel *spare = fits ? malloc(bytes + 1) : NULL;
+    if (voxels == NULL || spare == NULL) {
+        free(voxels);
+        free(spare);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %" PRIu64 " voxels", create_name,
+                          given.voxel_count);
+    }
+    if (given.voxel_count > 0) {
+        memcpy(voxels, given.voxels, bytes);
+    }
+    return svo_i_voxels_take(&given, voxels, spare, out, message);
+}
+
+void svo_voxels_destroy(svo_voxels **voxels)
+{
+    if (voxels == NULL || *voxels == NULL) {
+        return;
+    }
+    free((*voxels)->voxels);
+    free((*voxels)->properties);
+    free((*voxels)->texts);
+    free(*voxels);
+    *voxels = NULL;
+}
+
+svo_status svo_voxels_get_info(const svo_voxels *voxels, svo_voxels_info *info)
+{
+    if (voxels == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    return svo_i_struct_write(NULL, "svo_voxels_get_info", "info", &voxels->info, info,
+                              SVO_I_STRUCT_SIZES(svo_voxels_info, property_count));
+}
+
+const svo_voxel *svo_voxels_get(const svo_voxels *voxels)
+{
+    return voxels->voxels;
+}
+
+const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels)
+{
+    return voxels->properties;
+}

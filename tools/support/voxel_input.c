@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads voxel files and says what they hold. */
+#include "support/voxel_input.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+#include "support/table.h"
+
+static bool is_piped(const program *state)
+{
+    return state->piped.name != NULL && state->options.input == state->piped.name;
+}
+
+bool voxel_input_is_given(const program *state)
+{
+    const svo_voxel_format format =
+        svo_voxel_format_of_path(is_piped(state) ? state->piped.suffix : state->options.input);
+    return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX;
+}
+
+int voxel_input_open(program *state, voxel_input *opened)
+{
+    svo_message message = {""};
+    const options *given = &state->options;
+    const piped_input *piped = &state->piped;
+    const svo_voxels_load_options load_options = {.struct_size = sizeof load_options,
+                                                  .hidden = (uint32_t)given->hidden,
+                                                  .frame = (uint32_t)given->frame,
+                                                  .log = program_log,
+                                                  .log_user = state};
+    *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
+    const svo_status status =
+        is_piped(state) ? svo_voxels_load_memory(piped->bytes, piped->byte_count, piped->name, &load_options,
+                                                 &opened->voxels, &opened->file, &message)
+                        : svo_voxels_load(given->input, &load_options, &opened->voxels, &opened->file, &message);
+    if (status != SVO_OK) {
+        return program_fail(state, PROGRAM_FAILED, "%s", message.text);
+    }
+    (void)svo_voxels_get_info(opened->voxels, &opened->list);
+    return PROGRAM_DONE;
+}
+
+void voxel_input_close(voxel_input *opened)
+{
+    svo_voxels_destroy(&opened->voxels);
+}
+
+int voxel_input_check_options(program *state, uint32_t need)
+{
+    const options *given = &state->options;
+    const char *name = given->has_origin                           ? "origin"
+                       : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
+                       : given->weights != SVO_WEIGHTS_AREA        ? "weights"
+                       : given->strict != 0                        ? "strict"
+                       : given->import_seconds > 0                 ? "import-seconds"
+                                                                   : NULL;
+    if (name != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to %s, which holds voxels", name,
+                            given->input);
+    }
+    const uint32_t known = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_NONE;
+    if ((need & ~known) != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s holds voxels, which have colors and materials, but no %s",
+                            given->input, figure_needs(need & ~known).text);
+    }
+    return PROGRAM_DONE;
+}
+
+svo_status voxel_input_plan(const program *state, svo_device *device, const voxel_input *opened,
+                            const svo_plan_options *plan_options, svo_plan **out)
+{
+    svo_plan_options by_voxels = *plan_options;
+    if (!state->options.has_builder) {
+        by_voxels.builder = SVO_BUILDER_SORTED;
+    }
+    return svo_voxels_plan(device, opened->voxels, state->options.has_depth ? (unsigned)state->options.depth : 0,
+                           &by_voxels, out);
+}
+
+/* The counts and their names. */
+typedef struct voxel_count {
+    const char *name;
+    uint64_t count;
+} voxel_count;
+
+enum { VOXEL_COUNTS = 6 };
+
+static void list_counts(const voxel_input *opened, voxel_count counts[VOXEL_COUNTS])
+{
+    counts[0] = (voxel_count){"models", opened->file.models};
+    counts[1] = (voxel_count){"instances", opened->file.instances};
+    counts[2] = (voxel_count){"rotated_instances", opened->file.rotated_instances};
+    counts[3] = (voxel_count){"hidden_instances", opened->file.hidden_instances};
+    counts[4] = (voxel_count){"instance_voxels", opened->file.instance_voxels};
+    counts[5] = (voxel_count){"distinct_voxels", opened->list.voxel_count};
+}
+
+void voxel_input_add_rows(table *rows, const voxel_input *opened)
+{
+    voxel_count counts[VOXEL_COUNTS];
+    list_counts(opened, counts);
+    for (int i = 0; i < VOXEL_COUNTS; ++i) {
+        char name[32];
+        snprintf(name, sizeof name, "%s", counts[i].name);
+        for (char *c = name; *c != '\0'; ++c) {
+            *c = *c == '_' ? ' ' : *c;
+        }
+        table_cell(rows, "%s", name);
+        table_cell(rows, "%s", figure_count(counts[i].count).text);
+    }
+}
+
+void voxel_input_add_json(cJSON *document, const voxel_input *opened)
+{
+    voxel_count counts[VOXEL_COUNTS];
+    cJSON *object = cJSON_AddObjectToObject(document, "voxels");
+    list_counts(opened, counts);
+    json_add_text(object, "format", svo_voxel_format_name((svo_voxel_format)opened->file.format));
+    json_add_count(object, "version", opened->file.version);
+    for (int i = 0; i < VOXEL_COUNTS; ++i) {
+        json_add_count(object, counts[i].name, counts[i].count);
+    }
+    cJSON *low = cJSON_AddArrayToObject(object, "low");
+    cJSON *high = cJSON_AddArrayToObject(object, "high");
+    for (int axis = 0; axis < 3; ++axis) {
+        cJSON_AddItemToArray(low, cJSON_CreateNumber(opened->list.low[axis]));
+        cJSON_AddItemToArray(high, cJSON_CreateNumber(opened->list.high[axis]));
+    }
+}

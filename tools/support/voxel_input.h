@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/* INPUT of a command where it is a voxel file: .vox, .svx, .binvox. */
+#ifndef SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
+#define SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
+
+#include <stdbool.h>
+
+#include "support/json.h"
+#include "support/program.h"
+#include "svocl/voxel_files.h"
+
+struct table;
+
+typedef struct voxel_input {
+    svo_voxels *voxels; /* NULL: none */
+    svo_voxel_file_info file;
+    svo_voxels_info list;
+} voxel_input;
+
+/* Whether INPUT is a voxel file, judged by its suffix or, from a pipe, by its bytes. */
+bool voxel_input_is_given(const program *state);
+
+/* Reads the file by --hidden and --frame. Returns the exit code; on failure nothing stays open. */
+int voxel_input_open(program *state, voxel_input *opened);
+void voxel_input_close(voxel_input *opened);
+
+/* Refuses options of meshes, and what voxels do not have of need. Returns the exit code. */
+int voxel_input_check_options(program *state, uint32_t need);
+
+/* Plans the tree of the voxels by the options: at --depth if it is given, else at the least depth. */
+svo_status voxel_input_plan(const program *state, svo_device *device, const voxel_input *opened,
+                            const svo_plan_options *plan_options, svo_plan **out);
+
+/* What the file holds, as cells "NAME" and "COUNT" of a table's rows, and as JSON. */
+void voxel_input_add_rows(struct table *rows, const voxel_input *opened);
+void voxel_input_add_json(cJSON *document, const voxel_input *opened);
+
+#endif
