@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists of voxels to files: through the caller's function, or whole or not at all through lib/output. */
+#define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
 #include <string.h>
 
