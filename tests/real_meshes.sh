@@ -37,7 +37,7 @@ while IFS= read -r -d '' file; do
         cat "$work/out" "$work/err"
     fi
 done < <(find "$work" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.STL' -o -name '*.off' \
-    -o -name '*.glb' -o -name '*.gltf' -o -name '*.vox' \) -print0 | sort -z)
+    -o -name '*.glb' -o -name '*.gltf' \) -print0 | sort -z)
 
 echo "$exact exact, $refused refused, $failed failed"
 ((failed == 0 && exact > 0))

@@ -145,7 +145,8 @@ def table_of_fields(text):
 class Documents:
     def __init__(self, source):
         tree_h, io_h = (read(os.path.join(source, "include/svocl", name)) for name in ("tree.h", "io.h"))
-        head, entry = io_h.split("chunk entry\n")
+        trees = io_h[: io_h.index("Files of compact trees")]
+        head, entry = trees.split("chunk entry\n")
         self.header = table_of_fields(head)
         self.entry = table_of_fields(entry)
         # svo_tree_buffer's values are those of the chunks' kinds.

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/memory.h"
 #include "svocl/status.h"
 #include "svocl/voxels.h"
 
@@ -60,6 +61,9 @@ typedef struct svo_voxels_load_options {
     uint64_t voxels_max; /**< more voxels, before those in one place become one, are refused; 0: SVO_VOXELS_MAX */
     svo_log_callback log; /**< receives warnings of what is not read; NULL: nothing is called */
     void *log_user; /**< passed to log */
+    /** Host memory of the reading and of the list, for its whole life; NULL: malloc and free. libzip, expat and
+     *  stb_image, which read .svx files, have their own, by malloc. */
+    const svo_memory_callbacks *memory;
 } svo_voxels_load_options;
 
 /** All defaults. */
@@ -89,8 +93,8 @@ typedef struct svo_voxel_file_info {
  * \param info receives what the file holds; NULL allowed
  * \param message receives what is wrong and where; NULL allowed
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a .svx file, and the library was built
- *          without libzip or expat), SVO_INVALID_ARGUMENT (no such frame, too many voxels) or SVO_OUT_OF_HOST_MEMORY on
- *          failure. */
+ *          without libzip or expat), SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or
+ *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_load(const char *path, const svo_voxels_load_options *options, svo_voxels **out,
                                    svo_voxel_file_info *info, svo_message *message);
 

@@ -20,6 +20,7 @@
 
 #include "svocl/build.h"
 #include "svocl/device.h"
+#include "svocl/memory.h"
 #include "svocl/plan.h"
 #include "svocl/tree.h"
 
@@ -56,6 +57,8 @@ typedef struct svo_voxels_source {
     size_t property_count; /**< below 2^32 */
     double origin[3]; /**< world position of the least corner of voxel (0, 0, 0); finite */
     double voxel_edge; /**< width of a voxel, world units, finite and above 0; or 0 for 1 */
+    /** Host memory of the list, for its whole life, and of what writes it to files; NULL: malloc and free. */
+    const svo_memory_callbacks *memory;
 } svo_voxels_source;
 
 /** No voxels. */
@@ -87,8 +90,8 @@ typedef struct svo_voxels_info {
  * \param source not NULL
  * \param out receives the list
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_INVALID_ARGUMENT (a number, a coordinate or the extent is out of range) or SVO_OUT_OF_HOST_MEMORY on
- *          failure. */
+ * \returns SVO_INVALID_ARGUMENT (a number, a coordinate or the extent is out of range, or memory is not valid) or
+ *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, svo_message *message);
 
 /** Destroys a list.
@@ -152,7 +155,7 @@ SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels
 /** The leaves of a tree as a list of voxels: each with the leaf's color, or white, and its material, or 0. On a grid
  *  whose voxels are one world unit wide and begin at whole numbers, as svo_voxels_build makes of lists with the default
  *  origin, coordinates are those of the world. On other grids they count from the grid's least corner, which then is
- *  the origin of the list.
+ *  the origin of the list. Host memory comes from where the tree's does.
  *
  * \param tree with host arrays (svo_tree_download), with at most SVO_VOXELS_MAX leaves
  * \param out receives the list

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The .binvox writer: the occupancy of the smallest cube whose edge is a power of two, as most readers want it. */
-#include <stdlib.h>
 
 #include "io/voxels_formats.h"
 #include "io/voxels_text.h"
@@ -65,6 +64,6 @@ svo_status svo_i_voxels_write_binvox(voxel_writer *writer)
     if (status == SVO_OK) {
         status = put_runs(writer, sorted, bits);
     }
-    free(sorted);
+    svo_i_free(sorted);
     return status;
 }

@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -61,9 +60,10 @@ static svo_status make_list(voxel_reader *reader, svo_voxels **out)
                                 .voxels = reader->voxels,
                                 .voxel_count = reader->voxel_count,
                                 .property_count = reader->property_count,
-                                .voxel_edge = reader->voxel_edge};
+                                .voxel_edge = reader->voxel_edge,
+                                .memory = reader->options.memory};
     memcpy(source.origin, reader->origin, sizeof source.origin);
-    svo_voxel_property *properties = malloc((reader->property_count + 1) * sizeof *properties);
+    svo_voxel_property *properties = svo_i_alloc(&reader->memory, (reader->property_count + 1) * sizeof *properties);
     if (properties == NULL) {
         return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu properties",
                                  reader->property_count);
@@ -78,7 +78,7 @@ static svo_status make_list(voxel_reader *reader, svo_voxels **out)
     if (status != SVO_OK) {
         svo_i_message_rename(reader->message, reader->name);
     }
-    free(properties);
+    svo_i_free(properties);
     return status;
 }
 
@@ -92,9 +92,9 @@ static svo_status load(voxel_reader *reader, svo_voxels **out, svo_voxel_file_in
                                  SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
     }
 cleanup:
-    free(reader->voxels);
-    free(reader->properties);
-    free(reader->texts);
+    svo_i_free(reader->voxels);
+    svo_i_free(reader->properties);
+    svo_i_free(reader->texts);
     return status;
 }
 
@@ -104,6 +104,7 @@ static svo_status start(const char *function, const svo_voxels_load_options *opt
 {
     SVO_I_TRY(svo_i_struct_read(reader->message, function, "options", options, &reader->options,
                                 SVO_I_STRUCT_SIZES(svo_voxels_load_options, log_user)));
+    SVO_I_TRY(svo_i_memory_read(reader->message, function, "options.memory", reader->options.memory, &reader->memory));
     const uint64_t most = SVO_VOXELS_MAX;
     if (reader->options.voxels_max == 0 || reader->options.voxels_max > most) {
         reader->options.voxels_max = most;
@@ -127,8 +128,10 @@ svo_status svo_voxels_load_memory(const void *bytes, size_t byte_count, const ch
 }
 
 /* Reads a regular file, of the length that it had when it was opened. */
-static svo_status read_file(int file, const char *path, uint8_t **bytes, size_t *byte_count, svo_message *message)
+static svo_status read_file(const voxel_reader *reader, int file, uint8_t **bytes, size_t *byte_count)
 {
+    const char *path = reader->name;
+    svo_message *message = reader->message;
     struct stat entry;
     if (fstat(file, &entry) != 0) {
         return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
@@ -138,7 +141,7 @@ static svo_status read_file(int file, const char *path, uint8_t **bytes, size_t 
                           S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
     }
     const size_t whole = (size_t)entry.st_size;
-    *bytes = malloc(whole + 1);
+    *bytes = svo_i_alloc(&reader->memory, whole + 1);
     if (*bytes == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for its %zu bytes", path, whole);
     }
@@ -173,12 +176,12 @@ svo_status svo_voxels_load(const char *path, const svo_voxels_load_options *opti
         return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
     }
     uint8_t *bytes = NULL;
-    svo_status status = read_file(file, path, &bytes, &reader.byte_count, message);
+    svo_status status = read_file(&reader, file, &bytes, &reader.byte_count);
     close(file);
     if (status == SVO_OK) {
         reader.bytes = bytes;
         status = load(&reader, out, info);
     }
-    free(bytes);
+    svo_i_free(bytes);
     return status;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Voxels for programs that show meshes: points at their centers (.ply), and cubes with the faces that show (.obj). */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/voxels_formats.h"

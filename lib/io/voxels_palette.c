@@ -40,10 +40,10 @@ static palette_pair *find_slot(const pair_table *table, uint64_t key)
     return &table->slots[slot];
 }
 
-static bool grow_table(pair_table *table)
+static bool grow_table(const svo_i_memory *memory, pair_table *table)
 {
     pair_table larger = {.capacity = table->capacity == 0 ? 1024 : 2 * table->capacity, .used = table->used};
-    larger.slots = malloc(larger.capacity * sizeof *larger.slots);
+    larger.slots = svo_i_alloc(memory, larger.capacity * sizeof *larger.slots);
     if (larger.slots == NULL) {
         return false;
     }
@@ -55,7 +55,7 @@ static bool grow_table(pair_table *table)
             *find_slot(&larger, table->slots[i].key) = table->slots[i];
         }
     }
-    free(table->slots);
+    svo_i_free(table->slots);
     *table = larger;
     return true;
 }
@@ -72,8 +72,8 @@ static bool collect_pairs(const voxel_writer *writer, voxel_palette *palette)
 {
     pair_table table = {.slots = NULL};
     for (uint64_t i = 0; i < writer->list.voxel_count; ++i) {
-        if (2 * table.used >= table.capacity && !grow_table(&table)) {
-            free(table.slots);
+        if (2 * table.used >= table.capacity && !grow_table(writer->memory, &table)) {
+            svo_i_free(table.slots);
             return false;
         }
         palette_pair *pair = find_slot(&table, key_of(&writer->voxels[i]));
@@ -124,9 +124,9 @@ static uint32_t distance(const voxel_palette *palette, uint32_t entry, uint64_t 
 }
 
 /* The first centers: the color of most voxels, then each time the one that is farthest from all centers. */
-static bool choose_centers(voxel_palette *palette)
+static bool choose_centers(const svo_i_memory *memory, voxel_palette *palette)
 {
-    uint32_t *nearest = malloc(palette->pair_count * sizeof *nearest);
+    uint32_t *nearest = svo_i_alloc(memory, palette->pair_count * sizeof *nearest);
     if (nearest == NULL) {
         return false;
     }
@@ -144,7 +144,7 @@ static bool choose_centers(voxel_palette *palette)
             chosen = nearest[i] > nearest[chosen] ? i : chosen;
         }
     }
-    free(nearest);
+    svo_i_free(nearest);
     return true;
 }
 
@@ -218,7 +218,7 @@ svo_status svo_i_palette_make(const voxel_writer *writer, voxel_palette *palette
         }
         return SVO_OK;
     }
-    if (!choose_centers(palette)) {
+    if (!choose_centers(writer->memory, palette)) {
         return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu colors", palette->pair_count);
     }
     for (int round = 0; round < ROUNDS_MAX && assign_pairs(palette); ++round) {
@@ -231,7 +231,7 @@ svo_status svo_i_palette_make(const voxel_writer *writer, voxel_palette *palette
 
 void svo_i_palette_free(voxel_palette *palette)
 {
-    free(palette->pairs);
+    svo_i_free(palette->pairs);
     palette->pairs = NULL;
 }
 

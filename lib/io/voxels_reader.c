@@ -3,7 +3,6 @@
 #include "io/voxels_reader.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 static svo_status fail(const voxel_reader *reader, svo_status status, const char *format, va_list arguments)
@@ -57,8 +56,9 @@ svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count)
         return SVO_OK;
     }
     size_t bytes = 0;
-    svo_voxel *grown =
-        svo_i_mul_size((size_t)voxel_count, sizeof *grown, &bytes) ? realloc(reader->voxels, bytes) : NULL;
+    svo_voxel *grown = svo_i_mul_size((size_t)voxel_count, sizeof *grown, &bytes)
+                           ? svo_i_grow(&reader->memory, reader->voxels, bytes)
+                           : NULL;
     if (grown == NULL) {
         return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " voxels", voxel_count);
     }
@@ -94,7 +94,7 @@ static bool put_text(voxel_reader *reader, const char *text, size_t bytes, size_
     }
     if (needed > reader->text_capacity) {
         const size_t capacity = needed > SIZE_MAX / 2 ? needed : 2 * needed + 256;
-        char *grown = realloc(reader->texts, capacity);
+        char *grown = svo_i_grow(&reader->memory, reader->texts, capacity);
         if (grown == NULL) {
             return false;
         }
@@ -116,7 +116,7 @@ svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, co
     voxel_property added = {.material = material};
     if (reader->property_count == reader->property_capacity) {
         const size_t capacity = 2 * reader->property_capacity + 64;
-        voxel_property *grown = realloc(reader->properties, capacity * sizeof *grown);
+        voxel_property *grown = svo_i_grow(&reader->memory, reader->properties, capacity * sizeof *grown);
         if (grown == NULL) {
             return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu properties", capacity);
         }

@@ -3,6 +3,7 @@
 #ifndef SVO_LIB_IO_VOXELS_READER_H
 #define SVO_LIB_IO_VOXELS_READER_H
 
+#include "core/memory.h"
 #include "core/message.h"
 #include "svocl/voxel_files.h"
 
@@ -18,6 +19,7 @@ typedef struct voxel_reader {
     const uint8_t *bytes;
     size_t byte_count;
     svo_voxels_load_options options; /* voxels_max is not 0 */
+    svo_i_memory memory; /* of options.memory */
     svo_message *message;
     svo_voxel_file_info info;
 

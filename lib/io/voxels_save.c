@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists of voxels to files: through the caller's function, or whole or not at all through lib/output. */
 #define _POSIX_C_SOURCE 200809L
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "io/voxels_formats.h"
 #include "output/output.h"
 
@@ -28,12 +28,13 @@ static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
 static svo_status write_list(voxel_writer *writer, const svo_voxels *voxels, svo_voxel_format format,
                              svo_voxels_save_info *info)
 {
+    writer->memory = &voxels->memory;
     writer->voxels = svo_voxels_get(voxels);
     writer->properties = svo_voxels_get_properties(voxels);
     writer->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
     SVO_I_TRY(svo_voxels_get_info(voxels, &writer->list));
     writer->info = (svo_voxels_save_info){.struct_size = sizeof writer->info, .format = format, .models = 1};
-    writer->buffer = malloc(VOXEL_BUFFER_BYTES);
+    writer->buffer = svo_i_alloc(writer->memory, VOXEL_BUFFER_BYTES);
     if (writer->buffer == NULL) {
         return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for a buffer");
     }
@@ -41,7 +42,7 @@ static svo_status write_list(voxel_writer *writer, const svo_voxels *voxels, svo
     if (status == SVO_OK) {
         status = svo_i_voxels_flush(writer);
     }
-    free(writer->buffer);
+    svo_i_free(writer->buffer);
     if (status == SVO_OK && info != NULL) {
         (void)svo_i_struct_write(NULL, "", "info", &writer->info, info,
                                  SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes));

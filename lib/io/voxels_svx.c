@@ -4,7 +4,6 @@
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <zip.h>
 
@@ -40,7 +39,7 @@ static svo_status read_entry(const svx_reader *r, const char *name, uint64_t byt
     if (file == NULL) {
         return svo_i_voxels_damaged(reader, "entry %s: %s, at its byte 0", name, zip_strerror(r->archive));
     }
-    *bytes = malloc((size_t)entry.size + 1);
+    *bytes = svo_i_alloc(&reader->memory, (size_t)entry.size + 1);
     if (*bytes == NULL) {
         zip_fclose(file);
         return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "entry %s: no memory for %" PRIu64 " bytes", name,
@@ -69,7 +68,7 @@ static svo_status read_manifest(svx_reader *r)
     if (status == SVO_OK) {
         status = svo_i_svx_read_manifest(r->reader, (const char *)text, byte_count, &r->manifest);
     }
-    free(text);
+    svo_i_free(text);
     return status;
 }
 
@@ -151,15 +150,15 @@ static svo_status read_slice(const svx_reader *r, svx_kind kind, uint32_t slice,
     SVO_I_TRY(slice_name(r, r->channels[kind], slice, name, sizeof name));
     svo_status status = read_entry(r, name, svo_i_svx_png_bytes_max(r->width, r->height), &bytes, &byte_count);
     if (status == SVO_OK) {
-        const char *wrong =
-            svo_i_svx_png_read(bytes, byte_count, r->width, r->height, kind == SVX_COLOR, image, &offset);
+        const svx_png png = {.bytes = bytes, .byte_count = byte_count, .width = r->width, .height = r->height};
+        const char *wrong = svo_i_svx_png_read(&r->reader->memory, &png, kind == SVX_COLOR, image, &offset);
         if (wrong == svo_i_svx_png_no_memory) {
             status = svo_i_voxels_fail(r->reader, SVO_OUT_OF_HOST_MEMORY, "entry %s: %s", name, wrong);
         } else if (wrong != NULL) {
             status = svo_i_voxels_damaged(r->reader, "entry %s: %s, at its byte %zu", name, wrong, offset);
         }
     }
-    free(bytes);
+    svo_i_free(bytes);
     return status;
 }
 

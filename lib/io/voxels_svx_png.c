@@ -7,7 +7,6 @@
 #include "io/voxels_svx_png.h"
 
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/voxels_svx.h"
@@ -75,27 +74,26 @@ static const char *walk_chunks(const uint8_t *bytes, size_t byte_count, uint8_t 
 }
 
 /* Unpacks the pixels into bounded memory, which is then given up. */
-static const char *check_unpacked(const uint8_t *bytes, size_t byte_count, uint32_t width, uint32_t height,
-                                  size_t *offset)
+static const char *check_unpacked(const svo_i_memory *memory, const svx_png *png, size_t *offset)
 {
     size_t packed_bytes = 0;
-    const uint64_t bound = unpacked_bytes_max(width, height);
-    const char *wrong = walk_chunks(bytes, byte_count, NULL, &packed_bytes, offset);
+    const uint64_t bound = unpacked_bytes_max(png->width, png->height);
+    const char *wrong = walk_chunks(png->bytes, png->byte_count, NULL, &packed_bytes, offset);
     if (wrong != NULL) {
         return wrong;
     }
-    uint8_t *packed = malloc(packed_bytes + 1);
-    char *unpacked = malloc((size_t)bound);
+    uint8_t *packed = svo_i_alloc(memory, packed_bytes + 1);
+    char *unpacked = svo_i_alloc(memory, (size_t)bound);
     if (packed == NULL || unpacked == NULL) {
         wrong = svo_i_svx_png_no_memory;
     } else {
-        (void)walk_chunks(bytes, byte_count, packed, &packed_bytes, offset);
+        (void)walk_chunks(png->bytes, png->byte_count, packed, &packed_bytes, offset);
         const int got = stbi_zlib_decode_buffer(unpacked, (int)bound, (const char *)packed, (int)packed_bytes);
         wrong = got < 0 ? "its pixels cannot be unpacked, or are more than its size says" : NULL;
         *offset = SIGNATURE_BYTES;
     }
-    free(packed);
-    free(unpacked);
+    svo_i_free(packed);
+    svo_i_free(unpacked);
     return wrong;
 }
 
@@ -130,25 +128,26 @@ static const char *decode(const uint8_t *bytes, int byte_count, bool deep, bool 
     return NULL;
 }
 
-const char *svo_i_svx_png_read(const uint8_t *bytes, size_t byte_count, uint32_t width, uint32_t height, int color,
-                               svx_image *image, size_t *offset)
+const char *svo_i_svx_png_read(const svo_i_memory *memory, const svx_png *png, int color, svx_image *image,
+                               size_t *offset)
 {
     static const uint8_t signature[SIGNATURE_BYTES] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     *image = (svx_image){.gray = NULL};
     *offset = 0;
-    if (byte_count < SIGNATURE_BYTES + CHUNK_BYTES + HEADER_BYTES || memcmp(bytes, signature, SIGNATURE_BYTES) != 0) {
+    if (png->byte_count < SIGNATURE_BYTES + CHUNK_BYTES + HEADER_BYTES ||
+        memcmp(png->bytes, signature, SIGNATURE_BYTES) != 0) {
         return "not a PNG image";
     }
-    const uint8_t *header = bytes + SIGNATURE_BYTES + 8;
+    const uint8_t *header = png->bytes + SIGNATURE_BYTES + 8;
     *offset = SIGNATURE_BYTES + 8;
-    if (memcmp(header - 4, "IHDR", 4) != 0 || u32_at(header) != width || u32_at(header + 4) != height) {
+    if (memcmp(header - 4, "IHDR", 4) != 0 || u32_at(header) != png->width || u32_at(header + 4) != png->height) {
         return "its size is not that of a slice";
     }
-    const char *wrong = check_unpacked(bytes, byte_count, width, height, offset);
+    const char *wrong = check_unpacked(memory, png, offset);
     if (wrong != NULL) {
         return wrong;
     }
-    return decode(bytes, (int)byte_count, header[8] == 16, color != 0, image);
+    return decode(png->bytes, (int)png->byte_count, header[8] == 16, color != 0, image);
 }
 
 uint32_t svo_i_svx_png_gray(const svx_image *image, size_t pixel)
@@ -158,7 +157,7 @@ uint32_t svo_i_svx_png_gray(const svx_image *image, size_t pixel)
 
 void svo_i_svx_png_free(svx_image *image)
 {
-    free(image->gray);
-    free(image->rgba);
+    stbi_image_free(image->gray);
+    stbi_image_free(image->rgba);
     *image = (svx_image){.gray = NULL};
 }

@@ -2,7 +2,6 @@
 /* PNG images (https://www.w3.org/TR/png/) whose pixels are stored in blocks of zlib's format, not packed. */
 #include "io/voxels_svx_png_write.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define BLOCK_BYTES_MAX 65535u /* of zlib's stored blocks */
@@ -101,13 +100,13 @@ static void put_rows(png_writer *png, const uint8_t *pixels, size_t row_bytes, u
     end_chunk(png);
 }
 
-uint8_t *svo_i_svx_png_write(const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t channels,
-                             size_t *byte_count)
+uint8_t *svo_i_svx_png_write(const svo_i_memory *memory, const uint8_t *pixels, uint32_t width, uint32_t height,
+                             uint32_t channels, size_t *byte_count)
 {
     static const uint8_t signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     const size_t row_bytes = (size_t)width * channels;
     const size_t all = sizeof signature + 3 * CHUNK_BYTES + HEADER_BYTES + pixel_bytes(row_bytes, height);
-    png_writer png = {.bytes = malloc(all)};
+    png_writer png = {.bytes = svo_i_alloc(memory, all)};
     if (png.bytes == NULL) {
         return NULL;
     }

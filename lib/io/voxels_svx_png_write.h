@@ -6,9 +6,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* An image that is not packed, by malloc; NULL when out of memory. pixels: rows of one gray byte or of three color
+#include "core/memory.h"
+
+/* An image that is not packed, for svo_i_free; NULL when out of memory. pixels: rows of one gray byte or of three color
    bytes a pixel. */
-uint8_t *svo_i_svx_png_write(const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t channels,
-                             size_t *byte_count);
+uint8_t *svo_i_svx_png_write(const svo_i_memory *memory, const uint8_t *pixels, uint32_t width, uint32_t height,
+                             uint32_t channels, size_t *byte_count);
 
 #endif

@@ -6,7 +6,6 @@
  */
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <zip.h>
 
@@ -34,14 +33,14 @@ static svo_status no_memory(const svx_writer *w)
     return svo_i_voxels_write_fail(w->out, SVO_OUT_OF_HOST_MEMORY, "no memory for a .svx archive");
 }
 
-/* Adds an entry. Takes over bytes, which came from malloc, also on failure. */
+/* Adds an entry. Takes over bytes, which came from svo_i_alloc, also on failure. */
 static svo_status add_entry(svx_writer *w, const char *name, uint8_t *bytes, size_t byte_count)
 {
     if (w->entry_count == w->entry_capacity) {
         const size_t capacity = 2 * w->entry_capacity + 64;
-        uint8_t **larger = realloc((void *)w->entries, capacity * sizeof *larger);
+        uint8_t **larger = svo_i_grow(w->out->memory, (void *)w->entries, capacity * sizeof *larger);
         if (larger == NULL) {
-            free(bytes);
+            svo_i_free(bytes);
             return no_memory(w);
         }
         w->entries = larger;
@@ -71,7 +70,7 @@ static size_t put_channel(char *text, size_t used, const char *type, const char 
 static svo_status add_manifest(svx_writer *w)
 {
     char number[4][VOXEL_NUMBER_BYTES];
-    char *text = malloc(MANIFEST_BYTES);
+    char *text = svo_i_alloc(w->out->memory, MANIFEST_BYTES);
     if (text == NULL) {
         return no_memory(w);
     }
@@ -112,13 +111,13 @@ static svo_status add_image(svx_writer *w, svx_kind kind, uint32_t slice, const 
     const uint32_t channels = kind == SVX_COLOR ? 3 : 1;
     char name[64];
     size_t byte_count = 0;
-    uint8_t *pixels = calloc((size_t)w->size[0] * w->size[2], channels);
+    uint8_t *pixels = svo_i_alloc_zeroed(w->out->memory, (size_t)w->size[0] * w->size[2], channels);
     if (pixels == NULL) {
         return no_memory(w);
     }
     draw(w, kind, voxels, count, pixels);
-    uint8_t *png = svo_i_svx_png_write(pixels, w->size[0], w->size[2], channels, &byte_count);
-    free(pixels);
+    uint8_t *png = svo_i_svx_png_write(w->out->memory, pixels, w->size[0], w->size[2], channels, &byte_count);
+    svo_i_free(pixels);
     if (png == NULL) {
         return no_memory(w);
     }
@@ -221,9 +220,9 @@ svo_status svo_i_voxels_write_svx(voxel_writer *writer)
     }
     zip_error_fini(&error);
     for (size_t i = 0; i < w.entry_count; ++i) {
-        free(w.entries[i]);
+        svo_i_free(w.entries[i]);
     }
-    free((void *)w.entries);
-    free(w.sorted);
+    svo_i_free((void *)w.entries);
+    svo_i_free(w.sorted);
     return status;
 }

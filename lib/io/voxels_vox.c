@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The .vox reader: chunks, models and the palette. voxels_vox_nodes.c reads the scene, voxels_vox_scene.c places it. */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/voxels_formats.h"
@@ -211,8 +210,8 @@ svo_status svo_i_voxels_read_vox(voxel_reader *reader)
     vox_file file = {.reader = reader, .packed = -1};
     default_palette(file.palette);
     const svo_status status = read_file(&file);
-    free(file.models);
-    free(file.nodes);
-    free(file.layers);
+    svo_i_free(file.models);
+    svo_i_free(file.nodes);
+    svo_i_free(file.layers);
     return status;
 }

@@ -2,7 +2,6 @@
 /* What all parts of the .vox reader use: messages with a place, growing lists, numbers. */
 #include "io/voxels_vox_file.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 svo_status svo_i_vox_damaged(const vox_cursor *cursor, const char *format, ...)
@@ -22,7 +21,7 @@ svo_status svo_i_vox_grow(const voxel_reader *reader, void **list, size_t count,
         return SVO_OK;
     }
     const size_t larger = 2 * *capacity + 16;
-    void *grown = realloc(*list, larger * element_bytes);
+    void *grown = svo_i_grow(&reader->memory, *list, larger * element_bytes);
     if (grown == NULL) {
         return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu parts of the scene", larger);
     }

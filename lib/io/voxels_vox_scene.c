@@ -223,7 +223,7 @@ static svo_status sort_nodes(const walk *w)
 static svo_status place_scene(vox_file *file)
 {
     svo_status status = SVO_OK;
-    step *path = calloc(VOX_DEPTH_MAX, sizeof *path);
+    step *path = svo_i_alloc_zeroed(&file->reader->memory, VOX_DEPTH_MAX, sizeof *path);
     walk w = {.file = file, .counts = true, .path = path};
     if (path == NULL) {
         return svo_i_voxels_fail(file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the scene");
@@ -235,7 +235,7 @@ static svo_status place_scene(vox_file *file)
     w.counts = false;
     SVO_I_TRY_CLEANUP(walk_scene(&w));
 cleanup:
-    free(path);
+    svo_i_free(path);
     return status;
 }
 

@@ -5,7 +5,6 @@
  */
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/voxels_formats.h"
@@ -83,7 +82,7 @@ static svo_status find_blocks(vox_writer *w)
                                        "the voxels lie in %" PRIu64 " blocks of 256^3, above the limit of %d models",
                                        count, SVO_VOXEL_INSTANCES_MAX);
     }
-    w->blocks = calloc((size_t)count + 1, sizeof *w->blocks);
+    w->blocks = svo_i_alloc_zeroed(out->memory, (size_t)count + 1, sizeof *w->blocks);
     if (w->blocks == NULL) {
         return svo_i_voxels_write_fail(out, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " models", count);
     }
@@ -283,6 +282,6 @@ svo_status svo_i_voxels_write_vox(voxel_writer *writer)
     writer->info.color_error = w.palette.error;
 cleanup:
     svo_i_palette_free(&w.palette);
-    free(w.blocks);
+    svo_i_free(w.blocks);
     return status;
 }

@@ -3,7 +3,6 @@
 #include "io/voxels_writer.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status, const char *format, ...)
@@ -58,18 +57,18 @@ svo_status svo_i_voxels_print(voxel_writer *writer, const char *format, ...)
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out)
 {
     const size_t count = (size_t)writer->list.voxel_count;
-    svo_voxel *sorted = malloc(count * sizeof *sorted + 1);
-    svo_voxel *spare = malloc(count * sizeof *spare + 1);
+    svo_voxel *sorted = svo_i_alloc(writer->memory, count * sizeof *sorted + 1);
+    svo_voxel *spare = svo_i_alloc(writer->memory, count * sizeof *spare + 1);
     if (sorted == NULL || spare == NULL) {
-        free(sorted);
-        free(spare);
+        svo_i_free(sorted);
+        svo_i_free(spare);
         return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory to sort %zu voxels", count);
     }
     if (count > 0) {
         memcpy(sorted, writer->voxels, count * sizeof *sorted);
         svo_i_voxel_sort(sorted, spare, count, writer->list.low, svo_i_voxels_bits(writer), order);
     }
-    free(spare);
+    svo_i_free(spare);
     *out = sorted;
     return SVO_OK;
 }

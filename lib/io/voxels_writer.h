@@ -3,6 +3,7 @@
 #ifndef SVO_LIB_IO_VOXELS_WRITER_H
 #define SVO_LIB_IO_VOXELS_WRITER_H
 
+#include "core/memory.h"
 #include "core/message.h"
 #include "core/voxel_sort.h"
 #include "svocl/voxel_files.h"
@@ -15,6 +16,7 @@ typedef struct voxel_writer {
     svo_message *message;
     svo_voxels_write_callback write;
     void *user;
+    const svo_i_memory *memory; /* of the list */
     const svo_voxel *voxels;
     svo_voxels_info list;
     const svo_voxel_property *properties;
@@ -33,7 +35,7 @@ svo_status svo_i_voxels_print(voxel_writer *writer, const char *format, ...) __a
 /* Gives what is in the buffer to the callback. */
 svo_status svo_i_voxels_flush(voxel_writer *writer);
 
-/* A copy of the voxels in another order, by malloc. */
+/* A copy of the voxels in another order, for svo_i_free. */
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out);
 
 /* The least number of bits that holds all coordinates less the least ones; 0 for a single voxel. */

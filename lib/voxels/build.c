@@ -5,7 +5,6 @@
  * are uniform: all voxels count the same in the means above them.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/device.h"
@@ -59,15 +58,15 @@ static svo_status check_options(svo_device *device, const svo_voxels *voxels, un
 
 static void free_points(points *p)
 {
-    free(p->positions);
-    free(p->indices);
-    free(p->colors);
-    free(p->materials);
-    free(p->table);
+    svo_i_free(p->positions);
+    svo_i_free(p->indices);
+    svo_i_free(p->colors);
+    svo_i_free(p->materials);
+    svo_i_free(p->table);
 }
 
 /* Allocates the arrays, each with room for one element at least. */
-static bool allocate_points(const svo_voxels *voxels, uint32_t need, points *p)
+static bool allocate_points(const svo_i_memory *memory, const svo_voxels *voxels, uint32_t need, points *p)
 {
     const size_t count = (size_t)voxels->info.voxel_count;
     size_t bytes = 0;
@@ -76,11 +75,11 @@ static bool allocate_points(const svo_voxels *voxels, uint32_t need, points *p)
     }
     const bool color = (need & SVO_NEED_COLOR) != 0;
     const bool material = (need & SVO_NEED_MATERIAL) != 0;
-    p->positions = malloc(bytes);
-    p->indices = malloc(bytes);
-    p->colors = color ? malloc((count + 1) * 4) : NULL;
-    p->materials = material ? malloc((count + 1) * sizeof *p->materials) : NULL;
-    p->table = material ? malloc((voxels->info.material_count + 1) * sizeof *p->table) : NULL;
+    p->positions = svo_i_alloc(memory, bytes);
+    p->indices = svo_i_alloc(memory, bytes);
+    p->colors = color ? svo_i_alloc(memory, (count + 1) * 4) : NULL;
+    p->materials = material ? svo_i_alloc(memory, (count + 1) * sizeof *p->materials) : NULL;
+    p->table = material ? svo_i_alloc(memory, (voxels->info.material_count + 1) * sizeof *p->table) : NULL;
     return p->positions != NULL && p->indices != NULL && (p->colors != NULL || !color) &&
            ((p->materials != NULL && p->table != NULL) || !material);
 }
@@ -135,7 +134,7 @@ svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigne
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
     asked.builder = options == NULL ? SVO_BUILDER_SORTED : asked.builder;
     SVO_I_TRY(check_options(device, voxels, &depth, &asked));
-    if (!allocate_points(voxels, asked.need, &p)) {
+    if (!allocate_points(&device->memory, voxels, asked.need, &p)) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                                    (unsigned long long)voxels->info.voxel_count);
         goto cleanup;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A tree to voxels: the leaves with their places. Leaves lie in Morton order already. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/tree.h"
@@ -106,13 +105,13 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
         offset[axis] = of_world ? (int32_t)info->origin[axis] : 0;
         source.origin[axis] = of_world ? 0.0 : info->origin[axis];
     }
-    svo_voxel *voxels = calloc((size_t)info->leaf_count + 1, sizeof *voxels);
+    svo_voxel *voxels = svo_i_alloc_zeroed(&tree->memory, (size_t)info->leaf_count + 1, sizeof *voxels);
     if (voxels == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                           (unsigned long long)info->leaf_count);
     }
     fill_leaves(tree, offset, voxels);
-    const svo_status status = svo_i_voxels_take(&source, voxels, NULL, out, message);
+    const svo_status status = svo_i_voxels_take(&tree->memory, &source, voxels, NULL, out, message);
     if (status != SVO_OK) {
         svo_i_message_rename(message, function);
     }

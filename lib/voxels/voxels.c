@@ -140,11 +140,11 @@ static svo_status copy_properties(const svo_voxels_source *source, svo_voxels *m
     for (size_t i = 0; i < count; ++i) {
         bytes += strlen(source->properties[i].key) + strlen(source->properties[i].value) + 2;
     }
-    const svo_voxel_property **sorted = malloc((count + 1) * sizeof *sorted);
-    made->properties = malloc((count + 1) * sizeof *made->properties);
-    made->texts = malloc(bytes);
+    const svo_voxel_property **sorted = svo_i_alloc(&made->memory, (count + 1) * sizeof *sorted);
+    made->properties = svo_i_alloc(&made->memory, (count + 1) * sizeof *made->properties);
+    made->texts = svo_i_alloc(&made->memory, bytes);
     if (sorted == NULL || made->properties == NULL || made->texts == NULL) {
-        free((void *)sorted);
+        svo_i_free((void *)sorted);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu properties", create_name, count);
     }
     for (size_t i = 0; i < count; ++i) {
@@ -162,31 +162,33 @@ static svo_status copy_properties(const svo_voxels_source *source, svo_voxels *m
                                                             .value = put_text(&end, sorted[i]->value)};
         }
     }
-    free((void *)sorted);
+    svo_i_free((void *)sorted);
     made->info.property_count = kept;
     return SVO_OK;
 }
 
-/* Sorts the list's voxels and leaves out those that others replace. */
+/* Sorts the list's voxels and leaves out those that others replace. Frees spare. */
 static void sort_voxels(svo_voxels *made, svo_voxel *spare, size_t count)
 {
     svo_i_voxel_sort(made->voxels, spare, count, made->info.low, extent_bits(&made->info), SVO_I_VOXEL_MORTON);
     const size_t kept = keep_last(made->voxels, count);
     made->info.voxel_count = kept;
-    svo_voxel *smaller = kept < count ? realloc(made->voxels, kept * sizeof *smaller) : NULL;
+    svo_i_free(spare); /* first, since less memory may mean another block */
+    svo_voxel *smaller = kept < count ? svo_i_grow(&made->memory, made->voxels, kept * sizeof *smaller) : NULL;
     made->voxels = smaller != NULL ? smaller : made->voxels;
 }
 
-svo_status svo_i_voxels_take(const svo_voxels_source *source, svo_voxel *voxels, svo_voxel *spare, svo_voxels **out,
-                             svo_message *message)
+svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
+                             svo_voxel *spare, svo_voxels **out, svo_message *message)
 {
     svo_status status = SVO_OK;
-    svo_voxels *made = calloc(1, sizeof *made);
+    svo_voxels *made = svo_i_alloc_zeroed(memory, 1, sizeof *made);
     if (made == NULL) {
-        free(voxels);
+        svo_i_free(voxels);
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list", create_name);
         goto cleanup;
     }
+    made->memory = *memory;
     made->voxels = voxels;
     made->info = (svo_voxels_info){.struct_size = sizeof made->info,
                                    .voxel_count = source->voxel_count,
@@ -199,13 +201,14 @@ svo_status svo_i_voxels_take(const svo_voxels_source *source, svo_voxel *voxels,
     SVO_I_TRY_CLEANUP(copy_properties(source, made, message));
     if (spare != NULL && source->voxel_count > 0) {
         sort_voxels(made, spare, (size_t)source->voxel_count);
+        spare = NULL;
     }
     made->info.depth = extent_bits(&made->info);
     made->info.depth = made->info.depth > SVO_DEPTH_MAX ? 0 : made->info.depth;
     *out = made;
     made = NULL;
 cleanup:
-    free(spare);
+    svo_i_free(spare);
     svo_voxels_destroy(&made);
     return status;
 }
@@ -219,21 +222,23 @@ svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, 
     }
     SVO_I_TRY(svo_i_struct_read(message, create_name, "source", source, &given,
                                 SVO_I_STRUCT_SIZES(svo_voxels_source, voxel_edge)));
+    svo_i_memory memory;
+    SVO_I_TRY(svo_i_memory_read(message, create_name, "source.memory", given.memory, &memory));
     SVO_I_TRY(check_source(&given, message));
     size_t bytes = 0;
     const bool fits = svo_i_mul_size((size_t)given.voxel_count, sizeof(svo_voxel), &bytes);
-    svo_voxel *voxels = fits ? malloc(bytes + 1) : NULL;
-    svo_voxel *spare = fits ? malloc(bytes + 1) : NULL;
+    svo_voxel *voxels = fits ? svo_i_alloc(&memory, bytes + 1) : NULL;
+    svo_voxel *spare = fits ? svo_i_alloc(&memory, bytes + 1) : NULL;
     if (voxels == NULL || spare == NULL) {
-        free(voxels);
-        free(spare);
+        svo_i_free(voxels);
+        svo_i_free(spare);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %" PRIu64 " voxels", create_name,
                           given.voxel_count);
     }
     if (given.voxel_count > 0) {
         memcpy(voxels, given.voxels, bytes);
     }
-    return svo_i_voxels_take(&given, voxels, spare, out, message);
+    return svo_i_voxels_take(&memory, &given, voxels, spare, out, message);
 }
 
 void svo_voxels_destroy(svo_voxels **voxels)
@@ -241,10 +246,10 @@ void svo_voxels_destroy(svo_voxels **voxels)
     if (voxels == NULL || *voxels == NULL) {
         return;
     }
-    free((*voxels)->voxels);
-    free((*voxels)->properties);
-    free((*voxels)->texts);
-    free(*voxels);
+    svo_i_free((*voxels)->voxels);
+    svo_i_free((*voxels)->properties);
+    svo_i_free((*voxels)->texts);
+    svo_i_free(*voxels);
     *voxels = NULL;
 }
 

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# Voxel files from a folder outside the repository, there and back: each becomes a .svo file with the same tree, and
+# that a .binvox file with the same voxels. Those of .vox files become .vox files again, with the same tree.
+#
+# usage: real_voxels.sh PROGRAM FOLDER...; exit code 77 (skipped) if no folder exists.
+set -euo pipefail
+
+readonly program=$1
+shift
+folders=()
+for folder in "$@"; do
+    [[ ! -d $folder ]] || folders+=("$folder")
+done
+if ((${#folders[@]} == 0)); then
+    echo "skipped: no folder of $*"
+    exit 77
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Whether two files have the same tree; further arguments are options of svocl hash.
+same_tree()
+{
+    [[ $("$program" hash "$1" "${@:3}") == "$("$program" hash "$2" "${@:3}")" ]]
+}
+
+there_and_back()
+{
+    rm -f "$work"/*
+    "$program" convert "$1" "$work/a.svo" --quiet && same_tree "$1" "$work/a.svo" &&
+        "$program" convert "$work/a.svo" "$work/b.binvox" --quiet && same_tree "$1" "$work/b.binvox" --need none || return 1
+    if [[ $1 == *.vox ]]; then
+        "$program" convert "$work/a.svo" "$work/b.vox" --quiet && same_tree "$1" "$work/b.vox" || return 1
+    fi
+}
+
+same=0 failed=0
+while IFS= read -r -d '' file; do
+    if there_and_back "$file"; then
+        same=$((same + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED: $file"
+    fi
+done < <(find "${folders[@]}" -type f \( -name '*.vox' -o -name '*.svx' -o -name '*.binvox' \) -print0 | sort -z)
+
+echo "$same the same, $failed failed"
+((failed == 0 && same > 0))
