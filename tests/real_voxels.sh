@@ -29,11 +29,13 @@ same_tree()
 there_and_back()
 {
     rm -f "$work"/*
-    "$program" convert "$1" "$work/a.svo" --quiet && same_tree "$1" "$work/a.svo" &&
-        "$program" convert "$work/a.svo" "$work/b.binvox" --quiet && same_tree "$1" "$work/b.binvox" --need none || return 1
-    if [[ $1 == *.vox ]]; then
-        "$program" convert "$work/a.svo" "$work/b.vox" --quiet && same_tree "$1" "$work/b.vox" || return 1
-    fi
+    "$program" convert "$1" "$work/a.svo" --quiet || return 1
+    same_tree "$1" "$work/a.svo" || return 1
+    "$program" convert "$work/a.svo" "$work/b.binvox" --quiet || return 1
+    same_tree "$1" "$work/b.binvox" --need none || return 1
+    [[ $1 == *.vox ]] || return 0
+    "$program" convert "$work/a.svo" "$work/b.vox" --quiet || return 1
+    same_tree "$1" "$work/b.vox"
 }
 
 same=0 failed=0
