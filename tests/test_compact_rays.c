@@ -168,8 +168,8 @@ static void assert_same_hit(size_t ray, const found *expected, const found *got)
     svo_voxel_hit a = expected->hit;
     svo_voxel_hit b = got->hit;
     a.node = b.node = 0;
-    if (memcmp(&a, &b, sizeof a) != 0 || memcmp(expected->cell, got->cell, sizeof got->cell) != 0 ||
-        expected->node.level != got->node.level ||
+    if (memcmp((const unsigned char *)&a, (const unsigned char *)&b, sizeof a) != 0 ||
+        memcmp(expected->cell, got->cell, sizeof got->cell) != 0 || expected->node.level != got->node.level ||
         memcmp(expected->node.cell, got->node.cell, sizeof got->node.cell) != 0) {
         fail_msg("ray %zu: level %u cell %u %u %u t %a steps %u, built tree: level %u cell %u %u %u t %a steps %u", ray,
                  got->hit.level, got->cell[0], got->cell[1], got->cell[2], (double)got->hit.t, got->hit.steps,

@@ -41,6 +41,7 @@ void voxel_mesh_make(const voxel *voxels, size_t voxel_count, unsigned depth, vo
     out->materials = calloc(voxel_count + 1, sizeof *out->materials);
     if (out->positions == NULL || out->normals == NULL || out->colors == NULL || out->materials == NULL) {
         fail_msg("no memory for %zu voxels", voxel_count);
+        return;
     }
     for (size_t i = 0; i < voxel_count; ++i) {
         for (size_t corner = 0; corner < 3; ++corner) {

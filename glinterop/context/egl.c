@@ -183,14 +183,14 @@ static svo_status find_device(const egl_library *egl, uint32_t device_index, con
     EGLDeviceEXT *devices = NULL;
     uint32_t count = 0;
     SVO_I_TRY(list_devices(egl, memory, &devices, &count, message));
-    if (device_index < count) {
-        *device = devices[device_index];
+    if (devices == NULL || device_index >= count) {
+        svo_i_free(devices);
+        return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: device_index %u is not below the %u EGL devices",
+                          device_index, count);
     }
+    *device = devices[device_index];
     svo_i_free(devices);
-    return device_index < count ? SVO_OK
-                                : svo_i_fail(message, SVO_NO_GL,
-                                             "svo_gl_context_create: device_index %u is not below the %u EGL devices",
-                                             device_index, count);
+    return SVO_OK;
 }
 
 /* Finds the platform and the native display that eglGetPlatformDisplayEXT needs for the kind. */

@@ -45,20 +45,20 @@ static svo_status fail_memory(const encoder *made, size_t bytes)
 
 /* ---- the records of a level ---- */
 
-/* Makes room for one more record. */
-static svo_status reserve_record(const encoder *made, level_records *level)
+/* Makes room for one more record, and returns where it goes; NULL when out of memory. */
+static uint32_t *reserve_record(const encoder *made, level_records *level)
 {
-    if (level->word_count + SVO_SHARED_RECORD_WORDS_MAX <= level->word_capacity) {
-        return SVO_OK;
+    if (level->word_count + SVO_SHARED_RECORD_WORDS_MAX > level->word_capacity) {
+        const size_t capacity = 2 * level->word_capacity + SVO_SHARED_RECORD_WORDS_MAX;
+        uint32_t *grown =
+            capacity <= UINT32_MAX ? svo_i_grow(made->memory, level->words, capacity * sizeof *grown) : NULL;
+        if (grown == NULL) {
+            return NULL;
+        }
+        level->words = grown;
+        level->word_capacity = capacity;
     }
-    const size_t capacity = 2 * level->word_capacity + SVO_SHARED_RECORD_WORDS_MAX;
-    uint32_t *grown = capacity <= UINT32_MAX ? svo_i_grow(made->memory, level->words, capacity * sizeof *grown) : NULL;
-    if (grown == NULL) {
-        return fail_memory(made, capacity * sizeof *grown);
-    }
-    level->words = grown;
-    level->word_capacity = capacity;
-    return SVO_OK;
+    return level->words + level->word_count;
 }
 
 static size_t slot_of(const encoder *made, const uint32_t *record, size_t word_count)
@@ -95,11 +95,11 @@ static svo_status grow_table(encoder *made, const level_records *level, uint32_t
     return SVO_OK;
 }
 
-/* Takes the record that lies behind the last one of its level, unless the level has the same already. first_word:
+/* Takes the record, which lies behind the last one of its level, unless the level has the same already. first_word:
    receives where it is. */
-static svo_status unify_record(encoder *made, level_records *level, uint32_t levels, uint32_t *first_word)
+static svo_status unify_record(encoder *made, level_records *level, const uint32_t *record, uint32_t levels,
+                               uint32_t *first_word)
 {
-    const uint32_t *record = level->words + level->word_count;
     const size_t words = svo_shared_record_words(record[0], levels, made->places);
     if (2 * (level->record_count + 1) > made->slot_count) {
         SVO_I_TRY(grow_table(made, level, levels));
@@ -194,9 +194,12 @@ static svo_status encode_level(encoder *made, uint32_t level)
     made->slot_count = 0;
     for (uint32_t node = nodes->level_begin[level]; node < nodes->level_begin[level + 1]; ++node) {
         uint32_t first_word = 0;
-        SVO_I_TRY(reserve_record(made, records));
-        make_record(made, node, levels, records->words + records->word_count);
-        SVO_I_TRY(unify_record(made, records, levels, &first_word));
+        uint32_t *record = reserve_record(made, records);
+        if (record == NULL) {
+            return fail_memory(made, (records->word_capacity + SVO_SHARED_RECORD_WORDS_MAX) * sizeof *record);
+        }
+        make_record(made, node, levels, record);
+        SVO_I_TRY(unify_record(made, records, record, levels, &first_word));
         made->record_of[node] = first_word;
         if (made->places) {
             count_places(made, node, levels);

@@ -40,10 +40,17 @@ size_t svo_i_form_expanded_bytes(svo_form form)
 
 void svo_i_form_count(svo_compact_info *info)
 {
-    void (*const counts[SVO_FORM_COUNT])(svo_compact_info *) = {[SVO_FORM_DESCRIPTOR] = svo_i_descriptor_count,
-                                                                [SVO_FORM_IMPLIED] = svo_i_implied_count,
-                                                                [SVO_FORM_SHARED] = svo_i_shared_count};
-    counts[info->form](info);
+    switch (info->form) {
+    case SVO_FORM_DESCRIPTOR:
+        svo_i_descriptor_count(info);
+        break;
+    case SVO_FORM_IMPLIED:
+        svo_i_implied_count(info);
+        break;
+    default:
+        svo_i_shared_count(info);
+        break;
+    }
     svo_i_compact_count(info);
 }
 

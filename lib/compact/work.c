@@ -172,7 +172,8 @@ cleanup:
 /* Groups of a scan: one per tile, SVO_SCAN_GROUPS at most. */
 static uint32_t scan_groups(uint64_t numbers)
 {
-    const uint64_t tiles = (numbers + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE;
+    const uint32_t tile = SVO_SCAN_TILE;
+    const uint64_t tiles = (numbers + tile - 1) / tile;
     return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
 }
 

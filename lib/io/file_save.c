@@ -177,9 +177,11 @@ svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path)
     state->user = &to;
     to.error = svo_i_output_open(path, NULL, &to.output);
     if (to.error != 0) {
+        state->user = NULL;
         return fail_errno(state->message, path, to.error);
     }
     svo_status status = svo_i_file_write(state);
+    state->user = NULL;
     if (status == SVO_OK) {
         to.error = svo_i_output_commit(&to.output);
     }

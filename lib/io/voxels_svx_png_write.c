@@ -105,7 +105,7 @@ uint8_t *svo_i_svx_png_write(const svo_i_memory *memory, const uint8_t *pixels, 
 {
     static const uint8_t signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     const size_t row_bytes = (size_t)width * channels;
-    const size_t all = sizeof signature + 3 * CHUNK_BYTES + HEADER_BYTES + pixel_bytes(row_bytes, height);
+    const size_t all = sizeof signature + (size_t)3 * CHUNK_BYTES + HEADER_BYTES + pixel_bytes(row_bytes, height);
     png_writer png = {.bytes = svo_i_alloc(memory, all)};
     if (png.bytes == NULL) {
         return NULL;

@@ -32,6 +32,6 @@ double openvdb_fill(const float *points, size_t point_count, const uint32_t *ind
     (void)indices;
     (void)triangle_count;
     (void)depth;
-    (void)inside;
+    *inside = 0;
     return -1.0;
 }

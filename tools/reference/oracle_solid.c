@@ -103,7 +103,7 @@ static void add_triangle(const sweep *s, size_t triangle, uint32_t row)
 {
     point corners[3] = {corner_of(s->mesh, s->axis, triangle, 0), corner_of(s->mesh, s->axis, triangle, 1),
                         corner_of(s->mesh, s->axis, triangle, 2)};
-    int64_t v = center_of(s, row), low = corners[0].u, high = corners[0].u;
+    int64_t v = center_of(s, row), low = corners[0].u, high = low;
     bool above = false, below = false;
 
     for (int i = 0; i < 3; i++) {
