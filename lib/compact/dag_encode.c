@@ -309,9 +309,10 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
         SVO_I_TRY(encode_level(made, level));
     }
     SVO_I_TRY(join_levels(made, level_count, out));
-    if (made->places) {
-        out->place_count = made->subtree_places[0];
+    if (made->subtree_places == NULL) {
+        return SVO_OK;
     }
+    out->place_count = made->subtree_places[0];
     return place_of != NULL ? place_payload(made, place_of) : SVO_OK;
 }
 
