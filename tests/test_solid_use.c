@@ -282,6 +282,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_solid_create(tree.tree, NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
     options.rule = (svo_solid_rule)2;
     refuse(&opened, tree.tree, &options, "svo_solid_create: options.rule 2 is not in 0 .. 1");
+    options = (svo_solid_options){.struct_size = sizeof options, .material = 65535};
+    refuse(&opened, tree.tree, &options, "svo_solid_create: options.material 65535 is above 65534");
     options = (svo_solid_options){.struct_size = 3};
     refuse(&opened, tree.tree, &options, "struct_size");
     info.struct_size = 8;

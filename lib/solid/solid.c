@@ -13,6 +13,9 @@ static const char function[] = "svo_solid_create";
 #define INNER_MAX UINT64_C(0x7fffffff)
 #define NODES_MAX UINT64_C(0xfffffffe)
 
+/* Materials have 16 bits, and a mesh has 65535 at most. */
+#define MATERIAL_MAX 65534
+
 const char *svo_solid_rule_name(svo_solid_rule rule)
 {
     switch (rule) {
@@ -35,6 +38,10 @@ static svo_status read_options(const svo_tree *tree, const svo_solid_options *op
     if ((unsigned)out->rule > SVO_SOLID_PARITY) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.rule %d is not in 0 .. %d", function,
                                  (int)out->rule, (int)SVO_SOLID_PARITY);
+    }
+    if (out->material > MATERIAL_MAX) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.material %d is above %d", function,
+                                 out->material, MATERIAL_MAX);
     }
     if (memcmp(out->color, none, sizeof none) == 0) {
         memset(out->color, 255, sizeof out->color);
