@@ -70,6 +70,14 @@ static const char *find_lack(const svo_tree *tree)
     return NULL;
 }
 
+/* Refuses more nodes than the form can name. count: of the nodes; kind: "inner " or "". */
+static svo_status check_count(const svo_tree *tree, uint64_t count, const char *kind, uint64_t most)
+{
+    return count <= most ? SVO_OK
+                         : svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu %snodes are above %llu", function,
+                                             (unsigned long long)count, kind, (unsigned long long)most);
+}
+
 static svo_status check_tree(const svo_tree *tree)
 {
     const svo_tree_info *info = &tree->info;
@@ -84,29 +92,16 @@ static svo_status check_tree(const svo_tree *tree)
                                  "%s: %llu triangles lie outside the tree's grid; a solid needs all of the mesh inside",
                                  function, (unsigned long long)(usable - info->list_triangle_count));
     }
-    return SVO_OK;
+    return check_count(tree, info->inner_count, "inner ", INNER_MAX);
 }
 
 /* ---- the solid ---- */
-
-static svo_status check_counts(const svo_tree *tree, const svo_i_inside *inside)
-{
-    const uint64_t nodes = tree->info.node_count + inside->count;
-    const bool too_many_inner = tree->info.inner_count > INNER_MAX;
-    if (!too_many_inner && nodes <= NODES_MAX) {
-        return SVO_OK;
-    }
-    return svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu %snodes are above %llu", function,
-                             (unsigned long long)(too_many_inner ? tree->info.inner_count : nodes),
-                             too_many_inner ? "inner " : "",
-                             (unsigned long long)(too_many_inner ? INNER_MAX : NODES_MAX));
-}
 
 static svo_status encode(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
     svo_i_compact_source source;
-    SVO_I_TRY(check_counts(tree, inside));
+    SVO_I_TRY(check_count(tree, tree->info.node_count + inside->count, "", NODES_MAX));
     SVO_I_TRY(svo_i_solid_source(work, tree, inside, options, &source));
     compact->info = source.info;
     compact->device = tree->device;
