@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "core/tree.h"
 #include "fixture.h"
 #include "meshes.h"
 #include "solid_meshes.h"
@@ -282,6 +283,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_solid_create(tree.tree, NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
     options.rule = (svo_solid_rule)2;
     refuse(&opened, tree.tree, &options, "svo_solid_create: options.rule 2 is not in 0 .. 1");
+    options = (svo_solid_options){.struct_size = sizeof options, .material = 65535};
+    refuse(&opened, tree.tree, &options, "svo_solid_create: options.material 65535 is above 65534");
     options = (svo_solid_options){.struct_size = 3};
     refuse(&opened, tree.tree, &options, "struct_size");
     info.struct_size = 8;
@@ -292,6 +295,12 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_solid_create(tree.tree, NULL, other.queue, &solid, NULL), SVO_INVALID_ARGUMENT);
     assert_null(solid);
     fixture_close(&other);
+    const uint64_t inner_count = tree.tree->info.inner_count;
+    tree.tree->info.inner_count = UINT64_C(0x80000000);
+    assert_int_equal(svo_solid_create(tree.tree, NULL, opened.queue, &solid, NULL), SVO_UNSUPPORTED);
+    assert_non_null(strstr(svo_device_message(opened.device), "2147483648 inner nodes are above 2147483647"));
+    assert_null(solid);
+    tree.tree->info.inner_count = inner_count;
     assert_string_equal(svo_solid_rule_name(SVO_SOLID_WINDING), "winding");
     assert_string_equal(svo_solid_rule_name(SVO_SOLID_PARITY), "parity");
     assert_string_equal(svo_solid_rule_name((svo_solid_rule)7), "unknown rule");

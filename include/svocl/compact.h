@@ -156,7 +156,7 @@ typedef struct svo_compact_arrays {
     size_t struct_size; /**< sizeof(svo_compact_arrays) */
     const void *nodes; /**< stored_count: u32 words; u8 masks in SVO_FORM_IMPLIED */
     const uint32_t *links; /**< see the head of this file */
-    const uint32_t *bases; /**< a place for each word of nodes */
+    const uint32_t *bases; /**< places of payload: see the head of this file */
     const uint8_t *colors; /**< payload_count * 4: RGBA8 */
     const int16_t *normals; /**< payload_count * 3 */
     const uint16_t *materials; /**< payload_count */
@@ -255,9 +255,9 @@ SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HA
 
 /** Traces rays against the voxels of a compact tree, as svo_tree_trace_voxels_enqueue does against those of a built
  *  tree: level, face, normal and t are the same, and so is the cell. svo_voxel_hit.node is the place of the node's
- *  payload. It is SVO_NO_NODE for a node above payload_level; t tells whether there is a hit. Where there are no bases
- *  it is the node's breadth-first index in SVO_FORM_IMPLIED, and 0 in other forms. The calls of a minimized tree may
- *  stop at a leaf above level depth.
+ *  payload. It is SVO_NO_NODE for a node above payload_level; t tells whether there is a hit. Where all payload is
+ *  constant or not held it is the node's breadth-first index in SVO_FORM_IMPLIED, and 0 in other forms. Rays through a
+ *  minimized tree may stop at a leaf above level depth.
  *
  * \param compact on a device
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0

@@ -43,15 +43,22 @@ static svo_status fail_memory(const encoder *made, size_t bytes)
                       bytes);
 }
 
+static svo_status fail_words(const encoder *made, size_t count)
+{
+    return svo_i_fail(made->message, SVO_UNSUPPORTED, "svo_compact_create: %zu words of records are above 2^32 - 1",
+                      count);
+}
+
 /* ---- the records of a level ---- */
 
-/* Makes room for one more record, and returns where it goes; NULL when out of memory. */
+/* Makes room for one more record, of fewer than 2^32 words with it, and returns where it goes; NULL when out of
+   memory. */
 static uint32_t *reserve_record(const encoder *made, level_records *level)
 {
     if (level->word_count + SVO_SHARED_RECORD_WORDS_MAX > level->word_capacity) {
-        const size_t capacity = 2 * level->word_capacity + SVO_SHARED_RECORD_WORDS_MAX;
-        uint32_t *grown =
-            capacity <= UINT32_MAX ? svo_i_grow(made->memory, level->words, capacity * sizeof *grown) : NULL;
+        const size_t doubled = 2 * level->word_capacity + SVO_SHARED_RECORD_WORDS_MAX;
+        const size_t capacity = doubled < UINT32_MAX ? doubled : UINT32_MAX;
+        uint32_t *grown = svo_i_grow(made->memory, level->words, capacity * sizeof *grown);
         if (grown == NULL) {
             return NULL;
         }
@@ -194,6 +201,9 @@ static svo_status encode_level(encoder *made, uint32_t level)
     made->slot_count = 0;
     for (uint32_t node = nodes->level_begin[level]; node < nodes->level_begin[level + 1]; ++node) {
         uint32_t first_word = 0;
+        if (records->word_count > UINT32_MAX - SVO_SHARED_RECORD_WORDS_MAX) {
+            return fail_words(made, records->word_count + SVO_SHARED_RECORD_WORDS_MAX);
+        }
         uint32_t *record = reserve_record(made, records);
         if (record == NULL) {
             return fail_memory(made, (records->word_capacity + SVO_SHARED_RECORD_WORDS_MAX) * sizeof *record);
@@ -218,8 +228,7 @@ static svo_status join_levels(const encoder *made, uint32_t level_count, svo_i_d
         out->record_count += made->levels[level].record_count;
     }
     if (total > UINT32_MAX) {
-        return svo_i_fail(made->message, SVO_UNSUPPORTED, "svo_compact_create: %zu words of records are above 2^32 - 1",
-                          total);
+        return fail_words(made, total);
     }
     out->words = svo_i_alloc(made->memory, total * sizeof *out->words);
     if (out->words == NULL) {

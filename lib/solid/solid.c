@@ -13,6 +13,9 @@ static const char function[] = "svo_solid_create";
 #define INNER_MAX UINT64_C(0x7fffffff)
 #define NODES_MAX UINT64_C(0xfffffffe)
 
+/* Materials have 16 bits, and a mesh has 65535 at most. */
+#define MATERIAL_MAX 65534
+
 const char *svo_solid_rule_name(svo_solid_rule rule)
 {
     switch (rule) {
@@ -35,6 +38,10 @@ static svo_status read_options(const svo_tree *tree, const svo_solid_options *op
     if ((unsigned)out->rule > SVO_SOLID_PARITY) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.rule %d is not in 0 .. %d", function,
                                  (int)out->rule, (int)SVO_SOLID_PARITY);
+    }
+    if (out->material > MATERIAL_MAX) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.material %d is above %d", function,
+                                 out->material, MATERIAL_MAX);
     }
     if (memcmp(out->color, none, sizeof none) == 0) {
         memset(out->color, 255, sizeof out->color);
@@ -63,6 +70,14 @@ static const char *find_lack(const svo_tree *tree)
     return NULL;
 }
 
+/* Refuses more nodes than the form can name. count: of the nodes; kind: "inner " or "". */
+static svo_status check_count(const svo_tree *tree, uint64_t count, const char *kind, uint64_t most)
+{
+    return count <= most ? SVO_OK
+                         : svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu %snodes are above %llu", function,
+                                             (unsigned long long)count, kind, (unsigned long long)most);
+}
+
 static svo_status check_tree(const svo_tree *tree)
 {
     const svo_tree_info *info = &tree->info;
@@ -77,29 +92,16 @@ static svo_status check_tree(const svo_tree *tree)
                                  "%s: %llu triangles lie outside the tree's grid; a solid needs all of the mesh inside",
                                  function, (unsigned long long)(usable - info->list_triangle_count));
     }
-    return SVO_OK;
+    return check_count(tree, info->inner_count, "inner ", INNER_MAX);
 }
 
 /* ---- the solid ---- */
-
-static svo_status check_counts(const svo_tree *tree, const svo_i_inside *inside)
-{
-    const uint64_t nodes = tree->info.node_count + inside->count;
-    const bool too_many_inner = tree->info.inner_count > INNER_MAX;
-    if (!too_many_inner && nodes <= NODES_MAX) {
-        return SVO_OK;
-    }
-    return svo_i_device_fail(tree->device, SVO_UNSUPPORTED, "%s: %llu %snodes are above %llu", function,
-                             (unsigned long long)(too_many_inner ? tree->info.inner_count : nodes),
-                             too_many_inner ? "inner " : "",
-                             (unsigned long long)(too_many_inner ? INNER_MAX : NODES_MAX));
-}
 
 static svo_status encode(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
     svo_i_compact_source source;
-    SVO_I_TRY(check_counts(tree, inside));
+    SVO_I_TRY(check_count(tree, tree->info.node_count + inside->count, "", NODES_MAX));
     SVO_I_TRY(svo_i_solid_source(work, tree, inside, options, &source));
     compact->info = source.info;
     compact->device = tree->device;
