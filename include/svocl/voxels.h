@@ -155,7 +155,8 @@ SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels
 /** The leaves of a tree as a list of voxels: each with the leaf's color, or white, and its material, or 0. On a grid
  *  whose voxels are one world unit wide and begin at whole numbers, as svo_voxels_build makes of lists with the default
  *  origin, coordinates are those of the world. On other grids they count from the grid's least corner, which then is
- *  the origin of the list. Host memory comes from where the tree's does.
+ *  the origin of the list. Host memory comes from where the tree's does. While it runs it needs 20 bytes for each leaf,
+ *  and 20 more where the leaves do not begin at the grid's least corner.
  *
  * \param tree with host arrays (svo_tree_download), with at most SVO_VOXELS_MAX leaves
  * \param out receives the list
