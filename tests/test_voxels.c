@@ -518,6 +518,15 @@ static void arguments_are_checked(void **state)
     assert_int_equal(svo_voxels_get_info(NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_get_info(some, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_get_voxels(NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
+    const double edges[] = {1e-310, 1e308, 1e300};
+    for (int i = 0; i < 3; ++i) {
+        const svo_voxel far[2] = {{.x = (1 << 30) - 1}, {.x = 1 << 30}};
+        const svo_voxels_source beyond = {
+            .struct_size = sizeof beyond, .voxels = far, .voxel_count = 2, .voxel_edge = edges[i]};
+        svo_voxels *voxels = make(&beyond);
+        expect_no_plan(&opened, voxels, 0, NULL, "is beyond doubles");
+        svo_voxels_destroy(&voxels);
+    }
     svo_tree *tree = NULL;
     svo_voxels *back = NULL;
     svo_message message = {""};

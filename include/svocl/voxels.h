@@ -133,8 +133,8 @@ SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *vo
  *        SVO_NEED_NONE; SVO_NEED_DEFAULT is both. coverage, edge and origin must be 0. weights have no meaning: all
  *        voxels weigh the same. fragment_capacity 0: the number of voxels
  * \param out receives the plan
- * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, or they need
- *          one above SVO_DEPTH_MAX. The device has the message. */
+ * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, they need
+ *          one above SVO_DEPTH_MAX, or the grid's numbers are not finite. The device has the message. */
 SVO_API svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
 
