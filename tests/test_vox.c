@@ -379,6 +379,43 @@ static void test_hidden_and_overlap(void **state)
     }
 }
 
+static void put_layer(byte_list *chunks, int32_t id, bool hidden)
+{
+    static const char *const on[] = {"_hidden", "1", NULL};
+    static const char *const off[] = {"_hidden", "0", NULL};
+    byte_list content = {0};
+    bytes_put_i32(&content, id);
+    vox_put_dict(&content, hidden ? on : off);
+    bytes_put_i32(&content, -1);
+    vox_put_chunk(chunks, "LAYR", &content);
+}
+
+/* Layers in any order; the last chunk of an id counts. */
+static void test_layers_by_id(void **state)
+{
+    (void)state;
+    enum { LAYERS = 40 };
+    byte_list chunks = {0};
+    int32_t children[LAYERS];
+    uint64_t hidden = 0;
+    svo_voxel_file_info info = SVO_VOXEL_FILE_INFO_INIT;
+    put_one_voxel(&chunks, 1);
+    for (int32_t i = 0; i < 3 * LAYERS; ++i) {
+        put_layer(&chunks, i * 7 % LAYERS, i % 3 == 0);
+        hidden += i >= 2 * LAYERS && i % 3 == 0 ? 1 : 0; /* the third chunk of each id */
+    }
+    for (int32_t i = 0; i < LAYERS; ++i) {
+        children[i] = 1 + 2 * i;
+        vox_put_transform(&chunks, children[i], children[i] + 1, i, -1, NULL);
+        vox_put_shape(&chunks, children[i] + 1, 0);
+    }
+    vox_put_group(&chunks, 0, children, LAYERS);
+    svo_voxels *voxels = load(vox_file(150, &chunks), NULL, &info);
+    assert_int_equal(info.hidden_instances, hidden);
+    assert_int_equal(info.instances, LAYERS - hidden);
+    svo_voxels_destroy(&voxels);
+}
+
 /* MATL keeps all keys; MATT gets the keys of MATL. */
 static void test_materials(void **state)
 {
@@ -650,6 +687,7 @@ int main(void)
         cmocka_unit_test(test_packed_models_are_frames),
         cmocka_unit_test(test_keyframes),
         cmocka_unit_test(test_hidden_and_overlap),
+        cmocka_unit_test(test_layers_by_id),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_depth_limit),
         cmocka_unit_test(test_instance_limit),

@@ -355,6 +355,37 @@ static void trees_of_meshes_give_their_leaves(void **state)
     scene_destroy(&knot);
 }
 
+/* A tree whose leaves begin inside the grid gives the list that its voxels make in any order. */
+static void leaves_inside_a_grid_are_sorted_from_their_least_corner(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    struct scene *knot = fixture_scene("knot:500");
+    built fitted;
+    built tree;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    fixture_build(&opened, scene_mesh(knot), 6, NULL, &fitted);
+    options.edge = 2.0 * fitted.info.edge;
+    for (int axis = 0; axis < 3; ++axis) {
+        options.origin[axis] = fitted.info.origin[axis] - 0.24 * fitted.info.edge;
+    }
+    fixture_build(&opened, scene_mesh(knot), 6, &options, &tree);
+    svo_voxels *leaves = NULL;
+    assert_int_equal(svo_tree_get_voxels(tree.tree, &leaves, NULL), SVO_OK);
+    const svo_voxels_info info = info_of(leaves);
+    assert_true(info.low[0] % 2 != 0 || info.low[1] % 2 != 0 || info.low[2] % 2 != 0);
+    assert_int_equal(info.voxel_count, tree.info.leaf_count);
+    svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
+    source.voxels = svo_voxels_get(leaves);
+    source.voxel_count = info.voxel_count;
+    svo_voxels *sorted = make(&source);
+    assert_memory_equal(svo_voxels_get(leaves), svo_voxels_get(sorted), sizeof(svo_voxel) * info.voxel_count);
+    svo_voxels_destroy(&sorted);
+    svo_voxels_destroy(&leaves);
+    built_destroy(&tree);
+    built_destroy(&fitted);
+    scene_destroy(&knot);
+}
+
 static void empty_and_single_lists_build(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -487,6 +518,15 @@ static void arguments_are_checked(void **state)
     assert_int_equal(svo_voxels_get_info(NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_get_info(some, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_get_voxels(NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
+    const double edges[] = {1e-310, 1e308, 1e300};
+    for (int i = 0; i < 3; ++i) {
+        const svo_voxel far[2] = {{.x = (1 << 30) - 1}, {.x = 1 << 30}};
+        const svo_voxels_source beyond = {
+            .struct_size = sizeof beyond, .voxels = far, .voxel_count = 2, .voxel_edge = edges[i]};
+        svo_voxels *voxels = make(&beyond);
+        expect_no_plan(&opened, voxels, 0, NULL, "is beyond doubles");
+        svo_voxels_destroy(&voxels);
+    }
     svo_tree *tree = NULL;
     svo_voxels *back = NULL;
     svo_message message = {""};
@@ -507,6 +547,7 @@ int main(void)
         cmocka_unit_test(both_builders_and_deeper_grids_agree),
         cmocka_unit_test(voxels_come_back),
         cmocka_unit_test(trees_of_meshes_give_their_leaves),
+        cmocka_unit_test(leaves_inside_a_grid_are_sorted_from_their_least_corner),
         cmocka_unit_test(empty_and_single_lists_build),
         cmocka_unit_test(needs_and_payload_levels),
         cmocka_unit_test(pictures_work_and_rays_on_triangles_do_not),

@@ -133,8 +133,8 @@ SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *vo
  *        SVO_NEED_NONE; SVO_NEED_DEFAULT is both. coverage, edge and origin must be 0. weights have no meaning: all
  *        voxels weigh the same. fragment_capacity 0: the number of voxels
  * \param out receives the plan
- * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, or they need
- *          one above SVO_DEPTH_MAX. The device has the message. */
+ * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, they need
+ *          one above SVO_DEPTH_MAX, or the grid's numbers are not finite. The device has the message. */
 SVO_API svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
 
@@ -155,7 +155,8 @@ SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels
 /** The leaves of a tree as a list of voxels: each with the leaf's color, or white, and its material, or 0. On a grid
  *  whose voxels are one world unit wide and begin at whole numbers, as svo_voxels_build makes of lists with the default
  *  origin, coordinates are those of the world. On other grids they count from the grid's least corner, which then is
- *  the origin of the list. Host memory comes from where the tree's does.
+ *  the origin of the list. Host memory comes from where the tree's does. While it runs it needs 20 bytes for each leaf,
+ *  and 20 more where the leaves do not begin at the grid's least corner.
  *
  * \param tree with host arrays (svo_tree_download), with at most SVO_VOXELS_MAX leaves
  * \param out receives the list

@@ -52,10 +52,11 @@ static svo_status read_entry(const svx_reader *r, const char *name, uint64_t byt
     }
     /* The checksum is compared when the end is read. */
     const bool complete = *byte_count == entry.size && zip_fread(file, *bytes + *byte_count, 1) == 0;
-    const svo_status status = complete
-                                  ? SVO_OK
-                                  : svo_i_voxels_damaged(reader, "entry %s: %s, at its byte %zu", name,
-                                                         zip_error_strerror(zip_file_get_error(file)), *byte_count);
+    zip_error_t *error = zip_file_get_error(file);
+    const char *wrong =
+        zip_error_code_zip(error) != ZIP_ER_OK ? zip_error_strerror(error) : "its length is not that of its head";
+    const svo_status status =
+        complete ? SVO_OK : svo_i_voxels_damaged(reader, "entry %s: %s, at its byte %zu", name, wrong, *byte_count);
     zip_fclose(file);
     return status;
 }

@@ -45,6 +45,7 @@ typedef struct vox_node {
 
 typedef struct vox_layer {
     int32_t id;
+    size_t offset; /* of its chunk in the file */
     bool hidden;
 } vox_layer;
 
@@ -59,7 +60,7 @@ typedef struct vox_file {
     uint8_t palette[256][4]; /* by the index of a voxel */
     vox_node *nodes; /* by id, when all are read */
     size_t node_count, node_capacity;
-    vox_layer *layers;
+    vox_layer *layers; /* by id and offset, when all are read */
     size_t layer_count, layer_capacity;
 } vox_file;
 

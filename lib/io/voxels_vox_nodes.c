@@ -241,7 +241,7 @@ svo_status svo_i_vox_read_shape(vox_file *file, vox_cursor *cursor)
 
 svo_status svo_i_vox_read_layer(vox_file *file, vox_cursor *cursor)
 {
-    vox_layer layer = {.id = 0};
+    vox_layer layer = {.offset = cursor->offset};
     attributes own;
     SVO_I_TRY(svo_i_vox_read_i32(cursor, "the layer's id", &layer.id));
     SVO_I_TRY(read_attributes(cursor, &own));

@@ -53,15 +53,28 @@ static vox_node *find_node(const vox_file *file, int32_t id)
     return bsearch(&key, file->nodes, file->node_count, sizeof key, compare_nodes);
 }
 
+static int compare_layers(const void *a, const void *b)
+{
+    const vox_layer *left = a;
+    const vox_layer *right = b;
+    return left->id != right->id ? (left->id > right->id) - (left->id < right->id)
+                                 : (left->offset > right->offset) - (left->offset < right->offset);
+}
+
 /* Whether a layer is hidden; the last chunk of an id counts. */
 static bool is_hidden_layer(const vox_file *file, int32_t id)
 {
-    for (size_t i = file->layer_count; i-- > 0;) {
-        if (file->layers[i].id == id) {
-            return file->layers[i].hidden;
+    size_t begin = 0; /* layers before it have at most this id */
+    size_t end = file->layer_count;
+    while (begin < end) {
+        const size_t middle = begin + (end - begin) / 2;
+        if (file->layers[middle].id <= id) {
+            begin = middle + 1;
+        } else {
+            end = middle;
         }
     }
-    return false;
+    return begin > 0 && file->layers[begin - 1].id == id && file->layers[begin - 1].hidden;
 }
 
 static vox_transform compose(const vox_transform *parent, const vox_transform *child)
@@ -206,10 +219,13 @@ static svo_status walk_scene(walk *w)
     return SVO_OK;
 }
 
-/* Sorts the nodes by id; each id may occur once, and node 0 is the root. */
-static svo_status sort_nodes(const walk *w)
+/* Sorts the layers and the nodes by id; each node's id may occur once, and node 0 is the root. */
+static svo_status sort_scene(const walk *w)
 {
     vox_file *file = w->file;
+    if (file->layer_count > 0) {
+        qsort(file->layers, file->layer_count, sizeof *file->layers, compare_layers);
+    }
     qsort(file->nodes, file->node_count, sizeof *file->nodes, compare_nodes);
     for (size_t i = 1; i < file->node_count; ++i) {
         if (file->nodes[i - 1].id == file->nodes[i].id) {
@@ -228,7 +244,7 @@ static svo_status place_scene(vox_file *file)
     if (path == NULL) {
         return svo_i_voxels_fail(file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the scene");
     }
-    SVO_I_TRY_CLEANUP(sort_nodes(&w));
+    SVO_I_TRY_CLEANUP(sort_scene(&w));
     SVO_I_TRY_CLEANUP(walk_scene(&w));
     file->reader->info.instance_voxels = w.voxels;
     SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));

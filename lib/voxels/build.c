@@ -109,15 +109,21 @@ static void fill_points(const svo_voxels *voxels, points *p)
 }
 
 /* Replaces the grid of the points by that of the voxels. */
-static void place_plan(const svo_voxels *voxels, svo_plan_info *info)
+static svo_status place_plan(svo_device *device, const svo_voxels *voxels, svo_plan_info *info)
 {
     const svo_voxels_info *list = &voxels->info;
-    for (int axis = 0; axis < 3; ++axis) {
-        info->origin[axis] = list->origin[axis] + (double)list->low[axis] * list->voxel_edge + 0.0;
-    }
     info->edge = ldexp(list->voxel_edge, (int)info->depth);
     info->scale = ldexp(1.0, (int)info->snap_bits) / info->edge;
     info->triangles = 0;
+    bool finite = isfinite(info->edge) && isfinite(info->scale) && info->scale > 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        info->origin[axis] = list->origin[axis] + (double)list->low[axis] * list->voxel_edge + 0.0;
+        finite = finite && isfinite(info->origin[axis]);
+    }
+    return finite ? SVO_OK
+                  : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                      "%s: a grid from %g, %g, %g on with voxels of edge %g is beyond doubles",
+                                      function, info->origin[0], info->origin[1], info->origin[2], list->voxel_edge);
 }
 
 svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
@@ -125,6 +131,7 @@ svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigne
 {
     svo_status status = SVO_OK;
     svo_plan_options asked;
+    svo_plan *plan = NULL;
     points p = {.positions = NULL};
     if (device == NULL || voxels == NULL || out == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
@@ -149,13 +156,16 @@ svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigne
                            .triangle_materials = p.materials,
                            .materials = p.table,
                            .material_count = p.table != NULL ? voxels->info.material_count : 0};
-    status = svo_plan_create(device, &mesh, depth, &asked, out);
-    if (status == SVO_OK) {
-        place_plan(voxels, &(*out)->info);
-    } else {
+    status = svo_plan_create(device, &mesh, depth, &asked, &plan);
+    if (status != SVO_OK) {
         svo_i_message_rename(svo_i_device_message(device), function);
+        goto cleanup;
     }
+    SVO_I_TRY_CLEANUP(place_plan(device, voxels, &plan->info));
+    *out = plan;
+    plan = NULL;
 cleanup:
+    svo_plan_destroy(&plan);
     free_points(&p);
     return status;
 }

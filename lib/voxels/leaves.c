@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A tree to voxels: the leaves with their places. Leaves lie in Morton order already. */
+/* A tree to voxels: the leaves with their places. They lie in Morton order from the grid's least corner on, which is
+   the list's order too where they begin at that corner. */
 #include <math.h>
 #include <string.h>
 

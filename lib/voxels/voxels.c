@@ -178,6 +178,28 @@ static void sort_voxels(svo_voxels *made, svo_voxel *spare, size_t count)
     made->voxels = smaller != NULL ? smaller : made->voxels;
 }
 
+/* Whether each voxel's code is above that of the one before. */
+static bool is_sorted(const svo_voxels *made)
+{
+    uint64_t before = 0;
+    for (uint64_t i = 0; i < made->info.voxel_count; ++i) {
+        const uint64_t code = svo_i_voxel_code(&made->voxels[i], made->info.low);
+        if (i > 0 && code <= before) {
+            return false;
+        }
+        before = code;
+    }
+    return true;
+}
+
+static svo_status allocate_spare(const svo_voxels *made, svo_voxel **spare, svo_message *message)
+{
+    *spare = svo_i_alloc(&made->memory, (size_t)made->info.voxel_count * sizeof **spare);
+    return *spare != NULL ? SVO_OK
+                          : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to sort %" PRIu64 " voxels",
+                                       create_name, made->info.voxel_count);
+}
+
 svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
                              svo_voxel *spare, svo_voxels **out, svo_message *message)
 {
@@ -199,6 +221,9 @@ svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source
     }
     SVO_I_TRY_CLEANUP(find_bounds(voxels, source->voxel_count, &made->info, message));
     SVO_I_TRY_CLEANUP(copy_properties(source, made, message));
+    if (spare == NULL && !is_sorted(made)) {
+        SVO_I_TRY_CLEANUP(allocate_spare(made, &spare, message));
+    }
     if (spare != NULL && source->voxel_count > 0) {
         sort_voxels(made, spare, (size_t)source->voxel_count);
         spare = NULL;

@@ -7,8 +7,8 @@
 #include "core/voxel_list.h"
 
 /* Makes a list in memory that takes over voxels, which came from svo_i_alloc; they are freed on failure too. source:
-   without its memory. spare: the same number of voxels, from svo_i_alloc, freed in any case; NULL: the voxels are
-   sorted and in different places. */
+   without its memory. spare: the same number of voxels, from svo_i_alloc, freed in any case; NULL: it is
+   allocated if the voxels are not sorted. */
 svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
                              svo_voxel *spare, svo_voxels **out, svo_message *message);
 
