@@ -137,6 +137,12 @@ const request query_requests[] = {
 };
 const size_t query_request_count = sizeof query_requests / sizeof query_requests[0];
 
+const request instanced_requests[INSTANCED_COUNT] = {
+    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL},
+    {"cornell:500", .depth = 4, CLOSED, .need = SVO_NEED_ALL},
+    {"cube:12", .depth = 6, .need = SVO_NEED_ALL},
+};
+
 static void add_needs(line_text *line, uint32_t need)
 {
     static const char *const names[] = {"color", "normal", "rays", "material", "fill"};

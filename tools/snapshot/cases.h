@@ -64,6 +64,10 @@ extern const size_t counted_request_count;
 extern const request query_requests[];
 extern const size_t query_request_count;
 
+/* Trees that one scene has instances of. */
+#define INSTANCED_COUNT 3
+extern const request instanced_requests[INSTANCED_COUNT];
+
 /* "knot:2000 bare d8 half-open area color,normal level 4 ..." */
 void request_name(const request *wanted, char *name, size_t name_bytes);
 svo_plan_options request_options(const request *wanted, svo_builder builder);

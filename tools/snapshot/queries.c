@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "compact.h"
 #include "digest.h"
+#include "random.h"
 
 #define PICTURE_WIDTH  160
 #define PICTURE_HEIGHT 120
@@ -36,13 +38,6 @@ static const char voxel_source[] =
     "    svo_trace_voxel(&tree, &ray, footprint, &hit);\n"
     "    hits[get_global_id(0)] = hit;\n"
     "}\n";
-
-/* Numbers in [0, 1) with 24 bits, by a 64-bit linear congruential generator (Knuth, MMIX). */
-static float next_random(uint64_t *state)
-{
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (float)(*state >> 40) * 0x1p-24f;
-}
 
 static void draw(const char *name, const opened *session, svo_tree *tree, const char *from, const svo_camera *camera)
 {
@@ -199,39 +194,6 @@ cleanup:
     }
 }
 
-/* The arrays of a compact tree as their hash, and its hits. */
-static svo_status use_compact(const opened *session, svo_compact *compact, const svo_ray *rays, svo_voxel_hit *hits,
-                              char hash[SVO_HASH_TEXT_BYTES])
-{
-    const svo_status status = svo_compact_download(compact, session->queue);
-    if (status != SVO_OK) {
-        return status;
-    }
-    const svo_status hashed = svo_compact_hash(compact, hash);
-    return hashed != SVO_OK ? hashed : svo_compact_trace(compact, rays, hits, RAY_COUNT, 0.01f, session->queue);
-}
-
-/* Every form: its arrays, and its rays. */
-static void describe_compact(const char *name, const opened *session, const svo_tree *tree, const svo_ray *rays)
-{
-    svo_voxel_hit *hits = calloc(RAY_COUNT, sizeof *hits);
-    for (int form = 0; form < SVO_FORM_COUNT && hits != NULL; ++form) {
-        svo_compact_options asked = SVO_COMPACT_OPTIONS_INIT;
-        char part[64];
-        char hash[SVO_HASH_TEXT_BYTES] = "";
-        svo_compact *compact = NULL;
-        asked.form = (svo_form)form;
-        const svo_status made = svo_compact_create(session->device, tree, &asked, session->queue, &compact);
-        const svo_status used = made != SVO_OK ? made : use_compact(session, compact, rays, hits, hash);
-        snprintf(part, sizeof part, "compact %s", svo_form_name(asked.form));
-        line_print(name, part, used == SVO_OK ? hash : svo_status_name(used));
-        snprintf(part, sizeof part, "voxels along rays, %s", svo_form_name(asked.form));
-        line_print_digest(name, part, hits, RAY_COUNT * sizeof *hits);
-        svo_compact_destroy(&compact);
-    }
-    free(hits);
-}
-
 /* The inside of the tree, or why it has none. */
 static void fill(const char *name, const opened *session, const svo_tree *tree, svo_solid_rule rule)
 {
@@ -272,7 +234,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     fill_rays(&info, rays);
     trace(name, session, tree, rays);
     trace_voxels(name, session, tree, rays);
-    describe_compact(name, session, tree, rays);
+    describe_compact(name, session, tree, rays, RAY_COUNT);
     query_nearest(name, session, tree, &info);
     fill(name, session, tree, SVO_SOLID_WINDING);
     fill(name, session, tree, SVO_SOLID_PARITY);

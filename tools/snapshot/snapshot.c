@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Prints digests of everything that svocl produces for a table of cases, one NAME<TAB>VALUE per line: trees, files,
- * reports, plans, pictures, hits, OpenCL calls. `tools/dev snapshot` sorts and compares them: a refactoring changes
- * none.
+ * reports, plans, pictures, hits, compact trees, scenes, lists of voxels, OpenCL calls. `tools/dev snapshot` sorts and
+ * compares them: a refactoring changes none.
  *
  * Times and device names are left out, so that the lines are equal in every run on one machine.
  */
@@ -14,6 +14,8 @@
 #include "cases.h"
 #include "describe.h"
 #include "digest.h"
+#include "instances.h"
+#include "lists.h"
 #include "meshes.h"
 #include "queries.h"
 
@@ -117,6 +119,38 @@ static int run_queries(run *state)
     return EXIT_SUCCESS;
 }
 
+static int run_instances(run *state)
+{
+    build made[INSTANCED_COUNT] = {{0}};
+    svo_tree *trees[INSTANCED_COUNT] = {NULL};
+    int result = EXIT_SUCCESS;
+    for (int i = 0; i < INSTANCED_COUNT && result == EXIT_SUCCESS; ++i) {
+        const request *wanted = &instanced_requests[i];
+        svo_message message = {""};
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, wanted, &message);
+        if (mesh == NULL) {
+            result = fail(wanted->scene, message.text);
+        } else if (build_run(&state->session, mesh, wanted, &methods[0], &made[i]) != SVO_OK) {
+            result = fail(wanted->scene, svo_device_message(state->session.device));
+        }
+        trees[i] = made[i].tree;
+    }
+    if (result == EXIT_SUCCESS) {
+        describe_instances("instances of knot, cornell, cube", &state->session, trees, INSTANCED_COUNT);
+    }
+    for (int i = 0; i < INSTANCED_COUNT; ++i) {
+        build_release(&made[i]);
+    }
+    return result;
+}
+
+static int run_lists(run *state)
+{
+    svo_message message = {"no memory"};
+    return describe_lists(&state->session, state->folder, &message) == SVO_OK ? EXIT_SUCCESS
+                                                                              : fail("lists", message.text);
+}
+
 /* On a fresh device handle, which has compiled nothing yet: the first build compiles, the second does not. */
 static int count_case(const svo_mesh *mesh, const request *wanted, const method *by)
 {
@@ -159,17 +193,12 @@ static int run_counts(run *state)
 
 static int run_all(run *state)
 {
-    int result = run_requests(state);
-    if (result != EXIT_SUCCESS) {
-        return result;
-    }
-    result = run_queries(state);
-    if (result != EXIT_SUCCESS) {
-        return result;
-    }
-    result = run_counts(state);
-    if (result != EXIT_SUCCESS) {
-        return result;
+    int (*const parts[])(run *) = {run_requests, run_queries, run_instances, run_lists, run_counts};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        const int result = parts[i](state);
+        if (result != EXIT_SUCCESS) {
+            return result;
+        }
     }
     return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_SUCCESS : fail("standard output", "cannot be written");
 }
