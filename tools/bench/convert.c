@@ -238,12 +238,11 @@ static int run_sphere(suite *all, int32_t radius)
     uint64_t bytes[STEPS] = {0};
     sphere of = {.all = all};
     double *times = calloc((STEPS + 1) * all->repeats, sizeof *times);
-    int exit_code = times != NULL && fill_sphere(&of, radius)
-                        ? PROGRAM_DONE
-                        : program_fail(all->state, PROGRAM_FAILED, "out of memory for a sphere of radius %d", radius);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = measure(&of, times, bytes);
+    if (times == NULL || !fill_sphere(&of, radius)) {
+        free(times);
+        return program_fail(all->state, PROGRAM_FAILED, "out of memory for a sphere of radius %d", radius);
     }
+    const int exit_code = measure(&of, times, bytes);
     if (exit_code == PROGRAM_DONE) {
         add_rows(&of, times, bytes);
     }
