@@ -78,6 +78,7 @@ expect_completion 'knot' svocl scene kn
 expect_completion 'voxelize' svocl bench vo
 expect_completion 'zsh' svocl completion z
 expect_completion 'verify' svocl help ver
+expect_completion 'grid' svocl bench rays --vs g
 expect_completion '' svocl build --device x
 
 # --- zsh ---

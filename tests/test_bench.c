@@ -104,6 +104,81 @@ static void every_subject_adds_its_tables(void **state)
     expect_files(kept, 1);
 }
 
+/* The row's cell in that column, which is a number. */
+static double number_in_row(const cJSON *row, const cJSON *table, const char *column)
+{
+    const cJSON *cell = cJSON_GetArrayItem(row, column_of(table, column));
+    assert_true(cJSON_IsNumber(cell));
+    return cell->valuedouble;
+}
+
+/* Merged spheres take fewer bytes, and the ratio stands beside them alone. */
+static void minimized_spheres_are_smaller(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *document = run_json("$SVOCL bench convert --quick --repeat 2 --json");
+    const cJSON *table = table_of(document, "convert");
+    const int ratio = column_of(table, "ratio");
+    const cJSON *row = NULL;
+    double plain = 0.0;
+    int minimized_count = 0;
+    expect_spread(table, "time");
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        const char *step = cJSON_GetArrayItem(row, column_of(table, "step"))->valuestring;
+        const bool minimized = strcmp(step, "minimized") == 0;
+        assert_int_equal(cJSON_IsNumber(cJSON_GetArrayItem(row, ratio)), minimized);
+        if (strcmp(step, "descriptor") == 0) {
+            plain = number_in_row(row, table, "bytes");
+        }
+        if (minimized) {
+            ++minimized_count;
+            assert_true(number_in_row(row, table, "bytes") > 0.0 && number_in_row(row, table, "bytes") < plain);
+            assert_true(number_in_row(row, table, "ratio") > 0.0);
+        }
+    }
+    assert_int_equal(minimized_count, 2);
+    cJSON_Delete(document);
+}
+
+/* The grid finds the triangles that svocl finds, but for ties, at depths with and without whole bricks. */
+static void rays_are_compared_with_a_grid(void **state)
+{
+    (void)state;
+    need_builds();
+    static const int depths[] = {2, 3, 7};
+    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; ++i) {
+        char line[128];
+        snprintf(line, sizeof line,
+                 "$SVOCL bench rays scene:knot:2000 -d %d --vs grid --ray-count 3000 --repeat 1 --json", depths[i]);
+        cJSON *document = run_json(line);
+        assert_string_equal(text_of(document, "vs"), "grid");
+        assert_true(number_of(document, "ours_bytes") > 0);
+        assert_true(number_of(document, "grid_cell_bytes") >= 4.0 * (depths[i] < 3 ? 1 + 64 + 1 : 1 + 512 + 1));
+        assert_true(number_of(document, "grid_bytes") > number_of(document, "grid_cell_bytes") + 2000 * 12);
+        const cJSON *set = NULL;
+        int set_count = 0;
+        cJSON_ArrayForEach(set, array_of(document, "sets"))
+        {
+            ++set_count;
+            assert_true(number_of(set, "hits") > 0);
+            assert_true(number_of(set, "ours_mrays") > 0 && number_of(set, "grid_mrays") > 0);
+            assert_true(number_of(set, "ratio") > 0);
+            assert_int_equal((int)number_of(set, "wrong_ids"), 0);
+            assert_int_equal((int)number_of(set, "missed"), 0);
+            assert_true(number_of(set, "grid_wrong_ids") + number_of(set, "grid_missed") <= 3); /* in float */
+        }
+        assert_int_equal(set_count, 2);
+        cJSON_Delete(document);
+    }
+    run_well("$SVOCL bench rays scene:knot:2000 --vs grid --ray-count 1000 --repeat 1");
+    assert_non_null(strstr(last.output, "grid wrong"));
+    run_badly("$SVOCL bench rays scene:cube -d 12 --vs grid --ray-count 10", 2, "up to 11, not 12");
+    run_badly("$SVOCL bench convert --vs grid", 2, "--vs grid");
+    expect_files(NULL, 0);
+}
+
 /* Tables contain the published values and name their hardware. */
 static void published_values_name_their_hardware(void **state)
 {
@@ -140,6 +215,8 @@ static void usage_errors_exit_with_code_2(void **state)
     run_badly("$SVOCL bench build --builder sorted", 2, "--builder");
     run_badly("$SVOCL bench filter --weights uniform", 2, "--weights");
     run_badly("$SVOCL bench all --vs embree", 2, "--vs");
+    run_badly("$SVOCL bench rays --vs openvdb", 2, "--vs");
+    run_badly("$SVOCL bench solid --vs grid", 2, "--vs grid");
     run_badly("$SVOCL build scene:cube --depths 5", 2, "--depths");
     run_badly("$SVOCL bench memory --quick -o nowhere/a.json", 1, "nowhere");
     expect_files(NULL, 0);
@@ -159,6 +236,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(front_ends_are_measured),
         IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER(minimized_spheres_are_smaller),
+        IN_FOLDER(rays_are_compared_with_a_grid),
         IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),

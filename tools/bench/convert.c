@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "measure/spread.h"
+#include "svocl/compact.h"
 #include "svocl/voxel_files.h"
 
 static const char table_id[] = "convert";
@@ -14,8 +15,10 @@ static const char table_id[] = "convert";
 static const char note[] =
     "Wall clock, on solid spheres with a color for each layer. All steps run interleaved. list: svo_voxels_create, "
     "which "
-    "sorts; the voxels come row by row. tree: svo_voxels_build. leaves: svo_tree_get_voxels. Files are written to and "
-    "read from memory.";
+    "sorts; the voxels come row by row. tree: svo_voxels_build. descriptor: svo_compact_create of that tree without "
+    "colors; minimized: the same with full nodes merged. Ratio: list, tree and minimized to list, tree and descriptor, "
+    "within each round; below 1, merging saves time. leaves: svo_tree_get_voxels. Files are written to and read from "
+    "memory. Bytes: of the file, or of the compact tree.";
 
 /* A sphere and what the steps make of it. */
 typedef struct sphere {
@@ -26,7 +29,7 @@ typedef struct sphere {
     svo_tree *tree; /* by the second */
     uint8_t *file; /* of the last step that wrote one; owned */
     size_t file_bytes, file_capacity;
-    bool uses_file; /* set by steps that write or read one */
+    uint64_t bytes; /* set by steps that make or read something whose size is reported */
 } sphere;
 
 /* One thing to measure: does its work once. */
@@ -51,6 +54,38 @@ static svo_status make_tree(sphere *of, svo_message *message)
         (void)snprintf(message->text, sizeof message->text, "%s", svo_device_message(opened->device));
     }
     return status;
+}
+
+/* Full nodes could not merge where layers of two colors meet. */
+static svo_status make_compact(sphere *of, bool minimize, svo_message *message)
+{
+    const session *opened = &of->all->opened;
+    const svo_compact_options asked = {.struct_size = sizeof asked,
+                                       .form = SVO_FORM_DESCRIPTOR,
+                                       .leave_out = SVO_NEED_COLOR,
+                                       .minimize = minimize ? 1 : 0};
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    svo_compact *compact = NULL;
+    svo_status status = svo_compact_create(opened->device, of->tree, &asked, opened->queue, &compact);
+    if (status == SVO_OK) {
+        status = svo_compact_get_info(compact, &info);
+    }
+    if (status != SVO_OK) {
+        (void)snprintf(message->text, sizeof message->text, "%s", svo_device_message(opened->device));
+    }
+    of->bytes = info.total_bytes;
+    svo_compact_destroy(&compact);
+    return status;
+}
+
+static svo_status make_descriptor(sphere *of, svo_message *message)
+{
+    return make_compact(of, false, message);
+}
+
+static svo_status make_minimized(sphere *of, svo_message *message)
+{
+    return make_compact(of, true, message);
 }
 
 static svo_status take_leaves(sphere *of, svo_message *message)
@@ -84,8 +119,9 @@ static int keep_bytes(void *user, const void *bytes, size_t byte_count)
 static svo_status write_as(sphere *of, svo_voxel_format format, svo_message *message)
 {
     of->file_bytes = 0;
-    of->uses_file = true;
-    return svo_voxels_write(of->voxels, format, keep_bytes, of, NULL, message);
+    const svo_status status = svo_voxels_write(of->voxels, format, keep_bytes, of, NULL, message);
+    of->bytes = of->file_bytes;
+    return status;
 }
 
 static svo_status write_vox(sphere *of, svo_message *message)
@@ -101,19 +137,25 @@ static svo_status write_binvox(sphere *of, svo_message *message)
 static svo_status read_file(sphere *of, svo_message *message)
 {
     svo_voxels *read = NULL;
-    of->uses_file = true;
+    of->bytes = of->file_bytes;
     const svo_status status = svo_voxels_load_memory(of->file, of->file_bytes, "sphere", NULL, &read, NULL, message);
     svo_voxels_destroy(&read);
     return status;
 }
 
-/* In the order in which they run; a file is read after it was written. Steps that make other trees of the same voxels
-   belong behind "tree". */
-static const convert_step steps[] = {{"list", make_list},        {"tree", make_tree},
-                                     {"leaves", take_leaves},    {"write .vox", write_vox},
-                                     {"read .vox", read_file},   {"write .binvox", write_binvox},
-                                     {"read .binvox", read_file}};
-enum { STEPS = sizeof steps / sizeof steps[0] };
+/* In the order in which they run; a file is read after it was written. */
+enum { LIST, TREE, DESCRIPTOR, MINIMIZED, LEAVES, WRITE_VOX, READ_VOX, WRITE_BINVOX, READ_BINVOX, STEPS };
+static const convert_step steps[STEPS] = {
+    [LIST] = {"list", make_list},
+    [TREE] = {"tree", make_tree},
+    [DESCRIPTOR] = {"descriptor", make_descriptor},
+    [MINIMIZED] = {"minimized", make_minimized},
+    [LEAVES] = {"leaves", take_leaves},
+    [WRITE_VOX] = {"write .vox", write_vox},
+    [READ_VOX] = {"read .vox", read_file},
+    [WRITE_BINVOX] = {"write .binvox", write_binvox},
+    [READ_BINVOX] = {"read .binvox", read_file},
+};
 
 static const int32_t full_radii[] = {12, 25, 50, 100, 0};
 static const int32_t quick_radii[] = {6, 12, 0};
@@ -145,25 +187,39 @@ static int measure(sphere *of, double *times, uint64_t bytes[STEPS])
     for (size_t round = 0; round <= repeats; ++round) {
         for (size_t i = 0; i < STEPS; ++i) {
             svo_message message = {""};
-            of->uses_file = false;
+            of->bytes = 0;
             const double start_ms = input_now_ms();
             if (steps[i].run(of, &message) != SVO_OK) {
                 return program_fail_library(of->all->state, message.text);
             }
-            bytes[i] = of->uses_file ? of->file_bytes : 0;
             if (round > 0) {
                 times[i * repeats + round - 1] = input_now_ms() - start_ms;
             }
+            bytes[i] = of->bytes;
         }
     }
     return PROGRAM_DONE;
 }
 
+/* What minimizing costs on the way from voxels to a compact tree. times: as measure() leaves them; ratios: room for the
+   repeats. */
+static spread compare_minimized(const double *times, size_t repeats, double *ratios)
+{
+    for (size_t round = 0; round < repeats; ++round) {
+        const double before = times[LIST * repeats + round] + times[TREE * repeats + round];
+        ratios[round] = (before + times[MINIMIZED * repeats + round]) / (before + times[DESCRIPTOR * repeats + round]);
+    }
+    return spread_of(ratios, repeats);
+}
+
+/* times: one row more than steps, for ratios. */
 static void add_rows(const sphere *of, double *times, const uint64_t bytes[STEPS])
 {
     result_table *table = result_find(of->all->results, table_id);
+    const size_t repeats = of->all->repeats;
+    const spread ratio = compare_minimized(times, repeats, times + STEPS * repeats); /* before times are sorted */
     for (size_t i = 0; i < STEPS; ++i) {
-        const spread ms = spread_of(times + i * of->all->repeats, of->all->repeats);
+        const spread ms = spread_of(times + i * repeats, repeats);
         result_add_text(table, "%s", steps[i].name);
         result_add_number(table, (double)of->count);
         spread_add(table, ms);
@@ -173,6 +229,7 @@ static void add_rows(const sphere *of, double *times, const uint64_t bytes[STEPS
         } else {
             result_add_absent(table);
         }
+        spread_add(table, i == MINIMIZED ? ratio : spread_none());
     }
 }
 
@@ -180,13 +237,12 @@ static int run_sphere(suite *all, int32_t radius)
 {
     uint64_t bytes[STEPS] = {0};
     sphere of = {.all = all};
-    double *times = calloc(STEPS * all->repeats + 1, sizeof *times);
-    int exit_code = times != NULL && fill_sphere(&of, radius)
-                        ? PROGRAM_DONE
-                        : program_fail(all->state, PROGRAM_FAILED, "out of memory for a sphere of radius %d", radius);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = measure(&of, times, bytes);
+    double *times = calloc((STEPS + 1) * all->repeats, sizeof *times);
+    if (times == NULL || !fill_sphere(&of, radius)) {
+        free(times);
+        return program_fail(all->state, PROGRAM_FAILED, "out of memory for a sphere of radius %d", radius);
     }
+    const int exit_code = measure(&of, times, bytes);
     if (exit_code == PROGRAM_DONE) {
         add_rows(&of, times, bytes);
     }
@@ -207,7 +263,8 @@ static int run_all(suite *all)
     result_add_column(table, "voxels", "");
     spread_add_columns(table, "time", "ms");
     result_add_column(table, "rate", "M/s");
-    result_add_column(table, "file", "B");
+    result_add_column(table, "bytes", "B");
+    spread_add_columns(table, "ratio", "");
     progress_step(all->state->progress, "converting voxels");
     for (size_t i = 0; radii[i] != 0 && exit_code == PROGRAM_DONE; ++i) {
         exit_code = run_sphere(all, radii[i]);
@@ -218,7 +275,7 @@ static int run_all(suite *all)
 const suite_subject bench_convert = {
     .name = "convert",
     .group = "all",
-    .summary = "voxels to lists, trees and files, for solid spheres of growing size",
+    .summary = "voxels to lists, trees, compact trees and files, for solid spheres of growing size",
     .run_all = run_all,
     .step_count = 1,
 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl bench rays: millions of rays per second against the triangles of a tree, interleaved with Embree's
- * rtcIntersect1 on as many threads, for the same rays and the same snapped triangles.
+ * rtcIntersect1 on as many threads, for the same rays and the same snapped triangles; or with a grid of the tree's leaf
+ * lists on the same device.
  *
  * The mesh is snapped to integers before the build, so that grid units are world units and both libraries get the same
  * bits for every vertex and every ray.
@@ -9,9 +10,11 @@
 #include "bench/rays.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "bench/grid_rays.h"
 #include "measure/embree.h"
 #include "measure/quantization.h"
 #include "measure/ray_judge.h"
@@ -31,7 +34,7 @@
 typedef struct ray_set {
     const char *name;
     svo_ray *rays;
-    spread ours_ms, theirs_ms, ratio; /* ratio: Embree's time to svocl's, within each round; none without Embree */
+    spread ours_ms, theirs_ms, ratio; /* ratio: the other's time to svocl's, within each round; none without it */
     ray_verdict verdict;
 } ray_set;
 
@@ -43,10 +46,11 @@ typedef struct ray_bench {
     svo_mesh snapped; /* the input with integer coordinates */
     float *positions;
     embree *peer; /* NULL: not asked for */
+    grid_rays *grid; /* the same */
     unsigned threads;
     size_t ray_count, repeats;
     svo_hit *ours, *theirs;
-    cl_mem device_rays, device_hits;
+    cl_mem device_rays, device_hits, grid_hits;
     ray_set sets[SET_COUNT];
 } ray_bench;
 
@@ -64,6 +68,12 @@ static int snap_mesh(ray_bench *bench)
     bench->snapped = quantization_mesh(mesh, bench->positions);
     bench->work.source.mesh = &bench->snapped;
     return PROGRAM_DONE;
+}
+
+static cl_mem make_buffer(const ray_bench *bench, size_t bytes)
+{
+    cl_int error = CL_SUCCESS;
+    return clCreateBuffer(svo_device_cl_context(bench->work.opened.device), CL_MEM_READ_WRITE, bytes, NULL, &error);
 }
 
 /* Embree's copy of the triangles that the tree holds. */
@@ -85,13 +95,35 @@ static int open_peer(ray_bench *bench)
                                : program_fail(bench->state, PROGRAM_FAILED, "Embree cannot take the triangles");
 }
 
-/* ---- rays ---- */
-
-static cl_mem make_buffer(const ray_bench *bench, size_t bytes)
+static int open_grid(ray_bench *bench)
 {
-    cl_int error = CL_SUCCESS;
-    return clCreateBuffer(svo_device_cl_context(bench->work.opened.device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+    const uint32_t depth = bench->work.result.info.depth;
+    if (depth > GRID_RAYS_DEPTH_MAX) {
+        return program_fail(bench->state, PROGRAM_WRONG_USAGE, "--vs grid takes depths up to %d, not %u",
+                            GRID_RAYS_DEPTH_MAX, depth);
+    }
+    bench->grid = grid_rays_create(&bench->work.opened, bench->work.result.tree);
+    bench->grid_hits = make_buffer(bench, bench->ray_count * sizeof(svo_hit));
+    return bench->grid != NULL && bench->grid_hits != NULL
+               ? PROGRAM_DONE
+               : program_fail(bench->state, PROGRAM_FAILED, "the grid cannot be made: no memory, or no kernel");
 }
+
+/* Opens what --vs asks for. */
+static int open_rival(ray_bench *bench)
+{
+    const int versus = bench->state->options.versus;
+    return versus == OPTION_VERSUS_EMBREE ? open_peer(bench)
+           : versus == OPTION_VERSUS_GRID ? open_grid(bench)
+                                          : PROGRAM_DONE;
+}
+
+static bool is_compared(const ray_bench *bench)
+{
+    return bench->peer != NULL || bench->grid != NULL;
+}
+
+/* ---- rays ---- */
 
 static int make_rays(ray_bench *bench)
 {
@@ -144,6 +176,25 @@ static double trace_ours(ray_bench *bench)
     return error == CL_SUCCESS ? ms : -1.0;
 }
 
+/* The same of the other tracer; 0 without one. */
+static double trace_theirs(ray_bench *bench, const ray_set *set)
+{
+    return bench->peer != NULL   ? embree_trace(bench->peer, set->rays, bench->theirs, bench->ray_count, bench->threads)
+           : bench->grid != NULL ? grid_rays_trace(bench->grid, bench->device_rays, bench->grid_hits, bench->ray_count)
+                                 : 0.0;
+}
+
+/* Reads back the hits of what ran on the device. */
+static bool read_hits(ray_bench *bench)
+{
+    const size_t bytes = bench->ray_count * sizeof(svo_hit);
+    cl_command_queue queue = bench->work.opened.queue;
+    return clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bytes, bench->ours, 0, NULL, NULL) ==
+               CL_SUCCESS &&
+           (bench->grid == NULL || clEnqueueReadBuffer(queue, bench->grid_hits, CL_TRUE, 0, bytes, bench->theirs, 0,
+                                                       NULL, NULL) == CL_SUCCESS);
+}
+
 /* Interleaves both; the first round warms up and does not count. */
 static int measure_set(ray_bench *bench, ray_set *set)
 {
@@ -154,9 +205,7 @@ static int measure_set(ray_bench *bench, ray_set *set)
                                                         NULL, NULL) == CL_SUCCESS;
     for (size_t round = 0; round <= bench->repeats && worked; ++round) {
         const double ours = trace_ours(bench);
-        const double theirs =
-            bench->peer != NULL ? embree_trace(bench->peer, set->rays, bench->theirs, bench->ray_count, bench->threads)
-                                : 0.0;
+        const double theirs = trace_theirs(bench, set);
         worked = ours >= 0 && theirs >= 0;
         if (round > 0) {
             times[round - 1] = ours;
@@ -164,10 +213,9 @@ static int measure_set(ray_bench *bench, ray_set *set)
             times[2 * bench->repeats + round - 1] = theirs / ours;
         }
     }
-    worked = worked && clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bench->ray_count * sizeof(svo_hit),
-                                           bench->ours, 0, NULL, NULL) == CL_SUCCESS;
+    worked = worked && read_hits(bench);
     if (worked) {
-        const bool compared = bench->peer != NULL;
+        const bool compared = is_compared(bench);
         set->ours_ms = spread_of(times, bench->repeats);
         set->theirs_ms = compared ? spread_of(times + bench->repeats, bench->repeats) : spread_none();
         set->ratio = compared ? spread_of(times + 2 * bench->repeats, bench->repeats) : spread_none();
@@ -186,14 +234,14 @@ static void judge_set(ray_bench *bench, ray_set *set)
                                       .triangle_count = (size_t)info->list_triangle_count,
                                       .origin = {info->origin[0], info->origin[1], info->origin[2]},
                                       .scale = info->scale};
-    if (bench->peer != NULL) { /* its indices do not count refused triangles */
+    if (is_compared(bench)) { /* its indices do not count refused triangles */
         for (size_t i = 0; i < bench->ray_count; ++i) {
             const uint32_t triangle = bench->theirs[i].triangle;
             bench->theirs[i].triangle = triangle != SVO_NO_TRIANGLE ? arrays.triangle_ids[triangle] : triangle;
         }
     }
     set->verdict = ray_judge(&snapped, arrays.triangle_ids, set->rays, bench->ours,
-                             bench->peer != NULL ? bench->theirs : NULL, bench->ray_count);
+                             is_compared(bench) ? bench->theirs : NULL, bench->ray_count);
 }
 
 /* ---- reporting ---- */
@@ -201,6 +249,40 @@ static void judge_set(ray_bench *bench, ray_set *set)
 static double mrays(const ray_bench *bench, double ms)
 {
     return ms > 0 ? (double)bench->ray_count / ms * 1e-3 : 0.0;
+}
+
+/* What --vs names. */
+static const char *rival_name(const ray_bench *bench)
+{
+    return bench->peer != NULL ? "embree" : bench->grid != NULL ? "grid" : NULL;
+}
+
+static void add_rival_number(cJSON *to, const ray_bench *bench, const char *name, double number)
+{
+    char key[32];
+    (void)snprintf(key, sizeof key, "%s_%s", rival_name(bench), name);
+    cJSON_AddNumberToObject(to, key, number);
+}
+
+static cJSON *set_to_json(const ray_bench *bench, const ray_set *set)
+{
+    cJSON *one = cJSON_CreateObject();
+    json_add_text(one, "name", set->name);
+    json_add_count(one, "rays", bench->ray_count);
+    json_add_count(one, "hits", set->verdict.hits);
+    cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
+    cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms.median));
+    if (is_compared(bench)) {
+        add_rival_number(one, bench, "mrays", mrays(bench, set->theirs_ms.median));
+        cJSON_AddNumberToObject(one, "ratio", set->ratio.median);
+        json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
+        json_add_count(one, "missed", set->verdict.missed);
+        json_add_count(one, "differing", set->verdict.differing);
+        json_add_count(one, "tied", set->verdict.tied);
+        add_rival_number(one, bench, "wrong_ids", (double)set->verdict.their_wrong_ids);
+        add_rival_number(one, bench, "missed", (double)set->verdict.their_missed);
+    }
+    return one;
 }
 
 static cJSON *to_json(const ray_bench *bench)
@@ -211,28 +293,16 @@ static cJSON *to_json(const ray_bench *bench)
     json_add_count(document, "triangles", bench->work.result.info.list_triangle_count);
     json_add_count(document, "threads", bench->threads);
     json_add_count(document, "repeats", bench->repeats);
-    json_add_text(document, "vs", bench->peer != NULL ? "embree" : NULL);
+    json_add_text(document, "vs", rival_name(bench));
     json_add_text(document, "embree_version", bench->peer != NULL ? embree_version(bench->peer) : NULL);
+    json_add_count(document, "ours_bytes", svo_tree_ray_bytes(bench->work.result.tree));
+    if (bench->grid != NULL) {
+        json_add_count(document, "grid_bytes", grid_rays_bytes(bench->grid));
+        json_add_count(document, "grid_cell_bytes", grid_rays_cell_bytes(bench->grid));
+    }
     cJSON *sets = cJSON_AddArrayToObject(document, "sets");
     for (int k = 0; k < SET_COUNT; ++k) {
-        const ray_set *set = &bench->sets[k];
-        cJSON *one = cJSON_CreateObject();
-        json_add_text(one, "name", set->name);
-        json_add_count(one, "rays", bench->ray_count);
-        json_add_count(one, "hits", set->verdict.hits);
-        cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
-        cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms.median));
-        if (bench->peer != NULL) {
-            cJSON_AddNumberToObject(one, "embree_mrays", mrays(bench, set->theirs_ms.median));
-            cJSON_AddNumberToObject(one, "ratio", set->ratio.median);
-            json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
-            json_add_count(one, "missed", set->verdict.missed);
-            json_add_count(one, "differing", set->verdict.differing);
-            json_add_count(one, "tied", set->verdict.tied);
-            json_add_count(one, "embree_wrong_ids", set->verdict.their_wrong_ids);
-            json_add_count(one, "embree_missed", set->verdict.their_missed);
-        }
-        cJSON_AddItemToArray(sets, one);
+        cJSON_AddItemToArray(sets, set_to_json(bench, &bench->sets[k]));
     }
     return document;
 }
@@ -243,14 +313,28 @@ static void print_table(const ray_bench *bench)
     table_line("%s: %s triangles at depth %u, %s rays per set, medians of %zu rounds", bench->work.source.name,
                figure_count(bench->work.result.info.list_triangle_count).text, bench->work.result.info.depth,
                figure_count(bench->ray_count).text, bench->repeats);
+    if (bench->grid != NULL) {
+        table_line("svocl's BVH %s; grid %s, of which bricks and cells %s",
+                   figure_bytes(svo_tree_ray_bytes(bench->work.result.tree)).text,
+                   figure_bytes(grid_rays_bytes(bench->grid)).text,
+                   figure_bytes(grid_rays_cell_bytes(bench->grid)).text);
+    }
     table *rows = table_create("lrrrrrrr");
-    const char *const heads[] = {"rays", "svocl", "Embree", "ratio", "differing", "tied", "wrong", "Embree wrong"};
+    const bool has_grid = bench->grid != NULL;
+    const char *const heads[] = {"rays",
+                                 "svocl",
+                                 has_grid ? "grid" : "Embree",
+                                 "ratio",
+                                 "differing",
+                                 "tied",
+                                 "wrong",
+                                 has_grid ? "grid wrong" : "Embree wrong"};
     for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i) {
         table_cell(rows, "%s", heads[i]);
     }
     for (int k = 0; k < SET_COUNT; ++k) {
         const ray_set *set = &bench->sets[k];
-        const bool compared = bench->peer != NULL;
+        const bool compared = is_compared(bench);
         table_cell(rows, "%s", set->name);
         table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms.median) * 1e6).text);
         table_cell(rows, "%s", compared ? figure_rate(mrays(bench, set->theirs_ms.median) * 1e6).text : "");
@@ -295,7 +379,7 @@ static int prepare(ray_bench *bench)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = state->options.versus != 0 ? open_peer(bench) : PROGRAM_DONE;
+    exit_code = open_rival(bench);
     return exit_code != PROGRAM_DONE ? exit_code : make_rays(bench);
 }
 
@@ -323,8 +407,12 @@ static void release(ray_bench *bench)
     if (bench->device_hits != NULL) {
         clReleaseMemObject(bench->device_hits);
     }
+    if (bench->grid_hits != NULL) {
+        clReleaseMemObject(bench->grid_hits);
+    }
     free(bench->ours);
     free(bench->theirs);
+    grid_rays_destroy(&bench->grid);
     embree_destroy(&bench->peer);
     job_release(&bench->work);
     free(bench->positions);
@@ -358,7 +446,7 @@ int bench_rays_alone(program *state)
     if (given->versus == OPTION_VERSUS_OPENVDB) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs openvdb does not apply to bench rays");
     }
-    if (given->versus != 0 && !embree_is_there()) {
+    if (given->versus == OPTION_VERSUS_EMBREE && !embree_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
     }
     given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
@@ -438,7 +526,7 @@ static int run(suite *all, const input *source, unsigned depth)
     given->repeat = 1; /* builds */
     given->depth_for_rays = depth == SUITE_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
-    given->versus = embree_is_there();
+    given->versus = embree_is_there() ? OPTION_VERSUS_EMBREE : 0;
     ray_bench bench = {.state = all->state,
                        .threads = count_threads(given),
                        .ray_count = (size_t)given->ray_count,

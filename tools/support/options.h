@@ -52,6 +52,7 @@ enum option_frontend {
 
 #define OPTION_VERSUS_EMBREE  1
 #define OPTION_VERSUS_OPENVDB 2
+#define OPTION_VERSUS_GRID    3
 
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)

@@ -44,8 +44,11 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {"level", SVO_VIEW_LEVEL},
                                {"triangles", SVO_VIEW_TRIANGLES},
                                {NULL, 0}};
-static const choice rivals[] = {
-    {"none", 0}, {"embree", OPTION_VERSUS_EMBREE}, {"openvdb", OPTION_VERSUS_OPENVDB}, {NULL, 0}};
+static const choice rivals[] = {{"none", 0},
+                                {"embree", OPTION_VERSUS_EMBREE},
+                                {"openvdb", OPTION_VERSUS_OPENVDB},
+                                {"grid", OPTION_VERSUS_GRID},
+                                {NULL, 0}};
 static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1 + SVO_SOLID_PARITY}, {NULL, 0}};
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
@@ -319,7 +322,7 @@ static const rule rules[] = {
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
-     "also measure this library, interleaved: embree for rays, openvdb for solid (none)"},
+     "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays per set (1000000)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "print JSON on standard output"},

@@ -83,9 +83,11 @@ static int check_options(program *state)
     if (given->has_depth) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
     }
+    static const char *const rivals[] = {
+        [OPTION_VERSUS_EMBREE] = "embree", [OPTION_VERSUS_OPENVDB] = "openvdb", [OPTION_VERSUS_GRID] = "grid"};
     if (given->versus != 0 && (given->versus != OPTION_VERSUS_OPENVDB || strcmp(given->subject, "solid") != 0)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs %s does not apply to bench %s",
-                            given->versus == OPTION_VERSUS_OPENVDB ? "openvdb" : "embree", given->subject);
+                            rivals[given->versus], given->subject);
     }
     if (given->versus == OPTION_VERSUS_OPENVDB && !openvdb_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs openvdb: this program was built without libopenvdb-dev");
