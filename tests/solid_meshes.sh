@@ -28,7 +28,7 @@ while IFS= read -r -d '' file; do
         if grep -q 'the surface is not closed' "$work/out"; then
             open=$((open + 1))
         fi
-    elif ((code == 1)) && [[ $(wc -l <"$work/err") == 1 ]] && ! grep -q 'not exact' "$work/err"; then
+    elif ((code == 1)) && [[ $(wc -l <"$work/err") == 1 ]] && ! grep -qE 'not exact|ran out of memory' "$work/err"; then
         refused=$((refused + 1))
     else
         failed=$((failed + 1))

@@ -62,7 +62,7 @@ static void what_does_not_apply_is_refused(void **state)
     run_badly("$SVOCL build scene:cube -d 4 --solid winding --coverage thin", 1, "coverage is thin");
     run_badly("$SVOCL build scene:cube -d 4 --solid winding --origin 0,0,0 --edge 0.25", 1, "outside the tree's grid");
     run_badly("$SVOCL hash scene:cube -d 4 --solid winding", 2, "--solid");
-    run_badly("$SVOCL verify scene:cube -d 11 --solid winding", 1, "up to depth 10");
+    run_badly("$SVOCL verify none.obj -d 11 --solid winding", 2, "up to depth 10, not at depth 11");
     run_badly("$SVOCL bench voxelize --vs openvdb", 2, "--vs openvdb does not apply");
     run_badly("$SVOCL bench rays --vs openvdb", 2, "--vs openvdb does not apply");
     run_well("$SVOCL build scene:cube -d 3 --need rays -o a.svo");

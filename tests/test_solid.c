@@ -18,6 +18,7 @@
 #include "fixture.h"
 #include "meshes.h"
 #include "oracle_solid.h"
+#include "shared/layout.h"
 #include "solid_meshes.h"
 
 /* A solid, compared with the reference. */
@@ -25,6 +26,7 @@ typedef struct solved {
     svo_solid_info info;
     oracle_solid_difference found;
     char hash[SVO_HASH_TEXT_BYTES];
+    uint32_t longest_list; /* triangles of a leaf at most */
 } solved;
 
 typedef struct request {
@@ -64,6 +66,10 @@ static void compare(const built *from, const svo_compact *solid, const request *
     oracle_solid_compare(&reference, from->arrays.child_mask, from->arrays.first_child, levels, &out->found);
     for (int axis = 0; axis < 3; ++axis) {
         assert_int_equal(out->info.open_columns[axis], reference.open_columns[axis]);
+    }
+    for (uint64_t leaf = 0; leaf < from->info.leaf_count; ++leaf) {
+        const uint32_t length = from->arrays.list_begin[leaf + 1] - from->arrays.list_begin[leaf];
+        out->longest_list = length > out->longest_list ? length : out->longest_list;
     }
     assert_int_equal(info.voxel_count, out->info.surface_voxels + out->info.inside_voxels);
     assert_int_equal(info.leaf_count, out->info.surface_voxels + out->info.inside_leaves);
@@ -263,7 +269,8 @@ static void long_lists(void **state)
     const double low[3] = {5.5, 5.5, 5.5};
     const double high[3] = {15.25, 15.25, 15.25};
     parts_add_box(&made, low, high, false, -1);
-    solve(state, &made, (request){.depth = 4});
+    const solved found = solve(state, &made, (request){.depth = 4});
+    assert_true(found.longest_list > SVO_SHORT_LIST_MAX);
     solve_parts(state, &made, (request){.depth = 4, .rule = SVO_SOLID_PARITY});
 }
 

@@ -2,7 +2,17 @@
 /* Makes a solid, compares it, and says what differs. */
 #include "support/solid_verdict.h"
 
+#include <inttypes.h>
+
 #include "support/table.h"
+
+int solid_verdict_check_depth(program *state)
+{
+    return !solid_is_wanted(state) || state->options.depth <= SOLID_CHECK_DEPTH_MAX
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--solid is compared up to depth %d, not at depth %" PRIu64,
+                              SOLID_CHECK_DEPTH_MAX, state->options.depth);
+}
 
 int solid_verdict_find(program *state, const session *opened, const svo_tree *tree, solid_verdict *out)
 {
@@ -11,10 +21,6 @@ int solid_verdict_find(program *state, const session *opened, const svo_tree *tr
     svo_tree_get_info(tree, &info);
     svo_tree_get_arrays(tree, &arrays);
     *out = (solid_verdict){.made = {.solid = NULL}};
-    if (solid_is_wanted(state) && info.depth > SOLID_CHECK_DEPTH_MAX) {
-        return program_fail(state, PROGRAM_FAILED, "%s: --solid is compared up to depth %u, not at depth %u",
-                            state->options.input, SOLID_CHECK_DEPTH_MAX, info.depth);
-    }
     const int exit_code = solid_make(state, opened->device, tree, &out->made);
     if (exit_code != PROGRAM_DONE || out->made.solid == NULL) {
         return exit_code;

@@ -11,6 +11,10 @@ typedef struct solid_verdict {
     solid_differences found;
 } solid_verdict;
 
+/* Refuses --solid at a depth above SOLID_CHECK_DEPTH_MAX, before anything is built. Returns the exit code, its line
+   printed. */
+int solid_verdict_check_depth(program *state);
+
 /* Makes the solid that --solid asks for and compares it. tree: downloaded, with SVO_NEED_RAYS. Returns the exit code,
    its line printed. Release the verdict in any case. */
 int solid_verdict_find(program *state, const session *opened, const svo_tree *tree, solid_verdict *out);

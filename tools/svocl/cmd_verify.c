@@ -181,7 +181,11 @@ int command_verify(program *state)
     }
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 5 : 3, &done);
+    int exit_code = solid_verdict_check_depth(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 5 : 3, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
