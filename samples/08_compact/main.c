@@ -12,6 +12,7 @@
 
 #define DEPTH    7
 #define EDGE     128 /* of the grid: a voxel is one unit wide */
+#define HALF     64
 #define TERRACES 16u
 #define QUADS    5u /* of a terrace: four walls and a floor on top */
 #define RAYS     4096u /* 64 x 64 */
@@ -46,10 +47,11 @@ static void make_pyramid(float *positions, uint32_t *indices)
     static const uint8_t quads[QUADS][4] = {{0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}, {4, 5, 7, 6}};
     for (uint32_t k = 0; k < TERRACES * 8; ++k) {
         const int terrace = (int)(k / 8);
-        const int half = EDGE / 2 - 3 - 4 * terrace + (terrace == TERRACES - 1 ? 2 : 0);
-        positions[3 * k] = (float)((k & 1) != 0 ? half : -half);
-        positions[3 * k + 1] = (float)(4 * (terrace + ((k & 4) != 0 ? 1 : 0)) + 1);
-        positions[3 * k + 2] = (float)((k & 2) != 0 ? half : -half);
+        float *position = positions + (size_t)3 * k;
+        const int half = HALF - 3 - 4 * terrace + (terrace == TERRACES - 1 ? 2 : 0);
+        position[0] = (float)((k & 1) != 0 ? half : -half);
+        position[1] = (float)(4 * (terrace + ((k & 4) != 0 ? 1 : 0)) + 1);
+        position[2] = (float)((k & 2) != 0 ? half : -half);
     }
     for (uint32_t k = 0; k < TERRACES * QUADS; ++k) {
         const uint8_t *quad = quads[k % QUADS];
@@ -73,7 +75,7 @@ static bool build_pyramid(work *state)
     const svo_plan_options options = {.struct_size = sizeof options,
                                       .need = SVO_NEED_NONE, /* nodes alone; payload has its own bytes */
                                       .coverage = SVO_COVERAGE_CLOSED,
-                                      .origin = {-EDGE / 2, 0, -EDGE / 2},
+                                      .origin = {-HALF, 0, -HALF},
                                       .edge = EDGE};
     svo_plan *plan = NULL;
     const bool done = svo_plan_create(state->device, &mesh, DEPTH, &options, &plan) == SVO_OK &&
@@ -92,7 +94,8 @@ static bool make_rays(work *state)
     if (rays == NULL)
         return false;
     for (uint32_t i = 0; i < RAYS; ++i) {
-        rays[i] = (svo_ray){.origin = {2.3F * (float)(i % 64) - 100, 100, 2.3F * (float)(i / 64) - 90},
+        const uint32_t row = i / 64;
+        rays[i] = (svo_ray){.origin = {2.3F * (float)(i % 64) - 100, 100, 2.3F * (float)row - 90},
                             .direction = {0.31F, -1, 0.17F},
                             .t_max = INFINITY};
     }
@@ -132,8 +135,7 @@ static void compare(const work *state, const svo_voxel_hit *hits, unsigned *met,
     for (uint32_t i = 0; i < RAYS; ++i) {
         const svo_voxel_hit *other = &state->expected[i];
         *met += isfinite(hits[i].t) ? 1 : 0;
-        *different += memcmp(&hits[i].t, &other->t, sizeof other->t) != 0 || hits[i].face != other->face ||
-                      hits[i].level > other->level;
+        *different += hits[i].t != other->t || hits[i].face != other->face || hits[i].level > other->level;
     }
 }
 

@@ -18,17 +18,19 @@
 #define RAYS         1000 /* for compact trees */
 #define VOXELS_COUNT 6000 /* that are given; some are in one place */
 
-typedef void list_voxel(size_t index, uint64_t *state, svo_voxel *out);
+/* The random numbers are in [0, 1). */
+#define RANDOM_COUNT 4
+typedef void list_voxel(size_t index, const float random[RANDOM_COUNT], svo_voxel *out);
 
 /* Around the origin, with 13 materials that have a color each. */
-static void scattered(size_t index, uint64_t *state, svo_voxel *out)
+static void scattered(size_t index, const float random[RANDOM_COUNT], svo_voxel *out)
 {
     (void)index;
     int32_t *const axes[3] = {&out->x, &out->y, &out->z};
     for (int axis = 0; axis < 3; ++axis) {
-        *axes[axis] = (int32_t)(next_random(state) * 40) - 20;
+        *axes[axis] = (int32_t)(random[axis] * 40) - 20;
     }
-    out->material = (uint16_t)(1 + (int)(next_random(state) * 13));
+    out->material = (uint16_t)(1 + (int)(random[3] * 13));
     for (int i = 0; i < 3; ++i) {
         out->rgba[i] = (uint8_t)(out->material * (7 + 5 * i));
     }
@@ -36,21 +38,21 @@ static void scattered(size_t index, uint64_t *state, svo_voxel *out)
 }
 
 /* Far apart, which takes several models, with more colors than a palette has. */
-static void colorful(size_t index, uint64_t *state, svo_voxel *out)
+static void colorful(size_t index, const float random[RANDOM_COUNT], svo_voxel *out)
 {
     out->x = (int32_t)(index % 100) * 7 - 150;
     out->y = (int32_t)(index / 100) * 5;
-    out->z = (int32_t)(next_random(state) * 300);
+    out->z = (int32_t)(random[3] * 300);
     for (int i = 0; i < 3; ++i) {
-        out->rgba[i] = (uint8_t)(next_random(state) * 256);
+        out->rgba[i] = (uint8_t)(random[i] * 256);
     }
     out->rgba[3] = (uint8_t)(255 - index % 2 * 100);
 }
 
 /* A whole block of two colors, whose leaves merge. */
-static void block(size_t index, uint64_t *state, svo_voxel *out)
+static void block(size_t index, const float random[RANDOM_COUNT], svo_voxel *out)
 {
-    (void)state;
+    (void)random;
     out->x = (int32_t)(index % 20);
     out->y = (int32_t)(index / 20 % 20);
     out->z = (int32_t)(index / 400);
@@ -195,7 +197,11 @@ static svo_status make_list(size_t which, svo_voxel *given, svo_voxels **out, sv
     memcpy(source.origin, lists[which].origin, sizeof source.origin);
     memset(given, 0, VOXELS_COUNT * sizeof *given);
     for (size_t k = 0; k < VOXELS_COUNT; ++k) {
-        lists[which].make(k, &state, &given[k]);
+        float random[RANDOM_COUNT];
+        for (int i = 0; i < RANDOM_COUNT; ++i) {
+            random[i] = next_random(&state);
+        }
+        lists[which].make(k, random, &given[k]);
     }
     return svo_voxels_create(&source, out, message);
 }
