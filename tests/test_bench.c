@@ -148,6 +148,7 @@ static void rays_are_compared_with_a_grid(void **state)
     (void)state;
     need_builds();
     static const int depths[] = {2, 3, 7};
+    double wrong = 0;
     for (size_t i = 0; i < sizeof depths / sizeof depths[0]; ++i) {
         char line[128];
         snprintf(line, sizeof line,
@@ -167,11 +168,12 @@ static void rays_are_compared_with_a_grid(void **state)
             assert_true(number_of(set, "ratio") > 0);
             assert_int_equal((int)number_of(set, "wrong_ids"), 0);
             assert_int_equal((int)number_of(set, "missed"), 0);
-            assert_true(number_of(set, "grid_wrong_ids") + number_of(set, "grid_missed") <= 3); /* in float */
+            wrong += number_of(set, "grid_wrong_ids") + number_of(set, "grid_missed");
         }
         assert_int_equal(set_count, 2);
         cJSON_Delete(document);
     }
+    assert_true(wrong <= 2); /* of 18,000 rays; the test of triangles is in float */
     run_well("$SVOCL bench rays scene:knot:2000 --vs grid --ray-count 1000 --repeat 1");
     assert_non_null(strstr(last.output, "grid wrong"));
     run_badly("$SVOCL bench rays scene:cube -d 12 --vs grid --ray-count 10", 2, "up to 11, not 12");
