@@ -779,6 +779,13 @@ static void voxel_files_are_converted(void **state)
     assert_string_equal(text_of(cJSON_GetObjectItem(document, "written"), "format"), "vox");
     cJSON_Delete(document);
     run_well("$SVOCL hash a.svo >one.txt && $SVOCL hash a.binvox >two.txt && cmp one.txt two.txt");
+    /* What a format does not hold is said. */
+    run_well("$SVOCL convert a.svo b.vox && $SVOCL convert a.binvox d.ply");
+    assert_null(strstr(last.output, "left out"));
+    run_well("$SVOCL convert a.binvox b.vox");
+    assert_non_null(strstr(last.output, "left out           the place and the width of voxels\n"));
+    run_well("$SVOCL convert a.svo b.vox -q && $SVOCL convert b.vox e.binvox");
+    assert_non_null(strstr(last.output, "left out           materials\n"));
     /* Materials of .vox files begin at 1. */
     run_well("$SVOCL hash a.svo --nodes >one.txt && $SVOCL convert b.vox c.svo -q");
     run_well("$SVOCL hash c.svo --nodes >two.txt && cmp one.txt two.txt");

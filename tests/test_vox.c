@@ -416,6 +416,35 @@ static void test_layers_by_id(void **state)
     svo_voxels_destroy(&voxels);
 }
 
+static int append(void *user, const void *bytes, size_t byte_count)
+{
+    bytes_put(user, bytes, byte_count);
+    return 0;
+}
+
+/* Lists at the ends of the range of coordinates are written and read again. */
+static void test_farthest_places(void **state)
+{
+    (void)state;
+    const int32_t most = 1 << 30;
+    const svo_voxel lists[2][2] = {
+        {{.x = most, .y = most - 1, .z = most - 256, .material = 1}, {.x = most, .y = most, .z = most, .material = 1}},
+        {{.x = -most, .y = 1 - most, .z = 255 - most, .material = 1},
+         {.x = -most, .y = -most, .z = -most, .material = 1}}};
+    for (int i = 0; i < 2; ++i) {
+        const svo_voxels_source source = {.struct_size = sizeof source, .voxels = lists[i], .voxel_count = 2};
+        svo_voxels *voxels = NULL;
+        byte_list file = {0};
+        assert_int_equal(svo_voxels_create(&source, &voxels, NULL), SVO_OK);
+        assert_int_equal(svo_voxels_write(voxels, SVO_VOXEL_FORMAT_VOX, append, &file, NULL, NULL), SVO_OK);
+        svo_voxels *back = load(file, NULL, NULL);
+        assert_int_equal(info_of(back).voxel_count, 2);
+        assert_memory_equal(svo_voxels_get(back), svo_voxels_get(voxels), 2 * sizeof(svo_voxel));
+        svo_voxels_destroy(&back);
+        svo_voxels_destroy(&voxels);
+    }
+}
+
 /* MATL keeps all keys; MATT gets the keys of MATL. */
 static void test_materials(void **state)
 {
@@ -688,6 +717,7 @@ int main(void)
         cmocka_unit_test(test_keyframes),
         cmocka_unit_test(test_hidden_and_overlap),
         cmocka_unit_test(test_layers_by_id),
+        cmocka_unit_test(test_farthest_places),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_depth_limit),
         cmocka_unit_test(test_instance_limit),

@@ -141,7 +141,8 @@ typedef int (*svo_voxels_write_callback)(void *user, const void *bytes, size_t b
  *  .vox: models of up to 256^3 voxels in a scene that places them. Where materials are 1 .. 255 and each has one color,
  *  they become the indices of the palette; else colors do, and beyond 255 of them a voxel has the nearest of 255 that
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
- *  edge is a power of two. .svx: occupancy, colors and materials.
+ *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above
+ *  255. Neither has properties of materials; .vox has neither origin nor voxel_edge.
  *
  * \param voxels not NULL
  * \param path of the file

@@ -182,6 +182,10 @@ static svo_status copy_archive(voxel_writer *out, zip_source_t *source)
         status = svo_i_voxels_put(out, part, (size_t)got);
     }
     (void)zip_source_close(source);
+    if (status == SVO_OK && got < 0) {
+        status = svo_i_voxels_write_fail(out, SVO_FILE_ERROR, "the finished .svx archive cannot be read back: %s",
+                                         zip_error_strerror(zip_source_error(source)));
+    }
     return status;
 }
 

@@ -145,7 +145,7 @@ static svo_status visit_shape(walk *w, const step *at)
     }
     for (int axis = 0; axis < 3; ++axis) {
         const int64_t t = at->transform.translation[axis];
-        if (t < -TRANSLATION_MAX + VOX_SIDE_MAX || t > TRANSLATION_MAX - VOX_SIDE_MAX) {
+        if (t < -TRANSLATION_MAX || t > TRANSLATION_MAX) {
             return node_damaged(w, at->node, "is moved beyond 2^30 along axis", axis);
         }
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl convert: voxel files and trees to voxel files, trees, points and cubes. */
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -146,6 +147,43 @@ static void add_written(cJSON *document, const conversion *done)
     json_add_count(object, "faces", written->faces);
 }
 
+/* What the list has and the format does not, as a row of the table. */
+static void add_left_out(table *rows, const conversion *done)
+{
+    const svo_voxels_info *list = &done->source.list;
+    const svo_voxel *voxels = svo_voxels_get(done->source.voxels);
+    const bool moved =
+        list->voxel_edge != 1.0 || list->origin[0] != 0.0 || list->origin[1] != 0.0 || list->origin[2] != 0.0;
+    bool colors = false;
+    bool alpha = false;
+    for (uint64_t i = 0; i < list->voxel_count; ++i) {
+        const uint8_t *rgba = voxels[i].rgba;
+        colors = colors || rgba[0] != 255 || rgba[1] != 255 || rgba[2] != 255;
+        alpha = alpha || rgba[3] != 255;
+    }
+    const uint32_t format = done->written.format;
+    const bool binvox = format == SVO_VOXEL_FORMAT_BINVOX;
+    const bool svx = format == SVO_VOXEL_FORMAT_SVX;
+    const bool obj = format == SVO_VOXEL_FORMAT_OBJ;
+    const bool vox = format == SVO_VOXEL_FORMAT_VOX;
+    const char *const parts[] = {
+        colors && binvox ? "colors" : NULL, alpha && (binvox || svx || obj) ? "alpha" : NULL,
+        list->material_count > 1 && (binvox || obj || (svx && list->material_count > 256)) ? "materials" : NULL,
+        list->property_count > 0 && !vox ? "properties of materials" : NULL,
+        moved && vox ? "the place and the width of voxels" : NULL};
+    char text[128] = "";
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        if (parts[i] != NULL) {
+            const size_t used = strlen(text);
+            snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? ", " : "", parts[i]);
+        }
+    }
+    if (text[0] != '\0') {
+        table_cell(rows, "left out");
+        table_cell(rows, "%s", text);
+    }
+}
+
 /* What was written, as a row of the table. */
 static void add_written_row(table *rows, const conversion *done)
 {
@@ -166,6 +204,7 @@ static void add_written_row(table *rows, const conversion *done)
     } else {
         table_cell(rows, "%s", figure_bytes(written->bytes).text);
     }
+    add_left_out(rows, done);
 }
 
 static int report(program *state, const conversion *done)
