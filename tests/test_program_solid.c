@@ -38,6 +38,23 @@ static void build_reports_surface_and_inside_apart(void **state)
     assert_null(strstr(last.output, "not closed"));
 }
 
+/* Commands that take a tree expand a compact one: all voxels of the cube, from a file and through a pipe. */
+static void files_of_compact_trees_are_expanded(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cube -d 4 --solid winding -o a.svc --quiet");
+    cJSON *document = run_json("$SVOCL info a.svc --json");
+    assert_int_equal((int)number_of(document, "leaves"), 16 * 16 * 16);
+    cJSON_Delete(document);
+    run_well("test $($SVOCL hash a.svc) = $(cat a.svc | $SVOCL hash -)");
+    run_well("$SVOCL convert a.svc a.binvox --quiet");
+    run_well("$SVOCL render a.svc -o a.png --size 16x16 --quiet");
+    run_well("head -c 300 a.svc > b.svc");
+    run_badly("$SVOCL info b.svc", 1, "b.svc: ");
+    run_well("rm a.svc b.svc a.binvox a.png");
+}
+
 static void verify_compares_every_voxel(void **state)
 {
     (void)state;
@@ -74,6 +91,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(build_reports_surface_and_inside_apart),
+        IN_FOLDER(files_of_compact_trees_are_expanded),
         IN_FOLDER(verify_compares_every_voxel),
         IN_FOLDER(what_does_not_apply_is_refused),
     };

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "support/compact_input.h"
 #include "support/spool.h"
 
 #define PATH_BYTES 4096
@@ -47,7 +48,8 @@ bool input_is_tree(const program *state)
 {
     const char *name = is_piped(state) ? state->piped.suffix : state->options.input;
     const size_t length = strlen(name);
-    return strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0;
+    return compact_input_is_name(name) ||
+           (strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0);
 }
 
 int input_refuse_build_options(program *state)
@@ -246,6 +248,10 @@ int input_load_tree(program *state, svo_tree **out)
     svo_message message = {""};
     progress_step(state->progress, "reading the tree");
     const piped_input *piped = &state->piped;
+    if (compact_input_is_name(is_piped(state) ? piped->suffix : state->options.input)) {
+        return compact_input_load(state, state->options.input, is_piped(state) ? piped->bytes : NULL, piped->byte_count,
+                                  out);
+    }
     const svo_status status = is_piped(state)
                                   ? svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, &message)
                                   : svo_tree_load(state->options.input, out, &message);

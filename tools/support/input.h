@@ -31,8 +31,8 @@ typedef struct input {
    before the command. Returns the exit code. */
 int input_begin(program *state);
 
-/* Whether INPUT is a finished tree, judged by its suffix .svo or, from a pipe, by its bytes. Build options are then
-   wrong usage. */
+/* Whether INPUT is a finished tree, judged by its suffix .svo or .svc or, from a pipe, by its bytes. Build options are
+   then wrong usage. */
 bool input_is_tree(const program *state);
 int input_refuse_build_options(program *state);
 
@@ -42,7 +42,7 @@ int input_open(program *state, input *opened);
 int input_open_any(program *state, uint32_t need, input *opened);
 void input_close(input *opened);
 
-/* Loads the tree that input names. Returns the exit code. */
+/* Loads the tree that input names; a compact one is expanded. Returns the exit code. */
 int input_load_tree(program *state, svo_tree **out);
 
 /* The length of INPUT, a file or a pipe that was read. Returns the exit code. */

@@ -107,6 +107,7 @@ static bool is_gltf_text(const piped_input *piped)
 const char *piped_judge(piped_input *piped)
 {
     piped->suffix = begins_with(piped, "\x89SVO")                                ? ".svo"
+                    : begins_with(piped, "\x89SVC")                              ? ".svc"
                     : begins_with(piped, "ply\n") || begins_with(piped, "ply\r") ? ".ply"
                     : begins_with(piped, "glTF")                                 ? ".glb"
                     : begins_with(piped, "VOX ")                                 ? ".vox"
