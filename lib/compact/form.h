@@ -5,10 +5,8 @@
 
 #include "compact/source.h"
 
-/* The default of directory_step_log2, below 0.40 bytes a leaf on measured scenes; its least and its greatest value. */
-#define SVO_I_DIRECTORY_LOG2     5u
-#define SVO_I_DIRECTORY_LOG2_MIN 4u
-#define SVO_I_DIRECTORY_LOG2_MAX 6u
+/* The default of directory_step_log2, below 0.40 bytes a leaf on measured scenes. */
+#define SVO_I_DIRECTORY_LOG2 5u
 
 /* The options that select a form's reader in kernels/rays/read.clh, for any kernel; a static string. */
 const char *svo_i_form_defines(const svo_compact_info *info);

@@ -23,9 +23,7 @@ uint32_t svo_i_source_payload_parents(const svo_compact_info *info)
 
 void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options *options, svo_compact_info *out)
 {
-    const uint32_t payload =
-        (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL;
-    const uint32_t need = tree->need & payload & ~options->leave_out;
+    const uint32_t need = tree->need & SVO_I_PAYLOAD_NEEDS & ~options->leave_out;
     *out = (svo_compact_info){.struct_size = sizeof *out,
                               .form = options->form,
                               .depth = tree->depth,

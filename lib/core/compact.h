@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "svocl/compact.h"
+#include "svocl/plan.h"
 
 /* Payload arrays are the last ones. */
 #define SVO_I_PAYLOAD_FIRST SVO_COMPACT_COLORS
@@ -21,6 +22,14 @@ struct svo_compact {
     void *host[SVO_COMPACT_BUFFER_COUNT]; /* in memory, owned; NULL where absent or not downloaded */
     bool downloaded; /* host[] has all arrays */
 };
+
+/* What compact trees carry of a tree's needs. */
+#define SVO_I_PAYLOAD_NEEDS \
+    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
+
+/* The least and the greatest directory_step_log2. */
+#define SVO_I_DIRECTORY_LOG2_MIN 4u
+#define SVO_I_DIRECTORY_LOG2_MAX 6u
 
 SVO_I_SHARED_BEGIN
 

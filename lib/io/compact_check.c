@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "io/dag_check.h"
+#include "shared/dag.clh"
 #include "shared/descriptor.h"
 #include "svocl/tree_types.h"
 
@@ -27,15 +28,6 @@ typedef struct check {
 static svo_status damaged(const check *c, uint64_t at, const char *what)
 {
     return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: node %" PRIu64 ": %s", c->name, at, what);
-}
-
-static uint32_t count_bits(uint32_t mask)
-{
-    uint32_t count = 0;
-    for (; mask != 0; mask &= mask - 1) {
-        ++count;
-    }
-    return count;
 }
 
 /* The counted levels are those of the header. */
@@ -69,8 +61,8 @@ static svo_status check_masks(check *c, uint64_t place, uint32_t level, uint32_t
     if (level + 1 == c->info->depth && leaf != valid) {
         return damaged(c, place, "a child below the deepest level is not a leaf");
     }
-    c->leaf[level + 1] += count_bits(leaf);
-    *inner = count_bits(valid & ~leaf);
+    c->leaf[level + 1] += svo_shared_bits(leaf);
+    *inner = svo_shared_bits(valid & ~leaf);
     return SVO_OK;
 }
 
@@ -146,7 +138,7 @@ static svo_status check_bases(const check *c)
                               "%s: node %" PRIu64 ": its base is %" PRIu32 ", %" PRIu64 " expected", c->name, place,
                               c->bases[place], expected);
         }
-        next += has_payload ? count_bits(c->words[place] & 255) : 0;
+        next += has_payload ? svo_shared_bits(c->words[place] & 255) : 0;
     }
     return SVO_OK;
 }
@@ -206,7 +198,7 @@ static svo_status check_implied_nodes(check *c, const uint8_t *masks, const uint
         const bool is_leaf = masks[node] == 0 && node > 0;
         c->leaf[level] += is_leaf ? 1 : 0;
         c->inner[level] += is_leaf ? 0 : 1;
-        *end += count_bits(masks[node]);
+        *end += svo_shared_bits(masks[node]);
     }
     /* What is below the last level that has masks are voxels. */
     c->leaf[c->info->depth] = *end - c->info->stored_count;

@@ -9,12 +9,6 @@
 #include "io/compact_check.h"
 #include "io/file_load.h"
 #include "io/file_save.h"
-#include "svocl/plan.h"
-
-#define PAYLOAD \
-    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
-#define DIRECTORY_LOG2_MIN 4u
-#define DIRECTORY_LOG2_MAX 6u
 
 /* ---- saving ---- */
 
@@ -174,7 +168,7 @@ static svo_status check_counts(const svo_i_file_load *state, const file_counts *
         return svo_i_file_damaged(state, "counts: form %" PRIu32 ", minimized %" PRIu32 " or %" PRIu32 " is not known",
                                   counts->form, counts->minimized, counts->reserved);
     }
-    if (implied ? step_log2 < DIRECTORY_LOG2_MIN || step_log2 > DIRECTORY_LOG2_MAX : step_log2 != 0) {
+    if (implied ? step_log2 < SVO_I_DIRECTORY_LOG2_MIN || step_log2 > SVO_I_DIRECTORY_LOG2_MAX : step_log2 != 0) {
         return svo_i_file_damaged(state, "counts: directory_step_log2 %" PRIu32 " does not fit the form", step_log2);
     }
     SVO_I_TRY(check_leaf_counts(state, counts));
@@ -202,7 +196,7 @@ static svo_status load_counts(const svo_i_file_load *state, file_counts *counts,
     if (header->chunk_count == 0 || chunk->kind != FILE_COUNTS || chunk->plain_bytes != sizeof *counts) {
         return svo_i_file_damaged(state, "chunk counts is missing");
     }
-    if ((header->need & ~PAYLOAD) != 0) {
+    if ((header->need & ~SVO_I_PAYLOAD_NEEDS) != 0) {
         return svo_i_file_damaged(state, "header: need 0x%" PRIx16 " is not of payload alone", header->need);
     }
     SVO_I_TRY(svo_i_file_check_place(state, chunk, "counts", header->header_bytes));

@@ -52,8 +52,6 @@ static svo_status read_options(const svo_tree *tree, const svo_solid_options *op
 /* Why a tree does not say what is inside, for a message; NULL: it does. */
 static const char *find_lack(const svo_tree *tree)
 {
-    const uint32_t payload =
-        (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL;
     if (tree->info.coverage == SVO_COVERAGE_THIN) {
         return "the tree's coverage is thin: the surface passes through cells that it leaves empty, so parts of a cell "
                "may lie on both sides";
@@ -64,7 +62,7 @@ static const char *find_lack(const svo_tree *tree)
     if (tree->device == NULL) {
         return "the tree is not on a device; call svo_tree_upload first";
     }
-    if (tree->info.payload_level > 0 && (tree->info.need & payload) != 0) {
+    if (tree->info.payload_level > 0 && (tree->info.need & SVO_I_PAYLOAD_NEEDS) != 0) {
         return "the tree's payload does not begin at level 0, and interior leaves may lie on any level";
     }
     return NULL;
