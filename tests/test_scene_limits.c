@@ -141,7 +141,9 @@ static void rays_in_edges_of_boxes_have_one_answer(void **state)
     trace_scene(scene, rays, every, RAYS, 0, SVO_SCENE_EVERY_INSTANCE);
     assert_same_hits("edges of boxes", COUNT, hits, every, sizeof hits[0]);
     for (size_t i = 0; i + 1 < (size_t)48 * COUNT; i += 2) {
-        if (isnan(hits[i].t) || memcmp(&hits[i], &hits[i + 1], sizeof hits[i]) != 0) {
+        const void *to_infinity = &hits[i];
+        const void *to_greatest = &hits[i + 1];
+        if (isnan(hits[i].t) || memcmp(to_infinity, to_greatest, sizeof hits[i]) != 0) {
             fail_msg("ray %zu: t %a to infinity, %a to the greatest float", i, (double)hits[i].t,
                      (double)hits[i + 1].t);
             return;
