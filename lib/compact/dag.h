@@ -39,8 +39,8 @@ typedef struct svo_i_dag {
 /*
  * Makes records of nodes.
  *
- * function: begins messages. memory: where the words and what is needed meanwhile come from. places: whether records store where payload is. out:
- * receives the records, also after a failure something to free.
+ * function: begins messages. memory: where the words and what is needed meanwhile come from. places: whether records
+ * store where payload is. out: receives the records, also after a failure something to free.
  * place_of: receives the place of each payload, in the order of first_payload; NULL without places.
  * Returns SVO_OUT_OF_HOST_MEMORY, SVO_UNSUPPORTED (2^32 words or more).
  */
