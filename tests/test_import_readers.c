@@ -650,6 +650,7 @@ static void test_damaged_texts(void **unused)
         {"d.obj", "v 0 0 0\nf 1 1 2\n", "line 2: position 2 does not exist; the file has 1"},
         {"e.obj", "v 0 0 0\nf 1 1 0\n", "line 2: '0' is no position; 1 .. 1 and -1 .. -1 are"},
         {"f.obj", "v 0 0 0\nf -2 1 1\n", "line 2: '-2' is no position; 1 .. 1 and -1 .. -1 are"},
+        {"f0.obj", "f -1 1 1\n", "line 1: '-1' is no position; there is none yet"},
         {"g.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "line 2: '99999999999999999999' is no position"},
         {"h.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "line 2: '1/1/1/1' is none of v, v/vt, v//vn and v/vt/vn"},
         {"i.obj", "v 0 0 0\nf 1//0 1 1\n", "line 2: '1//0' is no normal"},

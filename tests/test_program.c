@@ -786,6 +786,11 @@ static void voxel_files_are_converted(void **state)
     assert_non_null(strstr(last.output, "left out           the place and the width of voxels\n"));
     run_well("$SVOCL convert a.svo b.vox -q && $SVOCL convert b.vox e.binvox");
     assert_non_null(strstr(last.output, "left out           materials\n"));
+    document = run_json("$SVOCL convert b.vox e.binvox --json");
+    const cJSON *left_out = cJSON_GetObjectItem(cJSON_GetObjectItem(document, "written"), "left_out");
+    assert_int_equal(cJSON_GetArraySize(left_out), 1);
+    assert_string_equal(cJSON_GetArrayItem(left_out, 0)->valuestring, "materials");
+    cJSON_Delete(document);
     /* Materials of .vox files begin at 1. */
     run_well("$SVOCL hash a.svo --nodes >one.txt && $SVOCL convert b.vox c.svo -q");
     run_well("$SVOCL hash c.svo --nodes >two.txt && cmp one.txt two.txt");

@@ -37,6 +37,85 @@ static void scenes_are_rendered(void **state)
     expect_files(written, 2);
 }
 
+/* A scene of two trees. form: NULL for none; second: the path of the second tree. */
+static void write_forms(const char *form, const char *second)
+{
+    char key[64] = "";
+    char text[512];
+    if (form != NULL) {
+        snprintf(key, sizeof key, "\"form\": \"%s\",", form);
+    }
+    snprintf(
+        text, sizeof text,
+        "{%s \"trees\": {\"a\": {\"path\": \"knot.svo\"}, \"b\": {\"path\": \"%s\", \"depth\": 3}},\n"
+        " \"instances\": [{\"tree\": \"a\", \"rotate\": [0, 30, 0]}, {\"tree\": \"b\", \"translate\": [2, 0, 0]}]}",
+        key, second);
+    write_text("scene.json", text);
+}
+
+/* The bytes of device memory of a scene, whose picture must be that of the built trees. */
+static double render_form(const char *form)
+{
+    cJSON *document = run_json("$SVOCL render scene.json -o b.png --size 32x24 --json");
+    const double bytes = number_of(document, "device_bytes");
+    assert_string_equal(cJSON_GetObjectItem(document, "form")->valuestring, form);
+    cJSON_Delete(document);
+    run_well("cmp a.png b.png");
+    return bytes;
+}
+
+/* A picture shows the same whatever holds the trees, and every form takes its own number of bytes. */
+static void trees_are_held_in_the_form_that_is_asked_for(void **state)
+{
+    (void)state;
+    static const char *const forms[] = {"descriptor", "implied", "shared"};
+    need_builds();
+    run_well("$SVOCL build scene:knot:500 -d 4 -o knot.svo");
+    write_forms("built", "scene:statue:500");
+    run_well("$SVOCL render scene.json -o a.png --size 32x24");
+    write_forms(NULL, "scene:statue:500");
+    double bytes[4] = {render_form("built")};
+    for (size_t i = 1; i < 4; ++i) {
+        write_forms(forms[i - 1], "scene:statue:500");
+        bytes[i] = render_form(forms[i - 1]);
+        for (size_t k = 0; k < i; ++k) {
+            if (bytes[k] == bytes[i]) {
+                fail_msg("%s takes the %.0f bytes of another form", forms[i - 1], bytes[i]);
+                return;
+            }
+        }
+    }
+    assert_true(bytes[2] < bytes[0]); /* implied */
+    static const char *const written[] = {"a.png", "b.png", "knot.svo", "scene.json"};
+    expect_files(written, 4);
+}
+
+/* A compact file, here a solid, is one of the scene's trees, whether it has the scene's form or another. */
+static void paths_may_be_compact_files(void **state)
+{
+    (void)state;
+    static const char *const forms[] = {"built", "descriptor", "implied"};
+    need_builds();
+    run_well("$SVOCL build scene:knot:500 -d 4 -o knot.svo");
+    run_well("$SVOCL build scene:statue:500 -d 3 --need color,normal,rays --solid winding -o statue.svc");
+    write_forms(NULL, "statue.svc");
+    run_well("$SVOCL render scene.json -o a.png --size 32x24");
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; ++i) {
+        write_forms(forms[i], "statue.svc");
+        (void)render_form(forms[i]);
+    }
+    run_well("$SVOCL build scene:cube -d 3 --need rays --solid winding -o bare.svc");
+    write_forms("implied", "bare.svc");
+    run_badly("$SVOCL render scene.json -o b.png", 1,
+              "scene.json:1: the nodes of tree 'b' are alike in color, normal, material and fill, and those of 'a' are "
+              "not; form 'implied' cannot hold both");
+    run_well("printf x > statue.svc");
+    write_forms("implied", "statue.svc");
+    run_badly("$SVOCL render scene.json -o b.png", 1, "statue.svc");
+    static const char *const written[] = {"a.png", "b.png", "bare.svc", "knot.svo", "scene.json", "statue.svc"};
+    expect_files(written, 6);
+}
+
 static void a_wrong_file_is_one_line_with_its_place(void **state)
 {
     (void)state;
@@ -71,6 +150,31 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1]}}", "scene.json:2: 'camera' has no 'eye' or no"},
         {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0], \"fov\": 180}}",
          "scene.json:2: 'fov' is not an angle"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1],\n\"target\": [0, 0, 1]}}",
+         "scene.json:3: 'target' is where 'eye' is"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0],\n\"up\": [0, 0, 7]}}",
+         "scene.json:3: 'up' is 0 or along the line of sight"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 0, 0]}}",
+         "scene.json:2: 'up' is 0 or along the line of sight"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0],\n\"up\": [0, 0, 0]}}",
+         "scene.json:3: 'up' is 0 or along the line of sight"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1],\n\"target\": [0, \"1\", 0]}}",
+         "scene.json:3: number 2 of 'target' is not a number"},
+        {"{" TREES "," INSTANCES ",\n\"camera\": {\"eye\": [0, 0, 1],\n\"target\": [0, 0, 0],\n\"roll\": 1}}",
+         "scene.json:4: key 'roll' of 'camera' is none of"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0]},\n{\"direction\": [0, 0, 0]}]}",
+         "scene.json:3: 'direction' is 0, 0, 0"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0],\n\"color\": [1, 0.5, -0.1]}]}",
+         "scene.json:3: 'color' has a number below 0"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0],\n\"color\": [1, 0.5, 1e39]}]}",
+         "scene.json:3: number 3 of 'color' is not a number within the range of floats"},
+        {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0],\n\"colour\": [1, 1, 1]}]}",
+         "scene.json:3: key 'colour' of a light is none of"},
+        {"{" TREES "," INSTANCES ",\n\"form\": \"implid\"}",
+         "scene.json:2: 'form' is none of built, descriptor, implied, shared, did you mean 'implied'?"},
+        {"{" TREES "," INSTANCES ",\n\"form\": 7}", "scene.json:2: 'form' is none of built"},
+        {"{" TREES ",\"instances\": [\n{\"tree\": \"cube\",\n\"scale\": [1, 0, 1]}]}",
+         "scene.json:3: 'scale' is 0 along an axis"},
         {"{" TREES "," INSTANCES ",\"lights\": [\n{\"shadows\": 1}]}", "scene.json:2: the light has no 'direction'"},
         {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0], \"shadows\": 1}]}",
          "scene.json:2: 'shadows' is not true or false"},
@@ -85,24 +189,28 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
     expect_files(written, 1);
 }
 
-static void what_the_library_refuses_names_the_file(void **state)
+static void what_the_library_refuses_names_the_place(void **state)
 {
     (void)state;
     need_builds();
-    write_text("scene.json", "{" TREES ",\"instances\": [{\"tree\": \"cube\"}, {\"tree\": \"cube\", \"scale\": 0}]}");
-    run_badly("$SVOCL render scene.json -o a.png", 1, "scene.json: the matrix of instance 1 is flat");
+    write_text("scene.json", "{" TREES ",\"instances\": [\n{\"tree\": \"cube\", \"copies\": {\"count\": [3, 1, 1]}},\n"
+                             "{\"tree\": \"cube\",\n\"matrix\": [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0]}]}");
+    run_badly("$SVOCL render scene.json -o a.png", 1, "scene.json:4: the matrix of instance 3 is flat");
+    write_text("scene.json", "{" TREES ",\"instances\": [\n{\"tree\": \"cube\"},\n"
+                             "{\"tree\": \"cube\", \"translate\": [1e31, 0, 0]},\n{\"tree\": \"cube\"}]}");
+    run_badly("$SVOCL render scene.json -o a.png", 1,
+              "scene.json:3: the matrix of instance 1 or its inverse leads beyond 2^100");
     write_text("scene.json", "{\"trees\": {\"a\": {\"path\": \"none.svo\"}}, \"instances\": [{\"tree\": \"a\"}]}");
     run_badly("$SVOCL render scene.json -o a.png", 1, "none.svo");
-    write_text("scene.json", "{" TREES "," INSTANCES ",\"lights\": [{\"direction\": [0, 0, 0]}]}");
-    run_badly("$SVOCL render scene.json -o a.png", 1, "scene.json: options.lights[0] has no direction");
     static const char *const written[] = {"scene.json"};
     expect_files(written, 1);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {IN_FOLDER(scenes_are_rendered),
-                                       IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
-                                       IN_FOLDER(what_the_library_refuses_names_the_file)};
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(scenes_are_rendered), IN_FOLDER(trees_are_held_in_the_form_that_is_asked_for),
+        IN_FOLDER(paths_may_be_compact_files), IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
+        IN_FOLDER(what_the_library_refuses_names_the_place)};
     return cmocka_run_group_tests_name("scene files", tests, NULL, NULL);
 }

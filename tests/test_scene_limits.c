@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -91,6 +92,65 @@ static void lights_light(void **state)
     }
     assert_true(redder > WIDTH * HEIGHT / 20);
     assert_true(shadowed > 10);
+    svo_scene_destroy(&scene);
+}
+
+/* ---- rays ---- */
+
+/* Rays along an axis within an edge of a box, from near it or from very far: both directions, of three lengths, with
+   zeros of both signs beside it. Every second one is the one before it, up to the greatest float instead of infinity.
+   */
+static void edge_rays(const svo_i_instance_box *box, size_t first, svo_ray *rays)
+{
+    static const float lengths[] = {1, 1e-30F, 1e30F};
+    for (size_t i = 0; i < 48; ++i) {
+        const size_t axis = i / 2 % 3;
+        const float way = i / 6 % 2 == 0 ? 1.0F : -1.0F;
+        const float beside = i % 4 < 2 ? 0.0F : -0.0F;
+        svo_ray *ray = &rays[first + i];
+        *ray = (svo_ray){.direction = {beside, beside, beside}, .t_max = i % 2 == 0 ? INFINITY : FLT_MAX};
+        ray->direction[axis] = way * lengths[(first / 48 + i / 2) % 3];
+        for (size_t k = 1; k < 3; ++k) {
+            const size_t side = (axis + k) % 3;
+            ray->origin[side] = (i / 12 >> (k - 1) & 1) == 0 ? box->low[side] : box->high[side];
+        }
+        ray->origin[axis] = first / 48 % 4 == 3 ? -way * 0x1p100F
+                            : way > 0           ? box->low[axis] - 1.0F
+                                                : box->high[axis] + 1.0F;
+    }
+}
+
+/* In the slab test, such rays divide by zero and multiply up to infinity. */
+static void rays_in_edges_of_boxes_have_one_answer(void **state)
+{
+    (void)state;
+    enum { COUNT = RAYS / 48 };
+    static svo_ray rays[RAYS];
+    static svo_scene_hit hits[RAYS];
+    static svo_scene_hit every[RAYS];
+    svo_instance placed[COUNT];
+    uint64_t random = 11;
+    size_t met = 0;
+    random_instances(&random, PLACE_SCALED, 3, placed, COUNT);
+    svo_scene *scene = make_placed_scene(&shapes, placed, COUNT, SVO_NEED_NONE);
+    random_scene_rays(&random, &shapes, placed, COUNT, rays, RAYS);
+    for (size_t i = 0; i < COUNT; ++i) {
+        edge_rays(&scene->boxes[i], 48 * i, rays);
+    }
+    trace_scene(scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
+    trace_scene(scene, rays, every, RAYS, 0, SVO_SCENE_EVERY_INSTANCE);
+    assert_same_hits("edges of boxes", COUNT, hits, every, sizeof hits[0]);
+    for (size_t i = 0; i + 1 < (size_t)48 * COUNT; i += 2) {
+        const void *to_infinity = &hits[i];
+        const void *to_greatest = &hits[i + 1];
+        if (isnan(hits[i].t) || memcmp(to_infinity, to_greatest, sizeof hits[i]) != 0) {
+            fail_msg("ray %zu: t %a to infinity, %a to the greatest float", i, (double)hits[i].t,
+                     (double)hits[i + 1].t);
+            return;
+        }
+        met += hits[i].instance != SVO_NO_INSTANCE;
+    }
+    assert_in_range(met, 10, 24 * COUNT);
     svo_scene_destroy(&scene);
 }
 
@@ -277,7 +337,7 @@ int main(void)
         cmocka_unit_test(a_placed_tree_is_drawn_as_the_tree), cmocka_unit_test(lights_light),
         cmocka_unit_test(wrong_pictures_are_refused),         cmocka_unit_test(bad_matrices_are_refused_and_named),
         cmocka_unit_test(wrong_options_are_refused),          cmocka_unit_test(wrong_arguments_are_refused),
-        cmocka_unit_test(a_plan_lists_what_is_allocated),
+        cmocka_unit_test(a_plan_lists_what_is_allocated),     cmocka_unit_test(rays_in_edges_of_boxes_have_one_answer),
     };
     return cmocka_run_group_tests_name("limits of scenes", tests, scene_group_open, scene_group_close);
 }

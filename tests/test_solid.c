@@ -186,6 +186,22 @@ static void overlapping_cubes_make_their_union(void **state)
 /* Without a face the columns through it do not cancel, and no others. Lines that leave through the hole find nothing,
    and those in front of it find the face behind; the other two axes decide. The voxels that the face would touch
    are inside. */
+/* Twenty slabs above each other, and a beam through all of them: columns along z are crossed up to 42 times. */
+static void columns_with_many_crossings(void **state)
+{
+    parts made = {.vertex_count = 0};
+    for (int i = 0; i < 20; ++i) {
+        const double low[3] = {2.5, 2.5, 6 * i + 1.5};
+        const double high[3] = {61.5, 9.5, 6 * i + 5.5};
+        parts_add_box(&made, low, high, false, -1);
+    }
+    const double low[3] = {20.5, 2.5, 0.5};
+    const double high[3] = {30.5, 9.5, 125.5};
+    parts_add_box(&made, low, high, false, -1);
+    solved found = solve(state, &made, (request){.depth = 7});
+    assert_int_equal(all_voxels(&found), 20 * 60 * 8 * 5 + 11 * 8 * 126 - 20 * 11 * 8 * 5);
+}
+
 static void missing_face_is_reported(void **state)
 {
     for (int face = 0; face < 6; ++face) {
@@ -395,6 +411,7 @@ int main(void)
         cmocka_unit_test(interior_lies_on_the_highest_full_level),
         cmocka_unit_test(shell_in_shell),
         cmocka_unit_test(overlapping_cubes_make_their_union),
+        cmocka_unit_test(columns_with_many_crossings),
         cmocka_unit_test(missing_face_is_reported),
         cmocka_unit_test(empty_trees_have_no_inside),
         cmocka_unit_test(spheres_of_radius_4_to_200),

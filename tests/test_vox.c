@@ -197,6 +197,41 @@ static void test_bytes_that_are_no_rotation_are_damage(void **state)
     }
 }
 
+/* A file whose model is moved by a text. */
+static byte_list moved_file(const char *text)
+{
+    static const char *const none[] = {NULL};
+    static const int32_t numbers[] = {1, -1, -1, 1}; /* child, reserved, layer, frames */
+    const char *const pairs[] = {"_t", text, NULL};
+    const uint8_t voxel[4] = {0, 0, 0, 1};
+    byte_list chunks = {0};
+    byte_list content = {0};
+    vox_put_model(&chunks, sizes[0], voxel, 1);
+    bytes_put_i32(&content, 0);
+    vox_put_dict(&content, none);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        bytes_put_i32(&content, numbers[i]);
+    }
+    vox_put_dict(&content, pairs);
+    vox_put_chunk(&chunks, "nTRN", &content);
+    vox_put_shape(&chunks, 1, 0);
+    return vox_file(150, &chunks);
+}
+
+static void test_numbers_without_spaces_are_damage(void **state)
+{
+    (void)state;
+    static const char *const wrong[] = {"1-2-3", "1 -2-3", "1+2 3", "1\t-2 3", "1 -2", "1 -2 3 4", "1 -2 3x", ""};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        refuse(moved_file(wrong[i]), NULL, SVO_FILE_DAMAGED, "_t is not 3 whole numbers");
+    }
+    svo_voxels *voxels = load(moved_file("1  -2 3 "), NULL, NULL);
+    assert_int_equal(info_of(voxels).low[0], 1);
+    assert_int_equal(info_of(voxels).low[1], -2);
+    assert_int_equal(info_of(voxels).low[2], 3);
+    svo_voxels_destroy(&voxels);
+}
+
 /* ---- parts of a file ---- */
 
 static void put_one_voxel(byte_list *chunks, uint8_t index)
@@ -711,6 +746,7 @@ int main(void)
         cmocka_unit_test(test_all_48_rotations_of_odd_and_even_sizes),
         cmocka_unit_test(test_nested_rotated_groups),
         cmocka_unit_test(test_bytes_that_are_no_rotation_are_damage),
+        cmocka_unit_test(test_numbers_without_spaces_are_damage),
         cmocka_unit_test(test_default_palette),
         cmocka_unit_test(test_palette_order_and_unknown_chunks),
         cmocka_unit_test(test_packed_models_are_frames),

@@ -156,6 +156,9 @@ static void lists_refuse_what_is_out_of_range(void **state)
     source.voxel_count = (uint64_t)SVO_VOXELS_MAX + 1;
     expect_refused(&source, "source.voxel_count 2147483649 is above 2147483648");
     source = good;
+    voxels[1].reserved = 3;
+    expect_refused(&source, "source.voxels[1].reserved 3 is not 0");
+    voxels[1].reserved = 0;
     source.voxels = NULL;
     expect_refused(&source, "source.voxels is NULL");
     source = good;

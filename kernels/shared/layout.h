@@ -267,6 +267,8 @@ SVO_RECORD(svo_ray_node)
 #define SVO_SCENE_CODE_BITS 16
 /* Of a child in the hierarchy: an instance; the other bits are its index. */
 #define SVO_SCENE_LEAF 0x80000000u
+/* Numbers of a box: low x, y, z, high x, y, z. */
+#define SVO_SCENE_BOUNDS 6u
 /* The most nodes from the root to a leaf: a bit of the code or of the index decides at each. */
 #define SVO_SCENE_DEPTH_MAX (3 * SVO_SCENE_CODE_BITS + 24)
 

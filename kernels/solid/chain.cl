@@ -4,10 +4,11 @@
  * column. Sums wrap around. There are fewer than 2^32 triangles, so one is 0 or odd exactly if the true sum is.
  *
  * Launch: one work-item per leaf, rounded up to whole groups. svo_k_solid_chain finds the next crossed leaf along each
- * axis, and sets that leaf's bit of the axis in follows: it is not the first of its column. svo_k_solid_sum follows the
- * chains, and counts the columns whose sum is not 0 at their first leaf: there the surface is open or torn. Leaves that
- * are not crossed have entries without meaning. No local memory. Atomics: bits that are set, and counts, neither of
- * which depend on their order.
+ * axis, and sets that leaf's bit of the axis in follows: it is not the first of its column. svo_k_solid_sum follows
+ * each chain from its first leaf, twice: for the sum of the column, and to give each leaf what is left of it there. So
+ * its work is linear in the leaves. It counts the columns whose sum is not 0: there the surface is open or torn. Leaves
+ * that are not crossed have entries without meaning. No local memory. Atomics: bits that are set, and counts, neither
+ * of which depend on their order.
  */
 #include "shared/nodes.clh"
 #include "solid/column.clh"
@@ -47,16 +48,19 @@ svo_k_solid_sum(__global const uint *crossings, __global const uint *next_leaf, 
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         const size_t row = axis * (size_t)params.leaf_count;
-        if (crossings[row + leaf] == 0u) {
+        if (crossings[row + leaf] == 0u || (follows[leaf] >> axis & 1u) != 0u) {
             continue;
         }
-        uint sum = 0;
+        uint rest = 0;
         for (uint at = leaf; at != SVO_SOLID_NO_LEAF; at = next_leaf[row + at]) {
-            sum += crossings[row + at];
+            rest += crossings[row + at];
         }
-        windings[row + leaf] = sum;
-        if (sum != 0u && (follows[leaf] >> axis & 1u) == 0u) {
+        if (rest != 0u) {
             atomic_inc(counters + SVO_SOLID_OPEN_X + axis);
+        }
+        for (uint at = leaf; at != SVO_SOLID_NO_LEAF; at = next_leaf[row + at]) {
+            windings[row + at] = rest;
+            rest -= crossings[row + at];
         }
     }
 }

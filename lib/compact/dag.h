@@ -39,13 +39,13 @@ typedef struct svo_i_dag {
 /*
  * Makes records of nodes.
  *
- * memory: where the words and what is needed meanwhile come from. places: whether records store where payload is. out:
- * receives the records, also after a failure something to free.
+ * function: begins messages. memory: where the words and what is needed meanwhile come from. places: whether records
+ * store where payload is. out: receives the records, also after a failure something to free.
  * place_of: receives the place of each payload, in the order of first_payload; NULL without places.
  * Returns SVO_OUT_OF_HOST_MEMORY, SVO_UNSUPPORTED (2^32 words or more).
  */
-svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places, svo_i_dag *out,
-                            uint32_t *place_of, svo_message *message);
+svo_status svo_i_dag_encode(const char *function, const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places,
+                            svo_i_dag *out, uint32_t *place_of, svo_message *message);
 
 void svo_i_dag_free(svo_i_dag *dag);
 

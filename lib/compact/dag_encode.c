@@ -29,6 +29,7 @@ typedef struct encoder {
     const svo_i_dag_nodes *nodes;
     bool places;
     const svo_i_memory *memory;
+    const char *function;
     svo_message *message;
     level_records levels[SVO_LEVELS_MAX];
     uint32_t *record_of; /* per node with two and more levels below: its record's first word in its level */
@@ -39,13 +40,13 @@ typedef struct encoder {
 
 static svo_status fail_memory(const encoder *made, size_t bytes)
 {
-    return svo_i_fail(made->message, SVO_OUT_OF_HOST_MEMORY, "svo_compact_create: shared records need %zu bytes",
+    return svo_i_fail(made->message, SVO_OUT_OF_HOST_MEMORY, "%s: shared records need %zu bytes", made->function,
                       bytes);
 }
 
 static svo_status fail_words(const encoder *made, size_t count)
 {
-    return svo_i_fail(made->message, SVO_UNSUPPORTED, "svo_compact_create: %zu words of records are above 2^32 - 1",
+    return svo_i_fail(made->message, SVO_UNSUPPORTED, "%s: %zu words of records are above 2^32 - 1", made->function,
                       count);
 }
 
@@ -137,7 +138,7 @@ static uint32_t own_place(const svo_i_dag_nodes *nodes, uint32_t levels)
 /* The places of an inner node's subtree. */
 static uint32_t places_of_subtree(const encoder *made, uint32_t node, uint32_t levels)
 {
-    return levels == 1 ? svo_shared_bits(made->nodes->valid[node]) + own_place(made->nodes, 1)
+    return levels == 1 ? svo_count_bits(made->nodes->valid[node]) + own_place(made->nodes, 1)
                        : made->subtree_places[node];
 }
 
@@ -157,7 +158,7 @@ static void make_record(const encoder *made, uint32_t node, uint32_t levels, uin
     const uint32_t valid = made->nodes->valid[node];
     const uint32_t leaves = made->nodes->leaf[node];
     const uint32_t masks = valid | leaves << 8;
-    const uint32_t inner = svo_shared_bits(valid & ~leaves);
+    const uint32_t inner = svo_count_bits(valid & ~leaves);
     const uint32_t numbers = svo_shared_number_count(masks, made->places);
     const uint32_t children_begin = levels > 2 ? svo_shared_children_begin(levels, numbers) : 0;
     uint32_t before = 0;
@@ -183,8 +184,8 @@ static void count_places(encoder *made, uint32_t node, uint32_t levels)
 {
     const svo_i_dag_nodes *nodes = made->nodes;
     const uint32_t leaves = nodes->leaf[node];
-    const uint32_t inner = svo_shared_bits(nodes->valid[node] & ~leaves);
-    uint32_t places = own_place(nodes, levels) + own_place(nodes, levels - 1) * svo_shared_bits(leaves);
+    const uint32_t inner = svo_count_bits(nodes->valid[node] & ~leaves);
+    uint32_t places = own_place(nodes, levels) + own_place(nodes, levels - 1) * svo_count_bits(leaves);
     for (uint32_t rank = 0; rank < inner; ++rank) {
         places += places_of_subtree(made, nodes->first_inner[node] + rank, levels - 1);
     }
@@ -325,10 +326,10 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
     return place_of != NULL ? place_payload(made, place_of) : SVO_OK;
 }
 
-svo_status svo_i_dag_encode(const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places, svo_i_dag *out,
-                            uint32_t *place_of, svo_message *message)
+svo_status svo_i_dag_encode(const char *function, const svo_i_dag_nodes *nodes, const svo_i_memory *memory, bool places,
+                            svo_i_dag *out, uint32_t *place_of, svo_message *message)
 {
-    encoder made = {.nodes = nodes, .places = places, .memory = memory, .message = message};
+    encoder made = {.nodes = nodes, .places = places, .memory = memory, .function = function, .message = message};
     *out = (svo_i_dag){.depth = nodes->depth, .payload_level = nodes->payload_level, .places = places};
     const svo_status status = encode(&made, out, place_of);
     for (uint32_t level = 0; level < SVO_LEVELS_MAX; ++level) {

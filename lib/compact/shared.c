@@ -26,8 +26,8 @@ static svo_status read_array(sharing *s, cl_mem from, uint64_t bytes, int index)
 {
     s->arrays[index] = svo_i_alloc(&s->work->device->memory, (size_t)bytes);
     if (s->arrays[index] == NULL) {
-        return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "svo_compact_create: nodes on the host need %llu bytes", (unsigned long long)bytes);
+        return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY, "%s: nodes on the host need %llu bytes",
+                                 s->work->function, (unsigned long long)bytes);
     }
     return svo_i_work_read(s->work, from, 0, s->arrays[index], (size_t)bytes);
 }
@@ -65,11 +65,11 @@ static svo_status encode(sharing *s)
         s->origins = svo_i_alloc(&s->work->device->memory, (payload_count + 1) * sizeof *s->origins);
         if (s->place_of == NULL || s->origins == NULL) {
             return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY,
-                                     "svo_compact_create: places of %zu elements need %zu bytes", payload_count,
+                                     "%s: places of %zu elements need %zu bytes", s->work->function, payload_count,
                                      2 * payload_count * sizeof *s->place_of);
         }
     }
-    SVO_I_TRY(svo_i_dag_encode(&s->nodes, &s->work->device->memory, places, &s->dag, s->place_of,
+    SVO_I_TRY(svo_i_dag_encode(s->work->function, &s->nodes, &s->work->device->memory, places, &s->dag, s->place_of,
                                svo_i_device_message(s->work->device)));
     for (size_t i = 0; places && i < payload_count; ++i) {
         s->origins[s->place_of[i]] = (uint32_t)i;

@@ -67,3 +67,14 @@ void svo_i_voxel_sort(svo_voxel *voxels, svo_voxel *spare, size_t count, const i
         memcpy(voxels, from, count * sizeof *voxels);
     }
 }
+
+uint32_t svo_i_voxel_bits(const int32_t low[3], const int32_t high[3])
+{
+    uint32_t bits = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        while (high[axis] - low[axis] > 1 << bits) {
+            ++bits;
+        }
+    }
+    return bits;
+}

@@ -24,6 +24,9 @@ SVO_I_SHARED_BEGIN
 void svo_i_voxel_sort(svo_voxel *voxels, svo_voxel *spare, size_t count, const int32_t low[3], uint32_t bits,
                       svo_i_voxel_order order);
 
+/* The least number of bits that holds coordinates from low to below high, less low; 0 for a single voxel. */
+uint32_t svo_i_voxel_bits(const int32_t low[3], const int32_t high[3]);
+
 /* The Morton code of a voxel's place. */
 uint64_t svo_i_voxel_code(const svo_voxel *voxel, const int32_t low[3]);
 

@@ -61,8 +61,8 @@ static svo_status check_masks(check *c, uint64_t place, uint32_t level, uint32_t
     if (level + 1 == c->info->depth && leaf != valid) {
         return damaged(c, place, "a child below the deepest level is not a leaf");
     }
-    c->leaf[level + 1] += svo_shared_bits(leaf);
-    *inner = svo_shared_bits(valid & ~leaf);
+    c->leaf[level + 1] += svo_count_bits(leaf);
+    *inner = svo_count_bits(valid & ~leaf);
     return SVO_OK;
 }
 
@@ -138,7 +138,7 @@ static svo_status check_bases(const check *c)
                               "%s: node %" PRIu64 ": its base is %" PRIu32 ", %" PRIu64 " expected", c->name, place,
                               c->bases[place], expected);
         }
-        next += has_payload ? svo_shared_bits(c->words[place] & 255) : 0;
+        next += has_payload ? svo_count_bits(c->words[place] & 255) : 0;
     }
     return SVO_OK;
 }
@@ -198,7 +198,7 @@ static svo_status check_implied_nodes(check *c, const uint8_t *masks, const uint
         const bool is_leaf = masks[node] == 0 && node > 0;
         c->leaf[level] += is_leaf ? 1 : 0;
         c->inner[level] += is_leaf ? 0 : 1;
-        *end += svo_shared_bits(masks[node]);
+        *end += svo_count_bits(masks[node]);
     }
     /* What is below the last level that has masks are voxels. */
     c->leaf[c->info->depth] = *end - c->info->stored_count;

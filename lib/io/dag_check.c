@@ -21,7 +21,7 @@ static bool is_filled_with_zeros(const check *job, size_t at, uint32_t levels, u
 {
     const uint32_t *record = job->dag->words + at;
     const uint32_t masks = record[0] & 0xffff;
-    const uint32_t inner = svo_shared_bits(masks & 0xff & ~(masks >> 8));
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
     if (levels <= 2) {
         const uint32_t used = (2 + inner) & 3; /* bytes of the last word; 0: all */
         return used == 0 || record[words - 1] >> 8 * used == 0;
@@ -69,15 +69,15 @@ static svo_status count_children(check *job, size_t at, uint32_t levels, uint32_
 {
     const uint32_t masks = job->dag->words[at] & 0xffff;
     const uint32_t level = job->dag->depth - levels;
-    const uint32_t inner = svo_shared_bits(masks & 0xff & ~(masks >> 8));
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
     const uint64_t nodes = job->node_counts[at];
-    SVO_I_TRY(count_nodes(job, at, level + 1, nodes * inner, nodes * svo_shared_bits(masks >> 8)));
+    SVO_I_TRY(count_nodes(job, at, level + 1, nodes * inner, nodes * svo_count_bits(masks >> 8)));
     for (uint32_t rank = 0; rank < inner && levels == 2; ++rank) {
         const uint32_t mask = job->dag->words[at + ((rank + 2) >> 2)] >> 8 * ((rank + 2) & 3) & 0xff;
         if (mask == 0) {
             return fail_record(job, at, "a child of it has no children");
         }
-        SVO_I_TRY(count_nodes(job, at, level + 2, 0, nodes * svo_shared_bits(mask)));
+        SVO_I_TRY(count_nodes(job, at, level + 2, 0, nodes * svo_count_bits(mask)));
     }
     const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
     for (size_t i = at + svo_shared_children_begin(levels, numbers); i < at + words && levels > 2; ++i) {
@@ -118,7 +118,7 @@ static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t 
     const uint32_t payload_levels = dag->depth - dag->payload_level;
     const uint32_t masks = dag->words[at] & 0xffff;
     const uint32_t numbers = svo_shared_number_count(masks, dag->places);
-    const uint32_t inner = svo_shared_bits(masks & 0xff & ~(masks >> 8));
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
     const uint32_t *record = dag->words + at;
     uint64_t before = levels == 2 ? svo_shared_places_before(record, 2, payload_levels, 0, inner) : 0;
     for (uint32_t rank = 0; rank < inner && levels > 2; ++rank) {
@@ -132,7 +132,7 @@ static svo_status check_places(check *job, size_t at, uint32_t levels, uint32_t 
         return fail_record(job, at, "its last number is not that of its children");
     }
     job->place_counts[at] =
-        before + (levels <= payload_levels ? 1 : 0) + (levels <= payload_levels + 1 ? svo_shared_bits(masks >> 8) : 0);
+        before + (levels <= payload_levels ? 1 : 0) + (levels <= payload_levels + 1 ? svo_count_bits(masks >> 8) : 0);
     return SVO_OK;
 }
 

@@ -132,6 +132,10 @@ static svo_status read_uv(obj_reader *obj)
 
 static svo_status bad_index(const obj_reader *obj, const text_cursor *word, const char *what, size_t count)
 {
+    if (count == 0) {
+        return svo_i_fail(obj->reader->message, SVO_IMPORT_FAILED, "line %" PRIu64 ": '%s' is no %s; there is none yet",
+                          word->line, text_copy_word(word).text, what);
+    }
     return svo_i_fail(obj->reader->message, SVO_IMPORT_FAILED,
                       "line %" PRIu64 ": '%s' is no %s; 1 .. %zu and -1 .. -%zu are", word->line,
                       text_copy_word(word).text, what, count, count);

@@ -52,7 +52,7 @@ static svo_status put_runs(voxel_writer *writer, const svo_voxel *sorted, uint32
 
 svo_status svo_i_voxels_write_binvox(voxel_writer *writer)
 {
-    const uint32_t bits = svo_i_voxels_bits(writer);
+    const uint32_t bits = svo_i_voxel_bits(writer->list.low, writer->list.high);
     svo_voxel *sorted = NULL;
     if (bits > BITS_MAX) {
         return svo_i_voxels_write_fail(writer, SVO_INVALID_ARGUMENT,

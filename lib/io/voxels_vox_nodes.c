@@ -65,8 +65,9 @@ static svo_status read_numbers(const vox_cursor *cursor, const char *key, vox_te
     const char *rest = copy;
     for (size_t i = 0; i < count; ++i) {
         char *end = NULL;
+        const bool apart = i == 0 || *rest == ' ';
         const long long number = strtoll(rest, &end, 10);
-        if (!fits || end == rest || number < INT32_MIN || number > INT32_MAX) {
+        if (!fits || !apart || end == rest || number < INT32_MIN || number > INT32_MAX) {
             return svo_i_vox_damaged(cursor, "%s is not %zu whole numbers", key, count);
         }
         numbers[i] = (int32_t)number;

@@ -66,22 +66,12 @@ svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order ord
     }
     if (count > 0) {
         memcpy(sorted, writer->voxels, count * sizeof *sorted);
-        svo_i_voxel_sort(sorted, spare, count, writer->list.low, svo_i_voxels_bits(writer), order);
+        svo_i_voxel_sort(sorted, spare, count, writer->list.low, svo_i_voxel_bits(writer->list.low, writer->list.high),
+                         order);
     }
     svo_i_free(spare);
     *out = sorted;
     return SVO_OK;
-}
-
-uint32_t svo_i_voxels_bits(const voxel_writer *writer)
-{
-    uint32_t bits = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        while (writer->list.high[axis] - writer->list.low[axis] > 1 << bits) {
-            ++bits;
-        }
-    }
-    return bits;
 }
 
 double svo_i_voxels_world(const voxel_writer *writer, int axis, double place)

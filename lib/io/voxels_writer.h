@@ -38,9 +38,6 @@ svo_status svo_i_voxels_flush(voxel_writer *writer);
 /* A copy of the voxels in another order, for svo_i_free. */
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out);
 
-/* The least number of bits that holds all coordinates less the least ones; 0 for a single voxel. */
-uint32_t svo_i_voxels_bits(const voxel_writer *writer);
-
 /* The world position of a corner: of the voxel at that place, or between voxels. */
 double svo_i_voxels_world(const voxel_writer *writer, int axis, double place);
 

@@ -24,7 +24,7 @@ void svo_i_hierarchy_plan(uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BU
     }
     bytes[SVO_I_SCENE_HIERARCHY] = (count - 1) * sizeof(svo_scene_node);
     bytes[SVO_I_SCENE_PARENTS] = count * sizeof(cl_uint);
-    bytes[SVO_I_SCENE_ARRIVALS] = (count - 1) * sizeof(cl_uint);
+    bytes[SVO_I_SCENE_ARRIVALS] = (count - 1) * SVO_SCENE_BOUNDS * sizeof(cl_uint);
     bytes[SVO_I_SCENE_LIST] = count * SVO_FRAGMENT_WORDS_48 * sizeof(cl_uint);
     bytes[SVO_I_SCENE_SPARE] = bytes[SVO_I_SCENE_LIST];
     bytes[SVO_I_SCENE_COUNTS] = SORT_CELLS * sizeof(cl_uint);
@@ -196,7 +196,8 @@ static svo_status refit(chain *c)
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARENTS]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_HIERARCHY]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_ARRIVALS]), SVO_I_ARGUMENT(scene->params)};
-    return run(c, "svo_k_scene_refit", SVO_I_ARGUMENTS(arguments), scene->info.instance_count);
+    return run(c, "svo_k_scene_refit", SVO_I_ARGUMENTS(arguments),
+               (uint64_t)scene->info.instance_count * SVO_SCENE_BOUNDS);
 }
 
 static svo_status build(chain *c)

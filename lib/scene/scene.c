@@ -181,7 +181,7 @@ cleanup:
     return status;
 }
 
-/* Arrivals count from zero; the refit leaves them so. */
+/* Zero means that nothing has arrived; the refit leaves zeros. */
 static svo_status clear_arrivals(const svo_scene *scene, const char *function, cl_command_queue queue)
 {
     const cl_uint zero = 0;
@@ -189,8 +189,8 @@ static svo_status clear_arrivals(const svo_scene *scene, const char *function, c
     if (arrivals == NULL) {
         return SVO_OK;
     }
-    cl_int error = clEnqueueFillBuffer(queue, arrivals, &zero, sizeof zero, 0,
-                                       (scene->info.instance_count - 1) * sizeof zero, 0, NULL, NULL);
+    const size_t bytes = (size_t)(scene->info.instance_count - 1) * SVO_SCENE_BOUNDS * sizeof zero;
+    cl_int error = clEnqueueFillBuffer(queue, arrivals, &zero, sizeof zero, 0, bytes, 0, NULL, NULL);
     error = error == CL_SUCCESS ? clFinish(queue) : error;
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clEnqueueFillBuffer", error);
 }

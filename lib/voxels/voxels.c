@@ -59,6 +59,10 @@ static svo_status find_bounds(const svo_voxel *voxels, uint64_t count, svo_voxel
     int32_t high[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
     uint32_t material_count = 0;
     for (uint64_t i = 0; i < count; ++i) {
+        if (voxels[i].reserved != 0) {
+            return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source.voxels[%llu].reserved %u is not 0",
+                              create_name, (unsigned long long)i, voxels[i].reserved);
+        }
         const int32_t place[3] = {voxels[i].x, voxels[i].y, voxels[i].z};
         for (int axis = 0; axis < 3; ++axis) {
             low[axis] = place[axis] < low[axis] ? place[axis] : low[axis];
@@ -84,18 +88,6 @@ static svo_status find_bounds(const svo_voxel *voxels, uint64_t count, svo_voxel
     }
     info->material_count = material_count;
     return SVO_OK;
-}
-
-/* The least number of bits that holds all coordinates less low; at least 1. */
-static uint32_t extent_bits(const svo_voxels_info *info)
-{
-    uint32_t bits = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-        while (info->high[axis] - info->low[axis] > 1 << bits) {
-            ++bits;
-        }
-    }
-    return bits;
 }
 
 /* Keeps the last voxel of each place. Returns how many there are. */
@@ -170,7 +162,8 @@ static svo_status copy_properties(const svo_voxels_source *source, svo_voxels *m
 /* Sorts the list's voxels and leaves out those that others replace. Frees spare. */
 static void sort_voxels(svo_voxels *made, svo_voxel *spare, size_t count)
 {
-    svo_i_voxel_sort(made->voxels, spare, count, made->info.low, extent_bits(&made->info), SVO_I_VOXEL_MORTON);
+    svo_i_voxel_sort(made->voxels, spare, count, made->info.low, svo_i_voxel_bits(made->info.low, made->info.high),
+                     SVO_I_VOXEL_MORTON);
     const size_t kept = keep_last(made->voxels, count);
     made->info.voxel_count = kept;
     svo_i_free(spare); /* first, since less memory may mean another block */
@@ -228,8 +221,8 @@ svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source
         sort_voxels(made, spare, (size_t)source->voxel_count);
         spare = NULL;
     }
-    made->info.depth = extent_bits(&made->info);
-    made->info.depth = made->info.depth > SVO_DEPTH_MAX ? 0 : made->info.depth;
+    const uint32_t bits = svo_i_voxel_bits(made->info.low, made->info.high);
+    made->info.depth = bits < 1 ? 1 : bits > SVO_DEPTH_MAX ? 0 : bits;
     *out = made;
     made = NULL;
 cleanup:

@@ -52,14 +52,17 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
-        blocks[0] = blocks[0].replace("    tree.save", "    # tree.save")
+        blocks = [re.sub(r"^    (\w+\.save)", r"    # \1", block, flags=re.MULTILINE) for block in blocks]
     exec(blocks[0], names)
     assert names["hits"]["triangle"].tolist() == [0] and names["hits"]["t"] == pytest.approx(1)
     assert not svocl.has_io or svocl.Tree.load("mesh.svo").hash() == names["tree"].hash()
+    forms = blocks.pop(1)
+    exec(forms, names)
+    assert names["solid"].solid_info.open_columns == (0, 0, 0) and names["picture"].shape == (480, 640, 4)
     context = cl.create_some_context(interactive=False)
     monkeypatch.setattr(cl, "create_some_context", lambda: context)
     rays, hits = svocl.make_rays([[0.2, 0.2, -1]], [0, 0, 1]), np.zeros(1, svocl.hit_dtype)

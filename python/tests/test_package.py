@@ -70,10 +70,14 @@ def test_enumerations_are_complete():
         "svo_render_view": (_enums.View, "SVO_VIEW_"),
         "svo_wrap": (_enums.Wrap, "SVO_WRAP_"),
         "svo_tree_buffer": (_enums.TreeBuffer, "SVO_TREE_"),
+        "svo_form": (_enums.Form, "SVO_FORM_"),
+        "svo_compact_buffer": (_enums.CompactBuffer, "SVO_COMPACT_"),
+        "svo_solid_rule": (_enums.SolidRule, "SVO_SOLID_"),
+        "svo_scene_flags": (_enums.SceneTrace, "SVO_SCENE_"),
     }
     for name, (kind, prefix) in enumerations.items():
         expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
-        expected.pop("BUFFER_COUNT", None)
+        expected.pop("COUNT" if name == "svo_form" else "BUFFER_COUNT", None)
         assert {member: int(value) for member, value in kind.__members__.items()} == expected, name
 
 
@@ -88,6 +92,14 @@ def test_structs_are_complete():
         "svo_tree_info": (_structs.TreeInfo, set()),
         "svo_tree_arrays": (svocl.TreeArrays, set()),
         "svo_camera": (svocl.Camera, set()),
+        "svo_compact_info": (_structs.CompactInfo, set()),
+        "svo_compact_arrays": (svocl.CompactArrays, set()),
+        "svo_solid_info": (_structs.SolidInfo, set()),
+        "svo_voxels_info": (_structs.VoxelsInfo, set()),
+        "svo_voxel_file_info": (_structs.VoxelFileInfo, set()),
+        "svo_voxels_save_info": (_structs.VoxelsSaveInfo, set()),
+        "svo_scene_info": (_structs.SceneInfo, {"reserved"}),
+        "svo_scene_light": (svocl.Light, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
     }
@@ -102,11 +114,17 @@ def test_records_have_the_layout_of_the_headers():
         "svo_hit": svocl.hit_dtype,
         "svo_query_point": svocl.query_dtype,
         "svo_nearest": svocl.nearest_dtype,
+        "svo_voxel_hit": svocl.voxel_hit_dtype,
+        "svo_scene_hit": svocl.scene_hit_dtype,
+        "svo_scene_triangle_hit": svocl.scene_triangle_hit_dtype,
+        "svo_instance": svocl.instance_dtype,
+        "svo_voxel": svocl.voxel_dtype,
     }.items():
         offsets = {field: description.offset for field, description in ffi.typeof(name).fields}
         assert {field: dtype.fields[field][1] for field in dtype.names} == offsets
         assert dtype.itemsize == ffi.sizeof(name)
     assert lib.SVO_TREE_ARGUMENTS == svocl.TREE_ARGUMENTS
+    assert lib.SVO_COMPACT_ARGUMENTS == svocl.COMPACT_ARGUMENTS
 
 
 def test_all_names_exist_and_are_documented():

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "support/json_source.h"
 #include "support/suggest.h"
 
 #define PI 3.14159265358979323846
@@ -23,6 +22,26 @@ bool scene_file_is_input(const program *state)
 static const cJSON *member(const cJSON *object, const char *name)
 {
     return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* ---- the form ---- */
+
+static int read_form(const json_source *source, scene_file *file)
+{
+    const cJSON *value = member(source->root, "form");
+    const char *name = value == NULL ? "built" : cJSON_IsString(value) ? value->valuestring : "";
+    char known[128] = "";
+    size_t used = 0;
+    suggestion near = suggestion_begin(name, strlen(name));
+    for (file->form = SCENE_FILE_BUILT; file->form < SVO_FORM_COUNT; ++file->form) {
+        const char *one = scene_file_form_name(file);
+        if (strcmp(name, one) == 0) {
+            return PROGRAM_DONE;
+        }
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used > 0 ? ", " : "", one);
+        suggestion_offer(&near, one);
+    }
+    return json_source_fail(source, value, "'form' is none of %s%s", known, suggestion_end(&near).text);
 }
 
 /* ---- trees ---- */
@@ -54,6 +73,7 @@ static int read_tree(const json_source *source, const cJSON *object, scene_file_
         return json_source_fail(source, object, "the tree's name is longer than %zu bytes", sizeof out->name - 1);
     }
     memcpy(out->name, object->string, strlen(object->string) + 1);
+    out->value = object;
     if (member(object, "path") == NULL) {
         return json_source_fail(source, object, "tree '%s' has no 'path'", out->name);
     }
@@ -148,14 +168,20 @@ static int read_vector(const json_source *source, const cJSON *object, const cha
 static int read_scale(const json_source *source, const cJSON *object, float out[3])
 {
     const cJSON *value = member(object, "scale");
-    if (!cJSON_IsNumber(value)) {
-        return read_vector(source, object, "scale", out);
+    if (cJSON_IsNumber(value)) {
+        if (!(fabs(value->valuedouble) <= 1e30)) {
+            return json_source_fail(source, value, "'scale' is not within 1e30");
+        }
+        out[0] = out[1] = out[2] = (float)value->valuedouble;
+    } else {
+        const int exit_code = read_vector(source, object, "scale", out);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
     }
-    if (!(fabs(value->valuedouble) <= 1e30)) {
-        return json_source_fail(source, value, "'scale' is not within 1e30");
-    }
-    out[0] = out[1] = out[2] = (float)value->valuedouble;
-    return PROGRAM_DONE;
+    return out[0] != 0.0F && out[1] != 0.0F && out[2] != 0.0F
+               ? PROGRAM_DONE
+               : json_source_fail(source, value, "'scale' is 0 along an axis");
 }
 
 static int read_parts(const json_source *source, const cJSON *object, parts *out)
@@ -308,6 +334,8 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
         exit_code = reserve(source, object, file, rows > SVO_SCENE_INSTANCES_MAX ? rows : rows * lattice.count[2]);
     }
     if (exit_code == PROGRAM_DONE) {
+        file->entries[file->entry_count++] =
+            (scene_file_entry){file->instance_count, given_matrix != NULL ? given_matrix : object};
         add_copies(file, tree, given_matrix != NULL ? matrix : NULL, &from, &lattice);
     }
     return exit_code;
@@ -320,6 +348,11 @@ static int read_instances(const json_source *source, scene_file *file)
         return json_source_fail(source, instances != NULL ? instances : source->root,
                                 "'instances' is missing or not an array with an instance");
     }
+    file->entries = calloc((size_t)cJSON_GetArraySize(instances), sizeof *file->entries);
+    if (file->entries == NULL) {
+        return program_fail(source->state, PROGRAM_FAILED, "out of memory for %d entries",
+                            cJSON_GetArraySize(instances));
+    }
     int exit_code = PROGRAM_DONE;
     for (const cJSON *one = instances->child; one != NULL && exit_code == PROGRAM_DONE; one = one->next) {
         exit_code = read_instance(source, one, file);
@@ -329,6 +362,47 @@ static int read_instances(const json_source *source, scene_file *file)
 
 /* ---- camera and lights ---- */
 
+static int read_fov(const json_source *source, const cJSON *camera, float *out)
+{
+    const cJSON *fov = member(camera, "fov");
+    if (fov == NULL) {
+        return PROGRAM_DONE;
+    }
+    if (!cJSON_IsNumber(fov) || !(fov->valuedouble > 0) || !(fov->valuedouble < 180)) {
+        return json_source_fail(source, fov, "'fov' is not an angle above 0 and below 180 degrees");
+    }
+    *out = (float)(fov->valuedouble * PI / 180);
+    return PROGRAM_DONE;
+}
+
+/* A camera looks somewhere, and its up is not along the line of sight, by a millionth of a radian as in the library. */
+static int check_view(const json_source *source, const cJSON *object, const svo_camera *camera)
+{
+    double towards[3];
+    double distance = 0;
+    double height = 0;
+    double across = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        towards[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
+        distance += towards[axis] * towards[axis];
+        height += (double)camera->up[axis] * (double)camera->up[axis];
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const int a = (axis + 1) % 3;
+        const int b = (axis + 2) % 3;
+        const double component = towards[a] * (double)camera->up[b] - towards[b] * (double)camera->up[a];
+        across += component * component;
+    }
+    if (distance == 0) {
+        return json_source_fail(source, member(object, "target"), "'target' is where 'eye' is");
+    }
+    if (!(across > 1e-12 * distance * height)) {
+        const cJSON *up = member(object, "up");
+        return json_source_fail(source, up != NULL ? up : object, "'up' is 0 or along the line of sight");
+    }
+    return PROGRAM_DONE;
+}
+
 static int read_camera(const json_source *source, scene_file *file)
 {
     static const char *const keys[] = {"eye", "target", "up", "fov", NULL};
@@ -336,7 +410,6 @@ static int read_camera(const json_source *source, scene_file *file)
     if (object == NULL) {
         return PROGRAM_DONE;
     }
-    const cJSON *fov = member(object, "fov");
     file->camera = (svo_camera){.up = {0, 1, 0}, .vertical_fov = (float)(32 * PI / 180)};
     file->has_camera = true;
     int exit_code = json_source_check_keys(source, object, "'camera'", keys);
@@ -352,13 +425,30 @@ static int read_camera(const json_source *source, scene_file *file)
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_vector(source, object, "up", file->camera.up);
     }
-    if (exit_code == PROGRAM_DONE && fov != NULL) {
-        if (!cJSON_IsNumber(fov) || !(fov->valuedouble > 0) || !(fov->valuedouble < 180)) {
-            return json_source_fail(source, fov, "'fov' is not an angle above 0 and below 180 degrees");
-        }
-        file->camera.vertical_fov = (float)(fov->valuedouble * PI / 180);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_fov(source, object, &file->camera.vertical_fov);
     }
-    return exit_code;
+    return exit_code == PROGRAM_DONE ? check_view(source, object, &file->camera) : exit_code;
+}
+
+static int read_direction(const json_source *source, const cJSON *light, float out[3])
+{
+    const cJSON *value = member(light, "direction");
+    if (value == NULL) {
+        return json_source_fail(source, light, "the light has no 'direction'");
+    }
+    const int exit_code = json_source_floats(source, value, "direction", 3, out);
+    return exit_code != PROGRAM_DONE || out[0] != 0.0F || out[1] != 0.0F || out[2] != 0.0F
+               ? exit_code
+               : json_source_fail(source, value, "'direction' is 0, 0, 0");
+}
+
+static int read_color(const json_source *source, const cJSON *light, float out[3])
+{
+    const int exit_code = read_vector(source, light, "color", out);
+    return exit_code != PROGRAM_DONE || (out[0] >= 0.0F && out[1] >= 0.0F && out[2] >= 0.0F)
+               ? exit_code
+               : json_source_fail(source, member(light, "color"), "'color' has a number below 0");
 }
 
 static int read_light(const json_source *source, const cJSON *object, svo_scene_light *out)
@@ -369,16 +459,16 @@ static int read_light(const json_source *source, const cJSON *object, svo_scene_
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    const cJSON *shadows = member(object, "shadows");
-    if (member(object, "direction") == NULL) {
-        return json_source_fail(source, object, "the light has no 'direction'");
+    exit_code = read_direction(source, object, out->direction);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_color(source, object, out->color);
     }
-    if (shadows != NULL && !cJSON_IsBool(shadows)) {
-        return json_source_fail(source, shadows, "'shadows' is not true or false");
+    const cJSON *shadows = member(object, "shadows");
+    if (exit_code == PROGRAM_DONE && shadows != NULL && !cJSON_IsBool(shadows)) {
+        exit_code = json_source_fail(source, shadows, "'shadows' is not true or false");
     }
     out->shadows = shadows == NULL || cJSON_IsTrue(shadows) ? 1 : 0;
-    exit_code = read_vector(source, object, "direction", out->direction);
-    return exit_code == PROGRAM_DONE ? read_vector(source, object, "color", out->color) : exit_code;
+    return exit_code;
 }
 
 static int read_lights(const json_source *source, scene_file *file)
@@ -416,8 +506,8 @@ typedef int part_reader(const json_source *source, scene_file *file);
 
 static int read_file(const json_source *source, scene_file *file)
 {
-    static const char *const keys[] = {"trees", "instances", "camera", "lights", "occlusion_range", NULL};
-    static part_reader *const readers[] = {read_trees, read_instances, read_camera, read_lights, read_range};
+    static const char *const keys[] = {"form", "trees", "instances", "camera", "lights", "occlusion_range", NULL};
+    static part_reader *const readers[] = {read_form, read_trees, read_instances, read_camera, read_lights, read_range};
     int exit_code = json_source_check_keys(source, source->root, "the scene", keys);
     for (size_t i = 0; i < sizeof readers / sizeof readers[0] && exit_code == PROGRAM_DONE; ++i) {
         exit_code = readers[i](source, file);
@@ -427,14 +517,11 @@ static int read_file(const json_source *source, scene_file *file)
 
 int scene_file_open(program *state, const char *path, scene_file *out)
 {
-    json_source source;
     *out = (scene_file){.trees = NULL};
-    int exit_code = json_source_open(state, path, &source);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    int exit_code = json_source_open(state, path, &out->source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_file(&out->source, out);
     }
-    exit_code = read_file(&source, out);
-    json_source_close(&source);
     if (exit_code != PROGRAM_DONE) {
         scene_file_close(out);
     }
@@ -443,7 +530,31 @@ int scene_file_open(program *state, const char *path, scene_file *out)
 
 void scene_file_close(scene_file *file)
 {
+    json_source_close(&file->source);
     free(file->trees);
+    free(file->entries);
     free(file->instances);
     *file = (scene_file){.trees = NULL};
+}
+
+const char *scene_file_form_name(const scene_file *file)
+{
+    return file->form == SCENE_FILE_BUILT ? "built" : svo_form_name((svo_form)file->form);
+}
+
+int scene_file_fail_library(const scene_file *file, const char *message)
+{
+    static const char name[] = "instance ";
+    const char *words = program_words(message);
+    const char *named = strstr(words, name);
+    char *end = NULL;
+    const size_t index = named != NULL ? strtoul(named + sizeof name - 1, &end, 10) : 0;
+    if (named == NULL || end == named + sizeof name - 1) {
+        return program_fail(file->source.state, PROGRAM_FAILED, "%s: %s", file->source.path, words);
+    }
+    size_t entry = 0;
+    while (entry + 1 < file->entry_count && file->entries[entry + 1].begin <= index) {
+        ++entry;
+    }
+    return json_source_fail(&file->source, file->entries[entry].value, "%s", words);
 }

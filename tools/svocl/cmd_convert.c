@@ -128,27 +128,11 @@ static int write_file(program *state, conversion *done)
     return output_commit(state, &file);
 }
 
-static void add_written(cJSON *document, const conversion *done)
-{
-    cJSON *object = cJSON_AddObjectToObject(document, "written");
-    const svo_voxels_save_info *written = &done->written;
-    if (written->format == SVO_VOXEL_FORMAT_AUTO) {
-        json_add_text(object, "format", "svo");
-        json_add_count(object, "depth", done->tree.depth);
-        json_add_count(object, "leaves", done->tree.leaf_count);
-        json_add_count(object, "nodes", done->tree.node_count);
-        return;
-    }
-    json_add_text(object, "format", svo_voxel_format_name((svo_voxel_format)written->format));
-    json_add_count(object, "bytes", written->bytes);
-    json_add_count(object, "models", written->models);
-    json_add_count(object, "colors", written->colors);
-    json_add_count(object, "color_error", written->color_error);
-    json_add_count(object, "faces", written->faces);
-}
+/* Parts of a list that a format may not hold. */
+#define PARTS_MAX 5
 
-/* What the list has and the format does not, as a row of the table. */
-static void add_left_out(table *rows, const conversion *done)
+/* What the list has and the format does not. Returns how many parts it is. */
+static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
 {
     const svo_voxels_info *list = &done->source.list;
     const svo_voxel *voxels = svo_voxels_get(done->source.voxels);
@@ -166,19 +150,57 @@ static void add_left_out(table *rows, const conversion *done)
     const bool svx = format == SVO_VOXEL_FORMAT_SVX;
     const bool obj = format == SVO_VOXEL_FORMAT_OBJ;
     const bool vox = format == SVO_VOXEL_FORMAT_VOX;
-    const char *const parts[] = {
+    const char *const parts[PARTS_MAX] = {
         colors && binvox ? "colors" : NULL, alpha && (binvox || svx || obj) ? "alpha" : NULL,
         list->material_count > 1 && (binvox || obj || (svx && list->material_count > 256)) ? "materials" : NULL,
         list->property_count > 0 && !vox ? "properties of materials" : NULL,
         moved && vox ? "the place and the width of voxels" : NULL};
-    char text[128] = "";
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+    size_t count = 0;
+    for (size_t i = 0; i < PARTS_MAX; ++i) {
         if (parts[i] != NULL) {
-            const size_t used = strlen(text);
-            snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? ", " : "", parts[i]);
+            out[count++] = parts[i];
         }
     }
-    if (text[0] != '\0') {
+    return count;
+}
+
+static void add_counts(cJSON *object, const conversion *done)
+{
+    const svo_voxels_save_info *written = &done->written;
+    if (written->format == SVO_VOXEL_FORMAT_AUTO) {
+        json_add_text(object, "format", "svo");
+        json_add_count(object, "depth", done->tree.depth);
+        json_add_count(object, "leaves", done->tree.leaf_count);
+        json_add_count(object, "nodes", done->tree.node_count);
+        return;
+    }
+    json_add_text(object, "format", svo_voxel_format_name((svo_voxel_format)written->format));
+    json_add_count(object, "bytes", written->bytes);
+    json_add_count(object, "models", written->models);
+    json_add_count(object, "colors", written->colors);
+    json_add_count(object, "color_error", written->color_error);
+    json_add_count(object, "faces", written->faces);
+}
+
+static void add_written(cJSON *document, const conversion *done)
+{
+    cJSON *object = cJSON_AddObjectToObject(document, "written");
+    add_counts(object, done);
+    const char *parts[PARTS_MAX];
+    const int count = (int)find_left_out(done, parts);
+    cJSON_AddItemToObject(object, "left_out", cJSON_CreateStringArray(parts, count));
+}
+
+static void add_left_out_row(table *rows, const conversion *done)
+{
+    const char *parts[PARTS_MAX];
+    const size_t count = find_left_out(done, parts);
+    char text[128] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < count; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i > 0 ? ", " : "", parts[i]);
+    }
+    if (count > 0) {
         table_cell(rows, "left out");
         table_cell(rows, "%s", text);
     }
@@ -204,7 +226,7 @@ static void add_written_row(table *rows, const conversion *done)
     } else {
         table_cell(rows, "%s", figure_bytes(written->bytes).text);
     }
-    add_left_out(rows, done);
+    add_left_out_row(rows, done);
 }
 
 static int report(program *state, const conversion *done)

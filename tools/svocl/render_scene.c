@@ -1,21 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a scene of many placed trees. */
+/* Renders a scene of many placed trees, which it holds as they were built or in a compact form. */
 #include "svocl/render_scene.h"
 
 #include <stdlib.h>
 
+#include "support/compact_input.h"
 #include "support/job.h"
 #include "support/output.h"
 #include "support/picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
 
+/* The directory of compact trees in SVO_FORM_IMPLIED, which must be the same in all of a scene. */
+#define DIRECTORY_STEP_LOG2 5u
+
 typedef struct scene_render {
     program *state;
     const char *path; /* of the scene's file */
     scene_file file;
     session opened;
-    svo_tree **trees; /* file.tree_count */
+    svo_tree **trees; /* file.tree_count, like compacts, and NULL where the other is there */
+    svo_compact **compacts;
     svo_scene *scene;
     svo_scene_info info;
     svo_camera camera;
@@ -61,15 +66,87 @@ static int make_tree(scene_render *work, size_t index)
     return exit_code;
 }
 
+/* ---- compact trees ---- */
+
+static bool has_form(const scene_render *work, const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    return svo_compact_get_info(compact, &info) == SVO_OK && (int)info.form == work->file.form &&
+           (info.form != SVO_FORM_IMPLIED || info.directory_step_log2 == DIRECTORY_STEP_LOG2);
+}
+
+/* A file of the scene's form is used as it is: it may be minimized, or a solid. For another one nothing is loaded. */
+static int load_compact(scene_render *work, size_t index)
+{
+    svo_message message = {""};
+    svo_compact **out = &work->compacts[index];
+    if (svo_compact_load(work->file.trees[index].path, NULL, out, &message) != SVO_OK) {
+        return program_fail_library(work->state, message.text);
+    }
+    if (!has_form(work, *out)) {
+        svo_compact_destroy(out);
+        return PROGRAM_DONE;
+    }
+    return svo_compact_upload(*out, work->opened.device, work->opened.queue) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->state, svo_device_message(work->opened.device));
+}
+
+static int make_compact(scene_render *work, size_t index)
+{
+    const svo_compact_options asked = {
+        .struct_size = sizeof asked, .form = (svo_form)work->file.form, .directory_step_log2 = DIRECTORY_STEP_LOG2};
+    int exit_code = compact_input_is_name(work->file.trees[index].path) ? load_compact(work, index) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE || work->compacts[index] != NULL) {
+        return exit_code;
+    }
+    exit_code = make_tree(work, index);
+    if (exit_code == PROGRAM_DONE && svo_compact_create(work->opened.device, work->trees[index], &asked,
+                                                        work->opened.queue, &work->compacts[index]) != SVO_OK) {
+        exit_code = program_fail_library(work->state, svo_device_message(work->opened.device));
+    }
+    svo_tree_destroy(&work->trees[index]);
+    return exit_code;
+}
+
+/* Whether nodes of a compact tree differ in payload, so that it has places of it. */
+static bool has_places(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    (void)svo_compact_get_info(compact, &info);
+    return (info.need & ~info.constant) != 0;
+}
+
+/* Compact trees of a scene have all places of payload, or none has. */
+static int check_places(const scene_render *work, size_t index)
+{
+    const scene_file *file = &work->file;
+    const bool places = has_places(work->compacts[index]);
+    if (places == has_places(work->compacts[0])) {
+        return PROGRAM_DONE;
+    }
+    return json_source_fail(&file->source, file->trees[index].value,
+                            "the nodes of tree '%s' are alike in color, normal, material and fill, and those of '%s' "
+                            "are not; form '%s' cannot hold both",
+                            file->trees[places ? 0 : index].name, file->trees[places ? index : 0].name,
+                            scene_file_form_name(file));
+}
+
 static int make_trees(scene_render *work)
 {
-    work->trees = calloc(work->file.tree_count, sizeof(svo_tree *));
-    if (work->trees == NULL) {
-        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %zu trees", work->file.tree_count);
+    const size_t count = work->file.tree_count;
+    const bool built = work->file.form == SCENE_FILE_BUILT;
+    work->trees = calloc(count, sizeof(svo_tree *));
+    work->compacts = calloc(count, sizeof(svo_compact *));
+    if (work->trees == NULL || work->compacts == NULL) {
+        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %zu trees", count);
     }
     int exit_code = session_open(work->state, &work->opened);
-    for (size_t i = 0; i < work->file.tree_count && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = make_tree(work, i);
+    for (size_t i = 0; i < count && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = built ? make_tree(work, i) : make_compact(work, i);
+        if (exit_code == PROGRAM_DONE && !built) {
+            exit_code = check_places(work, i);
+        }
     }
     return exit_code;
 }
@@ -78,15 +155,16 @@ static int make_trees(scene_render *work)
 
 static int place_trees(scene_render *work)
 {
+    const bool built = work->file.form == SCENE_FILE_BUILT;
     const svo_scene_options asked = {.struct_size = sizeof asked,
-                                     .trees = work->trees,
+                                     .trees = built ? work->trees : NULL,
+                                     .compacts = built ? NULL : work->compacts,
                                      .instances = work->file.instances,
                                      .tree_count = (uint32_t)work->file.tree_count,
                                      .instance_count = (uint32_t)work->file.instance_count};
     progress_step(work->state->progress, "placing the trees");
     if (svo_scene_create(work->opened.device, &asked, work->opened.queue, &work->scene) != SVO_OK) {
-        return program_fail(work->state, PROGRAM_FAILED, "%s: %s", work->path,
-                            program_words(svo_device_message(work->opened.device)));
+        return scene_file_fail_library(&work->file, svo_device_message(work->opened.device));
     }
     work->info = (svo_scene_info)SVO_SCENE_INFO_INIT;
     (void)svo_scene_get_info(work->scene, &work->info);
@@ -115,8 +193,7 @@ static int draw(scene_render *work)
     const double started_ms = input_now_ms();
     int exit_code = PROGRAM_DONE;
     if (svo_scene_render(work->scene, &asked, work->opened.queue, rgba) != SVO_OK) {
-        exit_code = program_fail(work->state, PROGRAM_FAILED, "%s: %s", work->path,
-                                 program_words(svo_device_message(work->opened.device)));
+        exit_code = scene_file_fail_library(&work->file, svo_device_message(work->opened.device));
     }
     work->render_ms = input_now_ms() - started_ms;
     if (exit_code == PROGRAM_DONE) {
@@ -135,6 +212,7 @@ static int report(const scene_render *work)
         json_add_text(document, "file", given->output_path);
         json_add_count(document, "width", given->width);
         json_add_count(document, "height", given->height);
+        json_add_text(document, "form", scene_file_form_name(&work->file));
         json_add_count(document, "trees", work->info.tree_count);
         json_add_count(document, "instances", work->info.instance_count);
         json_add_count(document, "device_bytes", work->info.total_bytes);
@@ -158,7 +236,11 @@ static void release(scene_render *work)
     for (size_t i = 0; i < work->file.tree_count && work->trees != NULL; ++i) {
         svo_tree_destroy(&work->trees[i]);
     }
+    for (size_t i = 0; i < work->file.tree_count && work->compacts != NULL; ++i) {
+        svo_compact_destroy(&work->compacts[i]);
+    }
     free(work->trees);
+    free(work->compacts);
     session_close(&work->opened);
     scene_file_close(&work->file);
 }

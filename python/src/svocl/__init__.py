@@ -20,9 +20,38 @@ except ImportError as _problem:
         "(without a GPU: apt install pocl-opencl-icd)"
     ) from _problem
 
-from ._arrays import NO_TRIANGLE, hit_dtype, nearest_dtype, query_dtype, ray_dtype
+from ._arrays import (
+    NO_INSTANCE,
+    NO_NODE,
+    NO_TRIANGLE,
+    hit_dtype,
+    instance_dtype,
+    nearest_dtype,
+    query_dtype,
+    ray_dtype,
+    scene_hit_dtype,
+    scene_triangle_hit_dtype,
+    voxel_dtype,
+    voxel_hit_dtype,
+)
+from ._compact import COMPACT_ARGUMENTS, Compact, CompactArrays, Solid
 from ._device import Device
-from ._enums import Builder, Certainty, Coverage, Need, Status, TraceMode, TreeBuffer, View, Weights, Wrap
+from ._enums import (
+    Builder,
+    Certainty,
+    CompactBuffer,
+    Coverage,
+    Form,
+    Need,
+    SceneTrace,
+    SolidRule,
+    Status,
+    TraceMode,
+    TreeBuffer,
+    View,
+    Weights,
+    Wrap,
+)
 from ._errors import (
     CanceledError,
     CapacityExceededError,
@@ -44,12 +73,32 @@ from ._errors import (
 )
 from ._mesh import Material, Mesh, Texture, has_io, read_mesh
 from ._plan import Plan
-from ._structs import BuildReport, ImportInfo, Kernels, LeftOut, PlanBuffer, PlanInfo, StageTime, TreeInfo
+from ._scene import Light, Scene, make_instances
+from ._structs import (
+    BuildReport,
+    CompactInfo,
+    ImportInfo,
+    Kernels,
+    LeftOut,
+    PlanBuffer,
+    PlanInfo,
+    SceneInfo,
+    SolidInfo,
+    StageTime,
+    TreeInfo,
+    VoxelFileInfo,
+    VoxelsInfo,
+    VoxelsSaveInfo,
+)
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
+from ._voxels import Voxels, make_voxels
 
 __version__: str = _text(_lib.svo_version_string())
 
 __all__ = [
+    "COMPACT_ARGUMENTS",
+    "NO_INSTANCE",
+    "NO_NODE",
     "NO_TRIANGLE",
     "TREE_ARGUMENTS",
     "BuildReport",
@@ -59,12 +108,17 @@ __all__ = [
     "CanceledError",
     "CapacityExceededError",
     "Certainty",
+    "Compact",
+    "CompactArrays",
+    "CompactBuffer",
+    "CompactInfo",
     "CompileError",
     "Coverage",
     "Device",
     "Error",
     "FileDamagedError",
     "FileError",
+    "Form",
     "GLError",
     "ImportFailedError",
     "ImportInfo",
@@ -72,6 +126,7 @@ __all__ = [
     "InvalidArgumentError",
     "Kernels",
     "LeftOut",
+    "Light",
     "Material",
     "Mesh",
     "Need",
@@ -82,6 +137,12 @@ __all__ = [
     "Plan",
     "PlanBuffer",
     "PlanInfo",
+    "Scene",
+    "SceneInfo",
+    "SceneTrace",
+    "Solid",
+    "SolidInfo",
+    "SolidRule",
     "StageTime",
     "Status",
     "Texture",
@@ -92,15 +153,26 @@ __all__ = [
     "TreeInfo",
     "UnsupportedError",
     "View",
+    "VoxelFileInfo",
+    "Voxels",
+    "VoxelsInfo",
+    "VoxelsSaveInfo",
     "Weights",
     "Wrap",
     "has_io",
     "hit_dtype",
+    "instance_dtype",
     "kernel_options",
     "kernel_source",
+    "make_instances",
     "make_rays",
+    "make_voxels",
     "nearest_dtype",
     "query_dtype",
     "ray_dtype",
     "read_mesh",
+    "scene_hit_dtype",
+    "scene_triangle_hit_dtype",
+    "voxel_dtype",
+    "voxel_hit_dtype",
 ]

@@ -32,6 +32,31 @@ nearest_dtype = np.dtype(
 )
 """svo_nearest, 32 bytes. None within max_distance: distance is infinite and triangle is NO_TRIANGLE."""
 
+voxel_hit_dtype = np.dtype(
+    [("t", "<f4"), ("node", "<u4"), ("level", "<u4"), ("face", "<u4"), ("normal", "<f4", (3,)), ("steps", "<u4")]
+)
+"""svo_voxel_hit, 32 bytes. No hit: t is infinite and node is NO_NODE. face: 2 * axis, plus 1 for the high side; 6: the
+ray begins inside."""
+
+scene_hit_dtype = np.dtype([*voxel_hit_dtype.descr, ("instance", "<u4")])
+"""svo_scene_hit, 36 bytes: the hit in the instance's tree; normal and t are the world's. No hit: instance is
+NO_INSTANCE."""
+
+scene_triangle_hit_dtype = np.dtype(
+    [("t", "<f4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4"), ("normal", "<f4", (3,)), ("instance", "<u4")]
+)
+"""svo_scene_triangle_hit, 32 bytes. No hit: t is infinite, triangle is NO_TRIANGLE and instance is NO_INSTANCE."""
+
+instance_dtype = np.dtype([("tree", "<u4"), ("transform", "<f4", (3, 4))])
+"""svo_instance, 52 bytes: world = transform * (x, y, z, 1), where x, y, z are in the tree's world coordinates."""
+
+voxel_dtype = np.dtype(
+    [("x", "<i4"), ("y", "<i4"), ("z", "<i4"), ("rgba", "u1", (4,)), ("material", "<u2"), ("reserved", "<u2")]
+)
+"""svo_voxel, 20 bytes: coordinates within 2**30 of 0, color, and a material below 65535; reserved is 0."""
+
+NO_NODE: int = lib.SVO_NO_NODE
+NO_INSTANCE: int = lib.SVO_NO_INSTANCE
 NO_TRIANGLE: int = lib.SVO_NO_TRIANGLE
 
 Shape = tuple[Union[int, str], ...]
@@ -103,6 +128,15 @@ def records(name: str, value: Any, dtype: "np.dtype[Any]") -> Array:
     if value.ndim < 1 or value.shape[-1] != numbers:
         raise ValueError(f"{name}: shape {_words(value.shape)}, expected (..., {numbers}) for float32")
     return np.ascontiguousarray(value).view(dtype)[..., 0]
+
+
+def exact_records(name: str, value: Any, dtype: "np.dtype[Any]", what: str) -> Array:
+    """Records of one type in a row, C-contiguous. what: the type's name in svocl."""
+    if not isinstance(value, np.ndarray) or value.dtype != dtype:
+        kind = f"dtype {value.dtype}" if isinstance(value, np.ndarray) else type(value).__name__
+        raise TypeError(f"{name}: {kind}, expected an array of svocl.{what}")
+    _check_shape(name, value, (f"{name}_count",))
+    return np.ascontiguousarray(value)
 
 
 def _record_name(dtype: "np.dtype[Any]") -> str:

@@ -121,3 +121,46 @@ class TreeBuffer(IntEnum):
     TRIANGLE_IDS = lib.SVO_TREE_TRIANGLE_IDS
     MATERIALS = lib.SVO_TREE_MATERIALS
     FILLS = lib.SVO_TREE_FILLS
+
+
+class Form(IntEnum):
+    """How a compact tree stores its nodes; compact.h describes each."""
+
+    DESCRIPTOR = lib.SVO_FORM_DESCRIPTOR
+    """A word per inner node, with the distance to its children."""
+    IMPLIED = lib.SVO_FORM_IMPLIED
+    """Child masks alone, and a directory."""
+    SHARED = lib.SVO_FORM_SHARED
+    """Equal subtrees are stored once."""
+
+
+class CompactBuffer(IntEnum):
+    """The arrays of a compact tree; CompactArrays has them by the same names in lower case."""
+
+    NODES = lib.SVO_COMPACT_NODES
+    LINKS = lib.SVO_COMPACT_LINKS
+    BASES = lib.SVO_COMPACT_BASES
+    COLORS = lib.SVO_COMPACT_COLORS
+    NORMALS = lib.SVO_COMPACT_NORMALS
+    MATERIALS = lib.SVO_COMPACT_MATERIALS
+    FILLS = lib.SVO_COMPACT_FILLS
+
+
+class SolidRule(IntEnum):
+    """Which sums of crossings mean inside."""
+
+    WINDING = lib.SVO_SOLID_WINDING
+    """Other than 0: closed parts that overlap make their union."""
+    PARITY = lib.SVO_SOLID_PARITY
+    """Odd: where two closed parts overlap it is hollow."""
+
+
+class SceneTrace(IntFlag):
+    """What a batch of rays asks a scene for; flags that combine with |."""
+
+    CLOSEST = lib.SVO_SCENE_CLOSEST
+    """The first hit along each ray."""
+    ANY = lib.SVO_SCENE_ANY
+    """Whether there is a hit; the record is that of some instance."""
+    EVERY_INSTANCE = lib.SVO_SCENE_EVERY_INSTANCE
+    """Asks every instance in turn, without the hierarchy: the same hits, to check them."""

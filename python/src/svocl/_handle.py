@@ -122,7 +122,7 @@ class Native:
 
 
 class Handle:
-    """Base of Device, Plan and Tree: closed by close(), by `with` or with its last reference."""
+    """Base of Device, Plan, Tree and all others: closed by close(), by `with` or with its last reference."""
 
     _native: Native
     _hold: Optional[object] = None

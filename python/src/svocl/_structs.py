@@ -3,7 +3,7 @@
 
 from typing import Any, NamedTuple, Optional, TypeVar
 
-from ._enums import Certainty, Coverage, Need, Weights
+from ._enums import Certainty, Coverage, Form, Need, Weights
 from ._errors import text
 from ._native import ffi, lib
 
@@ -158,7 +158,173 @@ class TreeInfo(NamedTuple):
     """depth + 2 entries: level l has the nodes level_begin[l] .. level_begin[l + 1] - 1."""
 
 
+class CompactInfo(NamedTuple):
+    """What describes a compact tree besides its arrays."""
+
+    form: Form
+    minimized: bool
+    """Leaves may lie above level depth."""
+    directory_step_log2: int
+    """Form.IMPLIED; else 0."""
+    depth: int
+    """The grid has 2**depth voxels per axis."""
+    snap_bits: int
+    """As all down to snap_error: those of the tree."""
+    coverage: Coverage
+    need: Need
+    """The payload that is held."""
+    constant: Need
+    """Of those, payload that is the same in every node: one element."""
+    weights: Weights
+    payload_level: int
+    """The first level with payload."""
+    origin: tuple[float, float, float]
+    """Minimum corner of the grid, world coordinates."""
+    edge: float
+    """World units: as in TreeInfo."""
+    scale: float
+    """Grid units per world unit."""
+    snap_error: float
+    """World units: the largest distance along an axis that snapping moved a vertex."""
+    triangles: int
+    """Of the mesh."""
+    refused_triangles: int
+    """Of those, not usable."""
+    fragments: int
+    """(voxel, triangle) pairs."""
+    inner_count: int
+    """Inner nodes of the tree that the form describes."""
+    leaf_count: int
+    """Its leaves, on whatever level."""
+    voxel_count: int
+    """Voxels that these leaves stand for."""
+    stored_count: int
+    """Elements of nodes."""
+    far_count: int
+    """Form.DESCRIPTOR: far words among them; else 0."""
+    shared_count: int
+    """Form.SHARED: records in these words; else 0."""
+    payload_count: int
+    """Elements of each payload array that is not constant."""
+    level_inner: tuple[int, ...]
+    """depth + 1 entries: inner nodes on each level."""
+    level_leaf: tuple[int, ...]
+    """depth + 1 entries: leaves on each level."""
+    bytes: tuple[int, ...]
+    """Of each array, in the order of CompactBuffer; 0: not held."""
+    total_bytes: int
+    """Of all arrays."""
+    bounds: int
+    """Bit b is set where bytes[b] is an upper bound: 0 of what is made."""
+
+
+class SolidInfo(NamedTuple):
+    """What a solid consists of, and where its surface is not closed."""
+
+    surface_voxels: int
+    """Leaves of the built tree."""
+    inside_voxels: int
+    """Voxels inside that no surface touches."""
+    inside_leaves: int
+    """Leaves that hold them."""
+    tests: int
+    """Empty children of inner nodes, each decided by one voxel."""
+    ambiguous_cells: int
+    """Of those, with lines that disagree; two of three decided."""
+    ambiguous_voxels: int
+    """Voxels of those cells, inside or not."""
+    open_columns: tuple[int, int, int]
+    """Columns along x, y and z whose crossings do not add up to 0: the surface has a hole there, or a tear."""
+    scratch_bytes: int
+    """Device memory that finding the inside took; it is released."""
+
+
+class VoxelsInfo(NamedTuple):
+    """What a list of voxels holds."""
+
+    voxel_count: int
+    """Places, each with one voxel."""
+    given_count: int
+    """Voxels that were given, before those in one place became one."""
+    low: tuple[int, int, int]
+    """Least coordinates; 0 without voxels."""
+    high: tuple[int, int, int]
+    """Greatest coordinates plus 1; 0 without voxels."""
+    depth: int
+    """Of the smallest tree that holds them: at least 1; 0 when that is deeper than 16."""
+    material_count: int
+    """The greatest material of a voxel plus 1; 0 without voxels."""
+    origin: tuple[float, float, float]
+    """World position of the least corner of voxel (0, 0, 0)."""
+    voxel_edge: float
+    """Width of a voxel, world units."""
+    property_count: int
+    """Properties of materials."""
+
+
+class VoxelFileInfo(NamedTuple):
+    """What a voxel file holds."""
+
+    format: str
+    """"vox", "svx" or "binvox"."""
+    version: int
+    """.vox: 150 or 200; .binvox: 1 or 2; .svx: 0."""
+    models: int
+    """.vox: models in the file; else 1."""
+    instances: int
+    """Models placed."""
+    rotated_instances: int
+    """Of those, with a rotation or a mirror."""
+    hidden_instances: int
+    """Left out since they or their layer are hidden."""
+    instance_voxels: int
+    """Voxels of all instances."""
+    warnings: int
+    """Given to the logger "svocl"."""
+
+
+class VoxelsSaveInfo(NamedTuple):
+    """What was written to a voxel file."""
+
+    format: str
+    """"vox", "svx", "binvox", "ply" or "obj"."""
+    color_error: int
+    """.vox: the largest difference between a component of a voxel's color and that of its palette entry."""
+    models: int
+    """.vox: models; else 1."""
+    colors: int
+    """.vox: different pairs of a color and a material; else 0."""
+    faces: int
+    """.obj: faces; else 0."""
+    bytes: int
+    """Of the file."""
+
+
+class SceneInfo(NamedTuple):
+    """A scene in numbers."""
+
+    tree_count: int
+    instance_count: int
+    need: Need
+    """What is copied of the trees."""
+    tree_bytes: int
+    """Of device memory: the trees."""
+    instance_bytes: int
+    """The instances' matrices, normals and boxes."""
+    hierarchy_bytes: int
+    sort_bytes: int
+    """Morton codes and what sorts them, kept for Scene.rebuild."""
+    total_bytes: int
+    """All of these."""
+    low: tuple[float, float, float]
+    """Least corner of the box around all instances, world coordinates."""
+    high: tuple[float, float, float]
+    """Its greatest corner."""
+
+
 _KINDS: dict[str, Any] = {
+    "form": Form,
+    "minimized": bool,
     "coverage": Coverage,
     "need": Need,
     "constant": Need,
@@ -189,6 +355,18 @@ def read(struct: Any, kind: type[_T]) -> _T:
 def read_tree_info(struct: Any) -> TreeInfo:
     info = read(struct, TreeInfo)
     return info._replace(level_begin=info.level_begin[: info.depth + 2])
+
+
+def read_compact_info(struct: Any) -> CompactInfo:
+    info = read(struct, CompactInfo)
+    levels = info.depth + 1
+    return info._replace(level_inner=info.level_inner[:levels], level_leaf=info.level_leaf[:levels])
+
+
+def read_file_info(struct: Any, kind: type[_T]) -> _T:
+    """VoxelFileInfo or VoxelsSaveInfo, with the format's name in place of its number."""
+    info: Any = read(struct, kind)
+    return info._replace(format=text(lib.svo_voxel_format_name(info.format)))  # type: ignore[no-any-return]
 
 
 def read_report(struct: Any) -> BuildReport:

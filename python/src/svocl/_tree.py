@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: MIT
 """Trees: the octree's arrays, its hash, files, pictures, rays and nearest points."""
 
-import contextlib
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from collections.abc import Iterable
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _opencl, _structs
 from ._callbacks import call
-from ._enums import Status, TraceMode, TreeBuffer, View
-from ._errors import InvalidArgumentError, error, text
-from ._handle import Guard, Handle, Native, view
+from ._enums import TraceMode, TreeBuffer, View
+from ._errors import error, text
+from ._handle import Guard, Native, view
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
-
-if TYPE_CHECKING:
-    from ._device import Device
+from ._resident import Resident
 
 
 class TreeArrays(NamedTuple):
@@ -91,8 +88,11 @@ def make_rays(
     return rays
 
 
-class Tree(Handle):
+class Tree(Resident):
     """A sparse voxel octree: on a device after Plan.build, on the host after Tree.load or Tree.download, or both."""
+
+    _prefix = "svo_tree"
+    _noun = "tree"
 
     report: Optional[_structs.BuildReport]
     """What the build did; None for a tree from a file."""
@@ -157,11 +157,6 @@ class Tree(Handle):
         struct = _structs.new("svo_tree_info")
         self._call(lib.svo_tree_get_info, struct)
         return _structs.read_tree_info(struct)
-
-    @property
-    def on_device(self) -> bool:
-        """Whether the tree is on a device."""
-        return self._native.parent is not None
 
     def download(self, *, queue: Any = None) -> TreeArrays:
         """The tree's arrays. The first call copies them from the device and waits; later ones copy nothing. The arrays
@@ -252,28 +247,6 @@ class Tree(Handle):
 
     # --- the device -------------------------------------------------------------------------------------------------
 
-    def upload(self, device: "Device", *, queue: Any = None) -> None:
-        """Copies a tree from a file to a device, for rays and pictures, and waits. On that device already: does
-        nothing.
-
-        Raises:
-            InvalidArgumentError: the tree is on another device.
-            OutOfDeviceMemoryError
-        """
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        if not isinstance(device, Handle):
-            raise TypeError(f"device: {type(device).__name__}, expected svocl.Device")
-        with device._use() as at:
-            if not self.on_device:
-                # The tree's own guard until now; from here on it is the device's.
-                with self._use() as pointer:
-                    status = call(lib.svo_tree_upload, pointer, at, cl_queue)
-                    if status != lib.SVO_OK:
-                        raise error(status, device._native.device_message())
-                    self._native.set_parent(device._native)
-            elif self._native.parent is not device._native:
-                raise InvalidArgumentError("Tree.upload: the tree is on another device", Status.INVALID_ARGUMENT)
-
     def buffer_int_ptr(self, buffer: TreeBuffer) -> Optional[int]:
         """The cl_mem of one array: pyopencl.Buffer.from_int_ptr(...) retains it. Elements are those of TreeArrays, but
         payload that is constant (TreeInfo.constant) has one element.
@@ -336,9 +309,31 @@ class Tree(Handle):
         hits = _arrays.output("out", out, _arrays.hit_dtype, records.shape)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         asked = TraceMode(mode)
-        source, result = _address("svo_ray *", records), _address("svo_hit *", hits)
+        source, result = address("svo_ray *", records), address("svo_hit *", hits)
         self._device_call("trace", lib.svo_tree_trace, source, result, records.size, asked, cl_queue)
         return hits
+
+    def trace_voxels(
+        self,
+        rays: _arrays.Array,
+        *,
+        footprint: float = 0.0,
+        out: Optional[_arrays.Array] = None,
+        queue: Any = None,
+    ) -> _arrays.Array:
+        """Traces rays against the tree's voxels and waits. Any tree will do.
+
+        Args:
+            rays: as Tree.trace.
+            footprint: the width of a pixel's cone per unit of distance; nodes smaller than that are taken for leaves.
+                0: leaves alone.
+            out: (...) records of voxel_hit_dtype, C-contiguous; receives the result.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (...) records of voxel_hit_dtype, in the order of the rays.
+        """
+        return trace_voxels(self, rays, footprint, out, queue)
 
     def nearest(
         self,
@@ -373,7 +368,7 @@ class Tree(Handle):
             records["max_distance"] = max_distance
         found = _arrays.output("out", out, _arrays.nearest_dtype, records.shape)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        source, result = _address("svo_query_point *", records), _address("svo_nearest *", found)
+        source, result = address("svo_query_point *", records), address("svo_nearest *", found)
         self._device_call("nearest", lib.svo_tree_nearest, source, result, records.size, cl_queue)
         return found
 
@@ -432,7 +427,7 @@ class Tree(Handle):
         camera = ffi.new("svo_camera *")
         with self._downloaded(None) as pointer:
             call(lib.svo_camera_frame, pointer, aspect, camera)
-        return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
+        return read_camera(camera)
 
     def render(
         self,
@@ -454,17 +449,9 @@ class Tree(Handle):
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        options = _structs.new("svo_render_options")
-        options.width, options.height = _arrays.integer("width", width), _arrays.integer("height", height)
-        options.view = View(view)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         used = self.frame(width / max(height, 1)) if camera is None else camera
-        for name in ("eye", "target", "up"):
-            setattr(options.camera, name, _arrays.three(f"camera.{name}", getattr(used, name)))
-        options.camera.vertical_fov = used.vertical_fov
-        # The library checks the size before it writes; an array of a refused size is not made.
-        fits = 0 < width <= 16384 and 0 < height <= 16384
-        picture = np.empty((height, width, 4) if fits else (1, 1, 4), np.uint8)
+        options, picture = render_options(width, height, used, view)
         with self._use() as pointer:
             device = self._device_pointer("render")
             rgba = ffi.from_buffer("uint8_t[]", picture)
@@ -473,45 +460,6 @@ class Tree(Handle):
                 raise error(status, self._native.device_message())
         return picture
 
-    # --- shared -----------------------------------------------------------------------------------------------------
-
-    def _device_pointer(self, what: str) -> Any:
-        """The device's pointer, under the guard."""
-        if self._native.parent is None:
-            raise InvalidArgumentError(
-                f"Tree.{what}: the tree is from a file and on no device; call Tree.upload first",
-                Status.INVALID_ARGUMENT,
-            )
-        return self._native.parent._pointer[0]
-
-    def _device_call(self, what: str, function: Any, *arguments: Any) -> None:
-        with self._use() as pointer:
-            self._device_pointer(what)
-            status = call(function, pointer, *arguments)
-            if status != lib.SVO_OK:
-                raise error(status, self._native.device_message())
-
-    @contextlib.contextmanager
-    def _downloaded(self, queue: Any) -> Iterator[Any]:
-        """The pointer, under the guard, of a tree with host arrays."""
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        with self._use() as pointer:
-            status = call(lib.svo_tree_download, pointer, cl_queue) if self.on_device else lib.SVO_OK
-            if status != lib.SVO_OK:
-                raise error(status, self._native.device_message())
-            yield pointer
-
-    def _enqueue(
-        self, what: str, function: Any, buffers: Any, count: int, flags: Any, queue: Any, wait_for: Iterable[Any]
-    ) -> int:
-        memory = [_opencl.pointer("cl_mem", buffer, "buffer") for buffer in buffers]
-        wait_count, wait = _opencl.events(wait_for)
-        event = ffi.new("cl_event *")
-        number = _arrays.integer("count", count, 64)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._device_call(what, function, *memory, number, *flags, cl_queue, wait_count, wait, event)
-        return int(ffi.cast("uintptr_t", event[0]))
-
     def __repr__(self) -> str:
         if self.closed:
             return "<svocl.Tree: closed>"
@@ -519,9 +467,48 @@ class Tree(Handle):
         return f"<svocl.Tree: depth {info.depth}, {info.node_count} nodes, {info.leaf_count} leaves>"
 
 
-def _address(kind: str, array: _arrays.Array) -> Any:
+def read_camera(camera: Any) -> Camera:
+    return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
+
+
+def write_camera(struct: Any, camera: Camera) -> None:
+    for name in ("eye", "target", "up"):
+        setattr(struct, name, _arrays.three(f"camera.{name}", getattr(camera, name)))
+    struct.vertical_fov = camera.vertical_fov
+
+
+def new_picture(width: int, height: int) -> npt.NDArray[np.uint8]:
+    """The library checks the size before it writes; an array of a refused size is not made."""
+    fits = 0 < width <= 16384 and 0 < height <= 16384
+    return np.empty((height, width, 4) if fits else (1, 1, 4), np.uint8)
+
+
+def render_options(width: int, height: int, camera: Camera, view: View) -> tuple[Any, npt.NDArray[np.uint8]]:
+    """svo_render_options, and the array that receives the picture."""
+    options = _structs.new("svo_render_options")
+    options.width, options.height = _arrays.integer("width", width), _arrays.integer("height", height)
+    options.view = View(view)
+    write_camera(options.camera, camera)
+    return options, new_picture(width, height)
+
+
+def address(kind: str, array: _arrays.Array) -> Any:
     """The address of an array's records, which cffi's from_buffer does not take; the array must stay alive."""
     return ffi.cast(kind, array.ctypes.data)
+
+
+def trace_voxels(
+    resident: Resident, rays: _arrays.Array, footprint: float, out: Optional[_arrays.Array], queue: Any
+) -> _arrays.Array:
+    """Of trees and compact trees."""
+    records = _arrays.records("rays", rays, _arrays.ray_dtype)
+    hits = _arrays.output("out", out, _arrays.voxel_hit_dtype, records.shape)
+    cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+    is_tree = isinstance(resident, Tree)
+    name = "trace_voxels" if is_tree else "trace"
+    source, result = address("svo_ray *", records), address("svo_voxel_hit *", hits)
+    resident._device_call(name, resident._function(name), source, result, records.size, footprint, cl_queue)
+    return hits
 
 
 def _loaded(load: Any, *arguments: Any) -> Tree:

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: MIT
+"""Voxels that are given, not made from triangles: lists, their files, and the trees of them."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _progress, _structs
+from ._callbacks import call
+from ._enums import Builder, Need
+from ._errors import error, text
+from ._handle import Guard, Handle, Native, view
+from ._mesh import Path, encode, need_io
+from ._native import ffi, lib
+from ._plan import Plan
+from ._tree import Tree
+
+if TYPE_CHECKING:
+    from ._device import Device
+
+
+def make_voxels(
+    positions: npt.ArrayLike, colors: npt.ArrayLike = (255, 255, 255, 255), materials: npt.ArrayLike = 0
+) -> _arrays.Array:
+    """Records for Voxels from coordinates, colors and materials, which are broadcast against each other.
+
+    Args:
+        positions: (voxel_count, 3) whole numbers within 2**30 of 0.
+        colors: (voxel_count, 4) RGBA, 0 .. 255.
+        materials: (voxel_count,) numbers below 65535.
+
+    Returns:
+        (voxel_count,) records of voxel_dtype.
+    """
+    at, rgba, material = np.asarray(positions), np.asarray(colors), np.asarray(materials)
+    for name, array, high in (("positions", at, 2**30), ("colors", rgba, 255), ("materials", material, 65534)):
+        if array.dtype.kind not in "iu" and array.size:
+            raise TypeError(f"{name}: dtype {array.dtype}, expected integers")
+        low = -high if name == "positions" else 0
+        if array.size and not (low <= int(array.min()) and int(array.max()) <= high):
+            raise ValueError(f"{name}: not all in {low} .. {high}")
+    if at.ndim != 2 or at.shape[1] != 3:
+        raise ValueError(f"positions: shape {at.shape}, expected (voxel_count, 3)")
+    voxels = np.zeros(len(at), _arrays.voxel_dtype)
+    voxels["x"], voxels["y"], voxels["z"] = at.T
+    voxels["rgba"] = rgba
+    voxels["material"] = material
+    return voxels
+
+
+class Voxels(Handle):
+    """A list of voxels. It holds each place once, in Morton order from its least corner on; of several voxels in one
+    place the last one counts.
+
+    Args:
+        voxels: (voxel_count,) records of voxel_dtype, in any order, as make_voxels makes them.
+        properties: of materials, texts by key: {material: {key: value}}.
+        origin: (3,) world position of the least corner of voxel (0, 0, 0).
+        voxel_edge: width of a voxel, world units, above 0.
+
+    Attributes:
+        file_info: what the file holds, of a list from Voxels.load; else None.
+
+    Raises:
+        InvalidArgumentError: a number is out of range, or the voxels are too far apart.
+        OutOfHostMemoryError
+    """
+
+    file_info: Optional[_structs.VoxelFileInfo] = None
+
+    def __init__(
+        self,
+        voxels: _arrays.Array,
+        *,
+        properties: Optional[Mapping[int, Mapping[str, str]]] = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        voxel_edge: float = 1.0,
+    ) -> None:
+        records = _arrays.exact_records("voxels", voxels, _arrays.voxel_dtype, "voxel_dtype")
+        if not voxel_edge > 0:  # in C, 0 is 1
+            raise ValueError(f"voxel_edge: {voxel_edge} is not above 0")
+        source = _structs.new("svo_voxels_source")
+        source.voxels = ffi.cast("svo_voxel *", records.ctypes.data)
+        source.voxel_count = records.size
+        source.origin = _arrays.three("origin", origin)
+        source.voxel_edge = voxel_edge
+        kept: list[Any] = []
+        rows = []
+        for material, values in (properties or {}).items():
+            for key, value in values.items():
+                texts = [ffi.new("char[]", part.encode()) for part in (key, value)]
+                kept += texts
+                rows.append((_arrays.integer("material", material), *texts))
+        source.properties = list_of_rows = ffi.new("svo_voxel_property[]", rows)
+        source.property_count = len(rows)
+        self._create(lib.svo_voxels_create, source)
+        del kept, list_of_rows
+
+    # --- files ------------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def load(cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0) -> "Voxels":
+        """Reads a .vox, .svx or .binvox file; its bytes say which. Warnings go to the logger "svocl".
+
+        Args:
+            path: of the file.
+            hidden: .vox: what hidden layers and nodes hold is read too.
+            frame: .vox: the frame, or in a file without a scene the model.
+            voxels_max: more voxels, before those in one place become one, are refused; 0: 2**31.
+
+        Raises:
+            FileError: the file cannot be read.
+            FileDamagedError: it is truncated, damaged or of another format.
+            InvalidArgumentError: no such frame, or too many voxels.
+            UnsupportedError: .svx, and svocl was built without libzip or expat.
+        """
+        need_io("Voxels.load")
+        return cls._load(lib.svo_voxels_load, [encode(path)], hidden, frame, voxels_max)
+
+    @classmethod
+    def load_bytes(
+        cls,
+        content: Union[bytes, bytearray, memoryview],
+        name: str = "bytes",
+        *,
+        hidden: bool = False,
+        frame: int = 0,
+        voxels_max: int = 0,
+    ) -> "Voxels":
+        """Voxels.load from memory.
+
+        Args:
+            content: of a file.
+            name: stands for the path in messages.
+            hidden, frame, voxels_max: see Voxels.load.
+        """
+        need_io("Voxels.load_bytes")
+        memory = ffi.from_buffer(content)
+        return cls._load(lib.svo_voxels_load_memory, [memory, len(memory), name.encode()], hidden, frame, voxels_max)
+
+    def save(self, path: Path) -> _structs.VoxelsSaveInfo:
+        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .ply (points) or .obj
+        (the outer faces of cubes).
+
+        Args:
+            path: of the file.
+
+        Returns:
+            What was written.
+
+        Raises:
+            FileError: the file cannot be written.
+            InvalidArgumentError: no known suffix, or more than the format can hold.
+            UnsupportedError: .svx, and svocl was built without libzip or expat.
+        """
+        need_io("Voxels.save")
+        info = _structs.new("svo_voxels_save_info")
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(lib.svo_voxels_save, pointer, encode(path), lib.SVO_VOXEL_FORMAT_AUTO, info, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+        return _structs.read_file_info(info, _structs.VoxelsSaveInfo)
+
+    # --- trees ------------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def of_tree(cls, tree: Tree) -> "Voxels":
+        """The leaves of a tree, downloading it first if need be: each with the leaf's color, or white, and its
+        material, or 0. Voxels.info has the origin and the width of a voxel."""
+        made = cls.__new__(cls)
+        with tree._downloaded(None) as pointer:
+            made._create(lib.svo_tree_get_voxels, pointer)
+        return made
+
+    def plan(
+        self,
+        device: "Device",
+        depth: int = 0,
+        *,
+        need: Need = Need.DEFAULT,
+        worst_case_nodes: bool = False,
+        chunk_bytes: int = 0,
+        progress: Optional[_progress.Progress] = None,
+    ) -> Plan:
+        """Plans the tree of the list: one leaf per voxel, with its color and material.
+
+        Args:
+            device: where it is built.
+            depth: Voxels.info.depth .. 16; 0: that least one.
+            need: Need.COLOR, Need.MATERIAL, both, or Need.NONE; Need.DEFAULT is both.
+            worst_case_nodes, chunk_bytes, progress: see Device.plan.
+
+        Raises:
+            InvalidArgumentError: a depth or option out of range.
+            OutOfDeviceMemoryError, OutOfHostMemoryError
+        """
+        options = _structs.new("svo_plan_options")
+        options.builder = Builder.SORTED
+        options.need = _arrays.integer("need", need)
+        options.worst_case_nodes = bool(worst_case_nodes)
+        options.chunk_bytes = _arrays.integer("chunk_bytes", chunk_bytes, 64)
+        if not isinstance(device, Handle):
+            raise TypeError(f"device: {type(device).__name__}, expected svocl.Device")
+        number = _arrays.integer("depth", depth)
+        out = ffi.new("svo_plan **")
+        with _progress.opened(progress) as function:
+            if function is not None:
+                user = ffi.new_handle(function)
+                options.progress, options.progress_user = lib.svocl_python_progress, user
+            with device._use() as at, self._use() as pointer:
+                arguments = (at, pointer, number, options, out)
+                status = call(lib.svo_voxels_plan, *arguments, undo=lambda: lib.svo_plan_destroy(out))
+                if status != lib.SVO_OK:
+                    raise error(status, device._native.device_message())
+                lib.svo_plan_set_progress(out[0], ffi.NULL, ffi.NULL)
+                return Plan(out[0], device._native, progress)
+
+    def build(
+        self,
+        device: "Device",
+        depth: int = 0,
+        *,
+        queue: Any = None,
+        progress: Optional[_progress.Progress] = None,
+        **options: Any,
+    ) -> Tree:
+        """Plans and builds the tree of the list in one call.
+
+        Args:
+            device, depth, options: see Voxels.plan.
+            queue, progress: see Plan.build.
+        """
+        with self.plan(device, depth, **options) as plan:
+            return plan.build(queue=queue, progress=progress)
+
+    # --- what it holds ----------------------------------------------------------------------------------------------
+
+    @property
+    def info(self) -> _structs.VoxelsInfo:
+        """What the list holds."""
+        struct = _structs.new("svo_voxels_info")
+        self._call(lib.svo_voxels_get_info, struct)
+        return _structs.read(struct, _structs.VoxelsInfo)
+
+    @property
+    def records(self) -> _arrays.Array:
+        """(voxel_count,) records of voxel_dtype in the list's memory, read-only; valid when the list is closed."""
+        count = self.info.voxel_count
+        with self._use() as pointer:
+            found = view(self._native, lib.svo_voxels_get(pointer), np.uint8, (count * _arrays.voxel_dtype.itemsize,))
+        return np.empty(0, _arrays.voxel_dtype) if found is None else found.view(_arrays.voxel_dtype)
+
+    @property
+    def properties(self) -> dict[int, dict[str, str]]:
+        """The properties of materials: {material: {key: value}}."""
+        count = self.info.property_count
+        found: dict[int, dict[str, str]] = {}
+        with self._use() as pointer:
+            rows = lib.svo_voxels_get_properties(pointer)
+            for index in range(count):
+                row = rows[index]
+                found.setdefault(int(row.material), {})[text(row.key)] = text(row.value)
+        return found
+
+    # --- shared -----------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def _load(cls, load: Any, source: list[Any], hidden: bool, frame: int, voxels_max: int) -> "Voxels":
+        options = _structs.new("svo_voxels_load_options")
+        options.hidden = bool(hidden)
+        options.frame = _arrays.integer("frame", frame)
+        options.voxels_max = _arrays.integer("voxels_max", voxels_max, 64)
+        options.log = lib.svocl_python_log
+        info = _structs.new("svo_voxel_file_info")
+        made = cls.__new__(cls)
+        made._create(load, *source, options, info=info)
+        made.file_info = _structs.read_file_info(info, _structs.VoxelFileInfo)
+        return made
+
+    def _create(self, function: Any, *arguments: Any, info: Any = None) -> None:
+        out = ffi.new("svo_voxels **")
+        message = ffi.new("svo_message *")
+        results = [out, message] if info is None else [out, info, message]
+        status = call(function, *arguments, *results, undo=lambda: lib.svo_voxels_destroy(out))
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        self._open(Native(out[0], _destroy, Guard(), None))
+
+    def __repr__(self) -> str:
+        return "<svocl.Voxels: closed>" if self.closed else f"<svocl.Voxels: {self.info.voxel_count} voxels>"
+
+
+def _destroy(pointer: Any) -> None:
+    lib.svo_voxels_destroy(ffi.new("svo_voxels **", pointer))

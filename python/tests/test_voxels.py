@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: MIT
+"""Given voxels: lists, the trees of them, and files, there and back."""
+
+import numpy as np
+import pytest
+
+import svocl
+
+
+def some_voxels(random, count=200):
+    """Different places, colors and materials."""
+    places = np.unique(random.integers(-9, 9, (count, 3)), axis=0)
+    colors = random.integers(0, 256, (len(places), 4))
+    colors[:, 3] = 255
+    return svocl.make_voxels(places, colors, random.integers(0, 5, len(places)))
+
+
+def as_set(records):
+    return {(int(v["x"]), int(v["y"]), int(v["z"]), tuple(v["rgba"]), int(v["material"])) for v in records}
+
+
+def test_a_list_holds_each_place_once(random):
+    given = some_voxels(random)
+    again = given[:7].copy()
+    again["rgba"] = 1, 2, 3, 4
+    with svocl.Voxels(np.concatenate([given, again])) as voxels:
+        info, records = voxels.info, voxels.records
+        assert info.voxel_count == len(given) == len(records) and info.given_count == len(given) + 7
+        assert as_set(records) == as_set(given[7:]) | as_set(again)
+        places = np.stack([given[axis] for axis in "xyz"], axis=1)
+        assert info.low == tuple(places.min(axis=0)) and info.high == tuple(places.max(axis=0) + 1)
+        assert info.depth == 5 and info.material_count == given["material"].max() + 1
+        assert not records.flags.writeable and voxels.file_info is None
+    assert len(as_set(records)) == len(given)  # the records outlive the list
+
+
+def test_properties_and_the_grid(random):
+    properties = {3: {"type": "glass", "ior": "1.5"}, 0: {"type": ""}}
+    with svocl.Voxels(some_voxels(random), properties=properties, origin=(1, 2, 3), voxel_edge=0.5) as voxels:
+        assert voxels.properties == properties
+        assert voxels.info.origin == (1, 2, 3) and voxels.info.voxel_edge == 0.5 and voxels.info.property_count == 3
+
+
+def test_a_tree_of_a_list_has_its_voxels(device, random):
+    given = some_voxels(random)
+    with svocl.Voxels(given) as voxels, voxels.build(device) as tree:
+        assert tree.info.depth == voxels.info.depth and tree.info.leaf_count == len(given)
+        assert tree.info.need == svocl.Need.COLOR | svocl.Need.MATERIAL
+        places = tree.voxels() + np.array(voxels.info.low)
+        assert {tuple(place) for place in places} == {tuple(int(v[axis]) for axis in "xyz") for v in given}
+        with svocl.Voxels.of_tree(tree) as back:
+            assert np.array_equal(back.records, voxels.records)
+        with voxels.plan(device, 6, need=svocl.Need.NONE) as plan:
+            assert plan.info.depth == 6 and plan.info.need == 0
+        stages = set()
+        voxels.build(device, progress=lambda stage, _: stages.add(stage)).close()
+        assert stages
+
+
+def test_no_voxels(device):
+    with svocl.Voxels(svocl.make_voxels(np.empty((0, 3), int))) as voxels:
+        assert voxels.info.voxel_count == 0 and len(voxels.records) == 0 and voxels.properties == {}
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+@pytest.mark.parametrize("suffix", ["vox", "svx", "binvox"])
+def test_files(random, suffix, tmp_path):
+    path = tmp_path / f"some.{suffix}"
+    with svocl.Voxels(some_voxels(random)) as voxels:
+        written = voxels.save(path)
+        assert written.format == suffix and written.bytes == path.stat().st_size
+        for loaded in (svocl.Voxels.load(path), svocl.Voxels.load_bytes(path.read_bytes())):
+            assert loaded.file_info.format == suffix and loaded.info.voxel_count == voxels.info.voxel_count
+            if suffix == "vox":
+                assert loaded.file_info.version in (150, 200)
+                assert loaded.file_info.instance_voxels == len(voxels.records)
+                places = [{tuple(int(v[axis]) for axis in "xyz") for v in some.records} for some in (loaded, voxels)]
+                assert places[0] == places[1]
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_files_that_are_only_written_or_broken(random, tmp_path):
+    with svocl.Voxels(some_voxels(random)) as voxels:
+        assert voxels.save(tmp_path / "some.obj").faces > 0
+        assert voxels.save(tmp_path / "some.ply").format == "ply"
+        with pytest.raises(svocl.InvalidArgumentError, match="some.txt"):
+            voxels.save(tmp_path / "some.txt")
+        with pytest.raises(svocl.FileError):
+            voxels.save(tmp_path / "no/such/folder/some.vox")
+        voxels.save(tmp_path / "some.vox")
+    content = (tmp_path / "some.vox").read_bytes()
+    with pytest.raises(svocl.FileDamagedError, match="^half: "):
+        svocl.Voxels.load_bytes(content[: len(content) // 2], "half")
+    with pytest.raises(svocl.InvalidArgumentError):
+        svocl.Voxels.load_bytes(content, voxels_max=3)
+    with pytest.raises(svocl.FileError, match="No such file"):
+        svocl.Voxels.load(tmp_path / "none.vox")
+
+
+def test_wrong_arguments(device):
+    with pytest.raises(TypeError, match=r"voxels: list, expected an array of svocl\.voxel_dtype"):
+        svocl.Voxels([])
+    with pytest.raises(TypeError, match="voxels: dtype float64"):
+        svocl.Voxels(np.zeros((3, 3)))
+    with pytest.raises(ValueError, match=r"positions: shape \(3,\), expected \(voxel_count, 3\)"):
+        svocl.make_voxels([1, 2, 3])
+    with pytest.raises(TypeError, match="positions: dtype float64, expected integers"):
+        svocl.make_voxels([[0.5, 1, 2]])
+    with pytest.raises(ValueError, match=r"colors: not all in 0 \.\. 255"):
+        svocl.make_voxels([[0, 1, 2]], [[0, 0, 0, 256]])
+    with pytest.raises(ValueError, match="voxel_edge: 0 is not above 0"):
+        svocl.Voxels(svocl.make_voxels([[0, 0, 0]]), voxel_edge=0)
+    with pytest.raises(svocl.InvalidArgumentError, match="origin"):
+        svocl.Voxels(svocl.make_voxels([[0, 0, 0]]), origin=(np.nan, 0, 0))
+    far = svocl.Voxels(svocl.make_voxels([[0, 0, 0], [100, 0, 0]]))
+    with pytest.raises(svocl.InvalidArgumentError, match="depth"):
+        far.build(device, 3)
+    far.close()
+    with pytest.raises(ValueError, match="Voxels is closed"):
+        far.info  # noqa: B018
