@@ -99,7 +99,7 @@ def test_structs_are_complete():
         "svo_voxel_file_info": (_structs.VoxelFileInfo, set()),
         "svo_voxels_save_info": (_structs.VoxelsSaveInfo, set()),
         "svo_scene_info": (_structs.SceneInfo, {"reserved"}),
-        "svo_scene_light": (svocl.Light, {"reserved"}),
+        "svo_scene_light": (svocl.SceneLight, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
     }

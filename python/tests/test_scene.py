@@ -71,10 +71,10 @@ def test_pictures(tree):
         assert camera.vertical_fov > 0
         picture = scene.render(32, 24, camera=camera)
         assert picture.shape == (24, 32, 4) and len(np.unique(picture.reshape(-1, 4), axis=0)) > 10
-        dark = scene.render(32, 24, camera=camera, lights=[svocl.Light((0, 0, 1), (0, 0, 0))])
+        dark = scene.render(32, 24, camera=camera, lights=[svocl.SceneLight((0, 0, 1), (0, 0, 0))])
         assert dark[..., :3].sum() < picture[..., :3].sum()
         with pytest.raises(svocl.InvalidArgumentError, match="direction"):
-            scene.render(8, 8, lights=[svocl.Light((0, 0, 0))])
+            scene.render(8, 8, lights=[svocl.SceneLight((0, 0, 0))])
         with pytest.raises(svocl.InvalidArgumentError, match="pixels"):
             scene.render(0, 8)
 

@@ -73,7 +73,7 @@ from ._errors import (
 )
 from ._mesh import Material, Mesh, Texture, has_io, read_mesh
 from ._plan import Plan
-from ._scene import Light, Scene, make_instances
+from ._scene import SceneLight, Scene, make_instances
 from ._structs import (
     BuildReport,
     CompactInfo,
@@ -126,7 +126,7 @@ __all__ = [
     "InvalidArgumentError",
     "Kernels",
     "LeftOut",
-    "Light",
+    "SceneLight",
     "Material",
     "Mesh",
     "Need",

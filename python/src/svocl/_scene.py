@@ -18,7 +18,7 @@ from ._resident import Resident
 from ._tree import Camera, Tree, address, new_picture, read_camera, write_camera
 
 
-class Light(NamedTuple):
+class SceneLight(NamedTuple):
     """A light from one direction."""
 
     direction: tuple[float, float, float]
@@ -228,7 +228,7 @@ class Scene(Handle):
         height: int,
         *,
         camera: Optional[Camera] = None,
-        lights: Sequence[Light] = (),
+        lights: Sequence[SceneLight] = (),
         occlusion_range: float = 0.0,
         queue: Any = None,
     ) -> npt.NDArray[np.uint8]:
@@ -305,7 +305,7 @@ def _pointer_of(tree: Resident, device: Native) -> Any:
     return tree._native._pointer[0]
 
 
-def _light(light: Light) -> dict[str, Any]:
+def _light(light: SceneLight) -> dict[str, Any]:
     return {
         "direction": _arrays.three("light.direction", light.direction),
         "color": _arrays.three("light.color", light.color),
