@@ -73,7 +73,7 @@ from ._errors import (
 )
 from ._mesh import Material, Mesh, Texture, has_io, read_mesh
 from ._plan import Plan
-from ._scene import SceneLight, Scene, make_instances
+from ._scene import Scene, SceneLight, make_instances
 from ._structs import (
     BuildReport,
     CompactInfo,
@@ -126,7 +126,6 @@ __all__ = [
     "InvalidArgumentError",
     "Kernels",
     "LeftOut",
-    "SceneLight",
     "Material",
     "Mesh",
     "Need",
@@ -138,6 +137,7 @@ __all__ = [
     "PlanBuffer",
     "PlanInfo",
     "Scene",
+    "SceneLight",
     "SceneInfo",
     "SceneTrace",
     "Solid",
