@@ -130,8 +130,7 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
     *out = (svo_i_photons){.work = work,
                            .tree = tree,
                            .has_directions = has_directions,
-                           .of_triangles =
-                               (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
+                           .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
                            .unit = unit,
                            .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
     SVO_I_TRY(take(out, "photon_slots", slot_bytes, &out->slots));
@@ -206,12 +205,11 @@ static svo_status trace(svo_i_photons *photons, uint32_t count)
 {
     svo_i_compact_work *work = photons->work;
     cl_event done = NULL;
-    const svo_status status =
-        photons->of_triangles
-            ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count, SVO_TRACE_CLOSEST, work->queue,
-                                     1, &work->last, &done)
-            : svo_tree_trace_voxels_enqueue(photons->tree, photons->rays, photons->met, count, 0.0F, work->queue, 1,
-                                            &work->last, &done);
+    const svo_status status = photons->of_triangles
+                                  ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count,
+                                                           SVO_TRACE_CLOSEST, work->queue, 1, &work->last, &done)
+                                  : svo_tree_trace_voxels_enqueue(photons->tree, photons->rays, photons->met, count,
+                                                                  0.0F, work->queue, 1, &work->last, &done);
     if (status != SVO_OK) {
         svo_i_message_rename(svo_i_device_message(work->device), work->function);
         return status;
@@ -257,12 +255,9 @@ static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *vie
     const double start = svo_i_now_ms();
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
                                    SVO_I_ARGUMENT(*params)};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),
-                                  SVO_I_ARGUMENT(photons->met),
-                                  SVO_I_ARGUMENT(photons->leaves),
-                                  SVO_I_ARGUMENT(photons->slots),
-                                  SVO_I_ARGUMENT(photons->sums),
-                                  SVO_I_ARGUMENT(photons->counters),
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),
+                                  SVO_I_ARGUMENT(photons->leaves),  SVO_I_ARGUMENT(photons->slots),
+                                  SVO_I_ARGUMENT(photons->sums),    SVO_I_ARGUMENT(photons->counters),
                                   SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
