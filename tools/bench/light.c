@@ -68,13 +68,9 @@ static void begin_stages(suite *all, size_t rounds)
     result_set_note(
         table,
         "Medians and quartiles (q1, q3) of %zu runs after a warm-up run. One directional light whose view has %u "
-        "photons "
-        "along a side. Published: Voxel cone tracing thesis (2016), Radeon HD 5850, the corresponding stage on a grid "
-        "of "
-        "the same size, light view of 4096 x 4096. Ratio: published time to svocl's; above 1 svocl is quicker. "
-        "Neighbors "
-        "and the exchange of borders have no counterpart where svocl needs none. Rate: of the light view, rays per "
-        "second.",
+        "photons along a side. Published: Voxel cone tracing thesis (2016), Radeon HD 5850, the corresponding stage on "
+        "a grid of the same size, with a view of 4,096 photons along a side. Ratio: published time to svocl's; above 1 "
+        "svocl is quicker. svocl needs no neighbors. Rate: rays per second of the light view.",
         rounds, all->quick ? VIEW_QUICK : VIEW);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
@@ -88,15 +84,12 @@ static void begin_stages(suite *all, size_t rounds)
 
 static void begin_bytes(suite *all)
 {
-    result_table *table =
-        result_add_table(all->results, bytes_id, "Light: bytes",
-                         "Dense: every voxel of the grid and of all levels, with the same numbers a voxel as the light "
-                         "stores a node. RGBA8 "
-                         "pyramid: a dense one of six directions on all levels but the finest, as public engines hold "
-                         "it; its passes from "
-                         "level to level run on the same device. Share: of the dense bytes. Published: dense voxels, "
-                         "neighbors and bricks "
-                         "of a master's thesis on voxel cone tracing (2016) on a grid of the same size.");
+    result_table *table = result_add_table(
+        all->results, bytes_id, "Light: bytes",
+        "Dense: every voxel of the grid and of all levels, with the same numbers a voxel as the light stores a node. "
+        "RGBA8 pyramid: a dense one of six directions on all levels but the finest, as public engines hold it; its "
+        "passes from level to level run on the same device. Share: of the dense bytes. Published: dense voxels, "
+        "neighbors and bricks of a master's thesis on voxel cone tracing (2016) on a grid of the same size.");
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "nodes", "");
@@ -323,12 +316,15 @@ static svo_gather_point point_of(const svo_ray *ray, const svo_hit *hit)
 static int fill_frame(const light_bench *bench, const ray_table *cast, svo_hit *hits, frame_points *frame)
 {
     program *state = bench->all->state;
-    const double started_ms = input_now_ms();
-    if (svo_tree_trace(bench->tree, cast->rays, hits, cast->count, SVO_TRACE_CLOSEST, bench->all->opened.queue) !=
-        SVO_OK) {
-        return program_fail_library(state, svo_device_message(bench->all->opened.device));
+    for (size_t round = 0; round <= bench->rounds; ++round) { /* the first makes what rays need */
+        const double started_ms = input_now_ms();
+        if (svo_tree_trace(bench->tree, cast->rays, hits, cast->count, SVO_TRACE_CLOSEST, bench->all->opened.queue) !=
+            SVO_OK) {
+            return program_fail_library(state, svo_device_message(bench->all->opened.device));
+        }
+        bench->scratch[round > 0 ? round - 1 : 0] = input_now_ms() - started_ms;
     }
-    frame->first_hit_ms = input_now_ms() - started_ms;
+    frame->first_hit_ms = spread_of(bench->scratch, bench->rounds).median;
     for (size_t i = 0; i < cast->count; ++i) {
         if (hits[i].triangle != SVO_NO_TRIANGLE) {
             frame->points[frame->count++] = point_of(&cast->rays[i], &hits[i]);
@@ -393,7 +389,9 @@ static int measure_forms(light_bench *bench, const frame_points *frame)
             return program_fail_library(bench->all->state, svo_device_message(bench->all->opened.device));
         }
         for (size_t i = 0; i < sizeof published_stages / sizeof published_stages[0]; ++i) {
-            add_stage(bench, &published_stages[i]);
+            if (published_stages[i].stage != NO_STAGE || form == SVO_LIGHT_BRICKS) {
+                add_stage(bench, &published_stages[i]);
+            }
         }
         add_bytes(bench, dense_ms);
         const int exit_code = add_frame(bench, frame);
