@@ -16,7 +16,7 @@
 
 #define ROUNDS_MAX      3u /* views of millions of photons take seconds on a processor */
 #define VIEW            4096u /* photons along a side, as published */
-#define VIEW_QUICK      128u
+#define VIEW_QUICK      512u
 #define FRAME_WIDTH     800u /* as published */
 #define FRAME_HEIGHT    600u
 #define FRAME_CONES     5u
@@ -436,7 +436,7 @@ const suite_subject bench_light = {
     .group = "all",
     .summary = "light: stages, bytes and frames beside those of older systems",
     .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
-    .quick = {.scenes = {"atrium:17000"}, .depths = {6}},
+    .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,
     .run = run,
 };

@@ -97,7 +97,7 @@ static void sum_up(cone_truth *truth)
 
 int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count, unsigned samples, cone_truth *out)
 {
-    *out = (cone_truth){.name = given->spec, .source = given->source, .setup = SVO_LIGHT_SETUP_INIT};
+    *out = (cone_truth){.name = given->name, .source = given->source, .setup = SVO_LIGHT_SETUP_INIT};
     out->made = errors_scene(run, given->spec);
     if (out->made == NULL) {
         return PROGRAM_FAILED;

@@ -23,7 +23,7 @@ typedef struct cone_truth {
 } cone_truth;
 
 typedef struct truth_scene {
-    const char *spec; /* "atrium", "statue:20000" */
+    const char *name, *spec; /* "statue", "statue:20000" */
     svo_light_source source;
     float sky[3];
 } truth_scene;

@@ -25,13 +25,17 @@
 #define RAY_METHODS   10u
 
 static const truth_scene full_scenes[] = {
-    {"atrium",
-     {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.35F, -1, -0.3F}, .value = {10, 9.5F, 8.5F}},
-     {0.4F, 0.5F, 0.7F}},
-    {"cornell", {.kind = SVO_SOURCE_POINT, .position = {0, 1.85F, 0}, .value = {3, 2.8F, 2.4F}}, {0, 0, 0}},
-    {"statue",
-     {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.6F, -1, -0.8F}, .value = {10, 9.5F, 8.5F}},
-     {0.4F, 0.5F, 0.7F}}};
+    {.name = "atrium",
+     .spec = "atrium",
+     .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.35F, -1, -0.3F}, .value = {10, 9.5F, 8.5F}},
+     .sky = {0.4F, 0.5F, 0.7F}},
+    {.name = "cornell",
+     .spec = "cornell",
+     .source = {.kind = SVO_SOURCE_POINT, .position = {0, 1.85F, 0}, .value = {3, 2.8F, 2.4F}}},
+    {.name = "statue",
+     .spec = "statue",
+     .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.6F, -1, -0.8F}, .value = {10, 9.5F, 8.5F}},
+     .sky = {0.4F, 0.5F, 0.7F}}};
 #define SCENES (sizeof full_scenes / sizeof full_scenes[0])
 static const char *const quick_specs[SCENES] = {"atrium:17000", "cornell:2000", "statue:10000"};
 
