@@ -392,6 +392,18 @@ SVO_RECORD(svo_light_params)
     SVO_U32 reserved; /* 28 */
 };
 
+/* How cones gather. 32 bytes. */
+SVO_RECORD(svo_gather_params)
+{
+    SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
+    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
+    SVO_F32 step; /* 8: widths of the cone */
+    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
+    SVO_F32 falloff; /* 16: lambda, per world unit */
+    SVO_U32 with_light; /* 20: 0: occlusion alone */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 /* Arguments of the kernels that make and filter light. 32 bytes. */
 SVO_RECORD(svo_light_step)
 {
@@ -518,6 +530,7 @@ SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
+SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
 
