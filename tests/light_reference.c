@@ -2,6 +2,7 @@
 /* Filters dense grids of opacity, level by level, in the words of the formulas. */
 #include "light_reference.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,9 +34,9 @@ double light_levels_get(const light_levels *levels, uint32_t level, const int at
     return index != SIZE_MAX ? levels->cells[level][index] : 0;
 }
 
-static uint16_t round_half_up(double value)
+static double stored(const light_levels *levels, double value)
 {
-    return (uint16_t)(value + 0.5);
+    return levels->whole ? floor(value + 0.5) : value;
 }
 
 /* ---- the values of a level ---- */
@@ -49,24 +50,31 @@ static void step_to(const int at[3], int scale, unsigned bits, int out[3])
 }
 
 /* Faces: a ray along the axis passes through two of the eight cells, of which there are four pairs. */
-static uint16_t face_value(const light_levels *levels, uint32_t level, const int at[3], uint32_t direction)
+static double face_value(const light_levels *levels, uint32_t level, const int at[3], uint32_t direction)
 {
     const unsigned along = 1u << (direction / 2);
-    double passing = 0;
+    double sum = 0;
     for (unsigned octant = 0; octant < 8; ++octant) {
         int front[3];
         int back[3];
-        if ((octant & along) == 0) {
-            step_to(at, 2, octant, front);
-            step_to(at, 2, octant | along, back);
-            passing += (65535 - light_levels_get(levels, level + 1, front, direction)) *
-                       (65535 - light_levels_get(levels, level + 1, back, direction));
+        if (((octant & along) != 0) != (direction % 2 != 0)) {
+            continue;
+        }
+        step_to(at, 2, octant, front);
+        step_to(at, 2, octant ^ along, back);
+        if (levels->opacity != NULL) {
+            const double passing = 1 - light_levels_get(levels->opacity, level + 1, front, direction) / 65535;
+            sum += light_levels_get(levels, level + 1, front, direction) +
+                   passing * light_levels_get(levels, level + 1, back, direction);
+        } else {
+            sum += (65535 - light_levels_get(levels, level + 1, front, direction)) *
+                   (65535 - light_levels_get(levels, level + 1, back, direction));
         }
     }
-    return (uint16_t)(65535 - round_half_up(passing / (4.0 * 65535)));
+    return levels->opacity != NULL ? sum / 4 : 65535 - stored(levels, sum / (4.0 * 65535));
 }
 
-static uint16_t voxel_value(const light_levels *levels, uint32_t level, const int at[3])
+static double voxel_value(const light_levels *levels, uint32_t level, const int at[3])
 {
     double sum = 0;
     for (unsigned octant = 0; octant < 8; ++octant) {
@@ -74,11 +82,11 @@ static uint16_t voxel_value(const light_levels *levels, uint32_t level, const in
         step_to(at, 2, octant, child);
         sum += light_levels_get(levels, level + 1, child, 0);
     }
-    return round_half_up(sum / 8);
+    return stored(levels, sum / 8);
 }
 
 /* Bricks: (1, 2, 1) / 4 on each axis, around every second point. */
-static uint16_t point_value(const light_levels *levels, uint32_t level, const int at[3])
+static double point_value(const light_levels *levels, uint32_t level, const int at[3])
 {
     double sum = 0;
     for (int k = 0; k < 27; ++k) {
@@ -86,10 +94,10 @@ static uint16_t point_value(const light_levels *levels, uint32_t level, const in
         const int fine[3] = {2 * at[0] + by[0], 2 * at[1] + by[1], 2 * at[2] + by[2]};
         sum += (2 - abs(by[0])) * (2 - abs(by[1])) * (2 - abs(by[2])) * light_levels_get(levels, level + 1, fine, 0);
     }
-    return round_half_up(sum / 64);
+    return stored(levels, sum / 64);
 }
 
-static uint16_t value_of(const light_levels *levels, uint32_t level, const int at[3], uint32_t value)
+static double value_of(const light_levels *levels, uint32_t level, const int at[3], uint32_t value)
 {
     switch (levels->form) {
     case SVO_LIGHT_BRICKS:
@@ -103,23 +111,11 @@ static uint16_t value_of(const light_levels *levels, uint32_t level, const int a
 
 /* ---- the deepest level ---- */
 
-static double largest_of(const uint16_t *leaf)
-{
-    double largest = 0;
-    for (int direction = 0; direction < 6; ++direction) {
-        largest = leaf[direction] > largest ? leaf[direction] : largest;
-    }
-    return largest;
-}
-
-static uint16_t deepest_value(const light_levels *levels, const uint16_t *leaves, const int at[3], uint32_t value)
+/* Bricks: the mean over the eight cells around a point. leaves: six values each. */
+static double deepest_point(const light_levels *levels, const double *leaves, const int at[3])
 {
     const int cells = 1 << levels->depth;
     double sum = 0;
-    if (levels->form != SVO_LIGHT_BRICKS) {
-        const uint16_t *leaf = leaves + 6 * (size_t)(at[0] + cells * (at[1] + cells * at[2]));
-        return levels->form == SVO_LIGHT_FACES ? leaf[value] : (uint16_t)largest_of(leaf);
-    }
     for (unsigned octant = 0; octant < 8; ++octant) {
         int cell[3];
         step_to(at, 1, octant, cell);
@@ -127,27 +123,58 @@ static uint16_t deepest_value(const light_levels *levels, const uint16_t *leaves
         const int y = cell[1] - 1;
         const int z = cell[2] - 1;
         if (x >= 0 && y >= 0 && z >= 0 && x < cells && y < cells && z < cells) {
-            sum += largest_of(leaves + 6 * (size_t)(x + cells * (y + cells * z)));
+            sum += leaves[6 * (size_t)(x + cells * (y + cells * z))];
         }
     }
-    return round_half_up(sum / 8);
+    return stored(levels, sum / 8);
+}
+
+static double deepest_value(const light_levels *levels, const double *leaves, const int at[3], uint32_t value)
+{
+    const int cells = 1 << levels->depth;
+    return levels->form == SVO_LIGHT_BRICKS ? deepest_point(levels, leaves, at)
+                                            : leaves[6 * (size_t)(at[0] + cells * (at[1] + cells * at[2])) + value];
+}
+
+/* From the deepest level upwards. */
+static void filter(light_levels *levels, const double *leaves)
+{
+    for (uint32_t level = levels->depth + 1; level-- > (levels->form == SVO_LIGHT_BRICKS ? 1u : 0u);) {
+        const size_t width = light_levels_width(levels, level);
+        const size_t values = width * width * width * levels->count;
+        levels->cells[level] = malloc(values * sizeof(double));
+        assert_non_null(levels->cells[level]);
+        for (size_t k = 0; k < values; ++k) {
+            const size_t cell = k / levels->count;
+            const uint32_t value = (uint32_t)(k % levels->count);
+            const int at[3] = {(int)(cell % width), (int)(cell / width % width), (int)(cell / width / width)};
+            levels->cells[level][k] =
+                level == levels->depth ? deepest_value(levels, leaves, at, value) : value_of(levels, level, at, value);
+        }
+    }
 }
 
 void light_levels_make(svo_light_form form, uint32_t depth, const uint16_t *leaves, light_levels *out)
 {
-    *out = (light_levels){.form = form, .depth = depth, .count = form == SVO_LIGHT_FACES ? 6 : 1};
-    for (uint32_t level = depth + 1; level-- > (form == SVO_LIGHT_BRICKS ? 1u : 0u);) {
-        const size_t width = light_levels_width(out, level);
-        out->cells[level] = malloc(width * width * width * out->count * sizeof(uint16_t));
-        assert_non_null(out->cells[level]);
-        for (size_t k = 0; k < width * width * width * out->count; ++k) {
-            const size_t cell = k / out->count;
-            const uint32_t value = (uint32_t)(k % out->count);
-            const int at[3] = {(int)(cell % width), (int)(cell / width % width), (int)(cell / width / width)};
-            out->cells[level][k] =
-                level == depth ? deepest_value(out, leaves, at, value) : value_of(out, level, at, value);
+    const size_t cells = (size_t)1 << 3 * depth;
+    double *values = malloc(cells * 6 * sizeof *values);
+    assert_non_null(values);
+    for (size_t k = 0; k < 6 * cells; ++k) {
+        values[k] = leaves[k];
+        for (size_t other = 0; form != SVO_LIGHT_FACES && other < 6; ++other) {
+            values[k] = fmax(values[k], leaves[k / 6 * 6 + other]);
         }
     }
+    *out = (light_levels){.form = form, .depth = depth, .count = form == SVO_LIGHT_FACES ? 6 : 1, .whole = true};
+    filter(out, values);
+    free(values);
+}
+
+void light_levels_make_light(const light_levels *opacity, const double *leaves, light_levels *out)
+{
+    *out = (light_levels){
+        .form = opacity->form, .depth = opacity->depth, .count = opacity->count, .opacity = opacity, .whole = false};
+    filter(out, leaves);
 }
 
 void light_levels_free(light_levels *levels)

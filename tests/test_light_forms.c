@@ -16,72 +16,11 @@
 #include <string.h>
 
 #include "light_fixture.h"
-#include "light_reference.h"
+#include "light_scene.h"
 #include "meshes.h"
 
-#define DEPTH 5u
-#define WIDTH ((size_t)1 << DEPTH)
-#define CELLS (WIDTH * WIDTH * WIDTH)
-
-/* ---- scenes ---- */
-
-/* Clusters, so that bricks meet at faces, edges and corners alone; some voxels transparent. */
-static void fill_random(uint64_t seed, uint8_t alphas[CELLS])
-{
-    memset(alphas, 0, CELLS);
-    for (int cluster = 0; cluster < 40; ++cluster) {
-        const size_t corner[3] = {random_below(&seed, 29), random_below(&seed, 29), random_below(&seed, 29)};
-        for (int k = 0; k < 16; ++k) {
-            const size_t x = corner[0] + random_below(&seed, 3);
-            const size_t y = corner[1] + random_below(&seed, 3);
-            const size_t z = corner[2] + random_below(&seed, 3);
-            alphas[x + WIDTH * (y + WIDTH * z)] = (uint8_t)(k % 2 == 0 ? 255 : random_below(&seed, 256));
-        }
-    }
-}
-
-/* Six equal opacities for each voxel. */
-static void make_levels(svo_light_form form, uint32_t depth, const uint8_t *alphas, light_levels *out)
-{
-    const size_t cells = (size_t)1 << 3 * depth;
-    uint16_t *leaves = malloc(cells * 6 * sizeof *leaves);
-    assert_non_null(leaves);
-    for (size_t k = 0; k < 6 * cells; ++k) {
-        leaves[k] = (uint16_t)(257 * alphas[k / 6]);
-    }
-    light_levels_make(form, depth, leaves, out);
-    free(leaves);
-}
-
-/* A random scene, its tree, its light and the same on a dense grid. */
-typedef struct scene_of_form {
-    svo_tree *tree;
-    svo_tree_info info;
-    svo_light *light;
-    light_levels levels;
-    uint16_t *opacity;
-} scene_of_form;
-
-static void open_scene(const fixture *opened, uint64_t seed, svo_light_form form, scene_of_form *out)
-{
-    uint8_t *alphas = malloc(CELLS);
-    assert_non_null(alphas);
-    fill_random(seed, alphas);
-    *out = (scene_of_form){.tree = light_tree_of(opened, DEPTH, alphas), .info = SVO_TREE_INFO_INIT};
-    light_succeed(opened, svo_tree_get_info(out->tree, &out->info));
-    out->light = light_of(opened, out->tree, form);
-    out->opacity = light_read(opened, out->light, SVO_LIGHT_OPACITY);
-    make_levels(form, DEPTH, alphas, &out->levels);
-    free(alphas);
-}
-
-static void close_scene(scene_of_form *scene)
-{
-    light_levels_free(&scene->levels);
-    free(scene->opacity);
-    svo_light_destroy(&scene->light);
-    svo_tree_destroy(&scene->tree);
-}
+#define DEPTH LIGHT_SCENE_DEPTH
+#define WIDTH LIGHT_SCENE_WIDTH
 
 /* ---- stored values ---- */
 
@@ -101,22 +40,22 @@ static double extinction_of(double opacity)
 static void every_node_has_the_opacity_of_a_dense_grid(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    scene_of_form scene;
-    open_scene(&opened, 1, SVO_LIGHT_VOXELS, &scene);
+    light_scene scene;
+    light_scene_open(&opened, 1, SVO_LIGHT_VOXELS, &scene);
     for (uint32_t index = 0; index < scene.info.node_count; ++index) {
         svo_node node;
         light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
         const int cell[3] = {(int)node.cell[0], (int)node.cell[1], (int)node.cell[2]};
         check_value("voxels", &node, 0, scene.opacity[index], light_levels_get(&scene.levels, node.level, cell, 0));
     }
-    close_scene(&scene);
+    light_scene_close(&scene);
 }
 
 static void every_face_has_the_extinction_of_a_dense_grid(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    scene_of_form scene;
-    open_scene(&opened, 2, SVO_LIGHT_FACES, &scene);
+    light_scene scene;
+    light_scene_open(&opened, 2, SVO_LIGHT_FACES, &scene);
     for (uint32_t index = 0; index < scene.info.node_count; ++index) {
         svo_node node;
         light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
@@ -127,39 +66,31 @@ static void every_face_has_the_extinction_of_a_dense_grid(void **state)
             check_value("faces", &node, direction, fabs(stored - expected) < 0.51 ? expected : stored, expected);
         }
     }
-    close_scene(&scene);
-}
-
-/* Where a sample of a brick is in the lattice of the level below its node. */
-static void place_of_sample(const svo_node *node, uint32_t sample, int at[3])
-{
-    at[0] = (int)(2 * node->cell[0] + sample % 3);
-    at[1] = (int)(2 * node->cell[1] + sample / 3 % 3);
-    at[2] = (int)(2 * node->cell[2] + sample / 9);
+    light_scene_close(&scene);
 }
 
 static void every_sample_is_that_of_a_dense_lattice(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    scene_of_form scene;
-    open_scene(&opened, 3, SVO_LIGHT_BRICKS, &scene);
+    light_scene scene;
+    light_scene_open(&opened, 3, SVO_LIGHT_BRICKS, &scene);
     assert_int_equal(light_info_of(scene.light).bytes[SVO_LIGHT_OPACITY], 27 * 2 * scene.info.inner_count);
     for (uint32_t index = 0; index < scene.info.inner_count; ++index) {
         svo_node node;
         light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
         for (uint32_t sample = 0; sample < 27; ++sample) {
             int at[3];
-            place_of_sample(&node, sample, at);
+            light_scene_place(&node, sample, at);
             check_value("bricks", &node, sample, scene.opacity[27 * (size_t)index + sample],
                         light_levels_get(&scene.levels, node.level + 1, at, 0));
         }
     }
-    close_scene(&scene);
+    light_scene_close(&scene);
 }
 
 /* The sum over the points of a level's lattice, each counted once; bricks that share a point must agree. *points: how
    many there are. */
-static double sum_of_points(const fixture *opened, const scene_of_form *scene, uint32_t level, size_t *points)
+static double sum_of_points(const fixture *opened, const light_scene *scene, uint32_t level, size_t *points)
 {
     const size_t width = ((size_t)1 << level) + 1;
     int32_t *seen = malloc(width * width * width * sizeof *seen);
@@ -172,7 +103,7 @@ static double sum_of_points(const fixture *opened, const scene_of_form *scene, u
         light_succeed(opened, svo_tree_find_node(scene->tree, index, &node));
         for (uint32_t sample = 0; sample < 27; ++sample) {
             int at[3];
-            place_of_sample(&node, sample, at);
+            light_scene_place(&node, sample, at);
             int32_t *there = seen + (size_t)at[0] + width * ((size_t)at[1] + width * (size_t)at[2]);
             const int32_t value = scene->opacity[27 * (size_t)index + sample];
             assert_true(*there < 0 || *there == value);
@@ -189,8 +120,8 @@ static void bricks_agree_and_keep_the_sum(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     for (uint64_t seed = 10; seed < 13; ++seed) {
-        scene_of_form scene;
-        open_scene(&opened, seed, SVO_LIGHT_BRICKS, &scene);
+        light_scene scene;
+        light_scene_open(&opened, seed, SVO_LIGHT_BRICKS, &scene);
         svo_light *voxels = light_of(&opened, scene.tree, SVO_LIGHT_VOXELS);
         uint16_t *leaves = light_read(&opened, voxels, SVO_LIGHT_OPACITY);
         double below = 0;
@@ -209,7 +140,7 @@ static void bricks_agree_and_keep_the_sum(void **state)
         }
         free(leaves);
         svo_light_destroy(&voxels);
-        close_scene(&scene);
+        light_scene_close(&scene);
     }
 }
 
@@ -300,10 +231,10 @@ static void fields_are_those_of_dense_grids(void **state)
     assert_non_null(samples);
     make_probes(7, probes, PROBES);
     for (svo_light_form form = SVO_LIGHT_FACES; form < SVO_LIGHT_FORM_COUNT; ++form) {
-        scene_of_form scene;
+        light_scene scene;
         size_t not_zero = 0;
         size_t skips = 0;
-        open_scene(&opened, 20 + (uint64_t)form, form, &scene);
+        light_scene_open(&opened, 20 + (uint64_t)form, form, &scene);
         light_probe_field(&opened, scene.light, probes, samples, PROBES);
         for (size_t i = 0; i < PROBES; ++i) {
             const double expected = expected_extinction(&scene.levels, &probes[i]);
@@ -320,7 +251,7 @@ static void fields_are_those_of_dense_grids(void **state)
             skips += samples[i].empty > 0 ? 1 : 0;
         }
         assert_true(not_zero > PROBES / 8 && skips > PROBES / 50);
-        close_scene(&scene);
+        light_scene_close(&scene);
     }
     free(probes);
     free(samples);

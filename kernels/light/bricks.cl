@@ -11,20 +11,8 @@
  * Launch: one work-item per node, rounded up to whole groups. No atomics, no local memory.
  */
 #include "light/brick.clh"
-#include "shared/nodes.clh"
 
 #ifdef SVO_LIGHT_BRICKS
-
-/* The nodes around a node of the launch, and their children that touch it: 4 x 4 x 4. */
-static void svo_brick_cells(__global const uchar *child_mask, __global const uint *first_child,
-                            __global const ulong *codes, uint node, uint level, uint *cells)
-{
-    uint at[3];
-    uint around[27];
-    svo_deinterleave(codes[node], at);
-    svo_light_around(child_mask, first_child, (int3)((int)at[0], (int)at[1], (int)at[2]), level, around);
-    svo_light_children_around(child_mask, first_child, around, cells);
-}
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *first_child,
@@ -41,10 +29,9 @@ svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *
         cells[k] = cells[k] != SVO_NO_NODE ? leaves[cells[k] - params.leaf_begin] : 0u;
     }
     for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        const uint corner = sample % 3u + 4u * (sample / 3u % 3u) + 16u * (sample / 9u);
         uint sum = 4u;
         for (uint k = 0; k < 8u; ++k) {
-            sum += cells[corner + (k & 1u) + 4u * (k >> 1 & 1u) + 16u * (k >> 2)];
+            sum += cells[svo_brick_cell_at(sample, k)];
         }
         samples[SVO_BRICK_SAMPLES * (size_t)(params.first + item) + sample] = (ushort)(sum / 8u);
     }

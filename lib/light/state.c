@@ -6,13 +6,17 @@
 
 const char *svo_i_light_defines(const svo_light *light)
 {
-    static const char *const full[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
-                                                           " -DSVO_LIGHT_VOXELS"};
+    static const char *const full[SVO_LIGHT_FORM_COUNT] = {
+        " -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_BRICKS", " -DSVO_SORT -DSVO_LIGHT_VOXELS"};
     return full[light->info.form];
 }
 
 svo_status svo_i_light_buffer(svo_i_compact_work *work, svo_light *light, svo_light_buffer buffer)
 {
+    light->info.total_bytes = 0;
+    for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
+        light->info.total_bytes += light->info.bytes[i];
+    }
     return svo_i_work_result(work, svo_light_buffer_name(buffer), light->info.bytes[buffer], &light->buffers[buffer]);
 }
 
