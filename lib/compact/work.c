@@ -61,6 +61,9 @@ svo_status svo_i_work_alloc(svo_i_compact_work *work, const char *name, uint64_t
     }
     SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
     work->buffers[slot] = *out;
+    work->buffer_bytes[slot] = bytes;
+    work->live_bytes += bytes;
+    work->peak_bytes = work->live_bytes > work->peak_bytes ? work->live_bytes : work->peak_bytes;
     work->buffer_count = slot == work->buffer_count ? slot + 1 : work->buffer_count;
     return SVO_OK;
 }
@@ -71,6 +74,7 @@ void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
         if (*buffer != NULL && work->buffers[i] == *buffer) {
             clReleaseMemObject(*buffer);
             work->buffers[i] = NULL;
+            work->live_bytes -= work->buffer_bytes[i];
         }
     }
     *buffer = NULL;

@@ -19,7 +19,9 @@ typedef struct svo_i_compact_work {
     cl_event last; /* the newest command; NULL at first */
     cl_mem partials; /* of scans; NULL before the first */
     cl_mem buffers[SVO_I_WORK_BUFFERS_MAX]; /* scratch, owned */
+    uint64_t buffer_bytes[SVO_I_WORK_BUFFERS_MAX];
     size_t buffer_count;
+    uint64_t live_bytes, peak_bytes; /* of scratch: now, and the most so far */
 } svo_i_compact_work;
 
 /* Begins a work. queue: NULL for the device's own. */

@@ -203,7 +203,6 @@ static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
     const uint64_t values = e->photons->has_directions ? SVO_FACE_SUMS : 3;
     svo_light_info *info = &e->light->info;
     info->bytes[SVO_LIGHT_FLUX] = lit->lit_count * SVO_FLUX_SUMS * sizeof(cl_ulong);
-    info->total_bytes += info->bytes[SVO_LIGHT_FLUX];
     SVO_I_TRY(svo_i_light_buffer(e->work, e->light, SVO_LIGHT_FLUX));
     SVO_I_TRY(svo_i_work_alloc(e->work, "lit_radiance", lit->lit_count * values * sizeof(cl_uint), &lit->radiance));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
@@ -245,5 +244,7 @@ svo_status svo_i_light_exchange(svo_i_photons *photons, svo_light *light, const 
     SVO_I_TRY(upload_emission(&e, unit));
     lit->unit = (float)unit;
     e.params.finish_count = e.brightest > 0 ? e.finish_count : 0;
-    return make_radiance(&e, lit);
+    SVO_I_TRY(make_radiance(&e, lit));
+    svo_i_work_free(e.work, &e.emission);
+    return SVO_OK;
 }

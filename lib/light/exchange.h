@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_LIGHT_EXCHANGE_H
 #define SVO_LIB_LIGHT_EXCHANGE_H
 
-#include "light/lit_leaves.h"
+#include "light/filter.h"
 #include "light/photons.h"
 #include "light/state.h"
 

@@ -15,7 +15,7 @@
 
 /* Photons of a leaf that faces the light, along each side. */
 #define PHOTONS_PER_EDGE 2.0
-/* A box that reaches closer to a point source than this part of its own size fills the face. */
+/* A box that comes nearer to a point source than this part of its far end's depth fills the face. */
 #define NEAR 0x1p-20
 
 /* ---- small vectors ---- */
@@ -138,35 +138,49 @@ typedef struct face {
     double slope;
 } face;
 
-/* What a face sees of the box: ranges of x and y at depth 1. False: nothing. depth: of the box's far end. */
-static bool find_window(const face *f, const double position[3], const svo_i_lit_box *box, double window[2][2],
-                        double *depth)
+/* The least distance from 0 of a number in a range. */
+static double least_size(const double range[2])
 {
-    double nearest = INFINITY;
-    *depth = -INFINITY;
-    window[0][0] = window[1][0] = INFINITY;
-    window[0][1] = window[1][1] = -INFINITY;
-    for (int corner = 0; corner < 8; ++corner) {
-        double to[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            to[axis] = (corner >> axis & 1 ? box->high : box->low)[axis] - position[axis];
-        }
-        const double z = dot(to, f->forward);
-        const double at[2] = {dot(to, f->right) / z, dot(to, f->up) / z};
-        nearest = z < nearest ? z : nearest;
-        *depth = z > *depth ? z : *depth;
-        for (int i = 0; i < 2; ++i) {
-            window[i][0] = at[i] < window[i][0] ? at[i] : window[i][0];
-            window[i][1] = at[i] > window[i][1] ? at[i] : window[i][1];
-        }
+    return range[0] > 0 ? range[0] : range[1] < 0 ? -range[1] : 0;
+}
+
+/* The ratios of numbers of a range to depths of a range, as far as they are on the face. near: above 0. */
+static void find_ratios(const double range[2], double near, double far, double slope, double ratios[2])
+{
+    const double low = range[0] / (range[0] < 0 ? near : far);
+    const double high = range[1] / (range[1] < 0 ? far : near);
+    ratios[0] = low < -slope ? -slope : low;
+    ratios[1] = high > slope ? slope : high;
+}
+
+/* What a face sees of the box: ranges of x and y at depth 1. False: nothing. far: the depth of the box's far end. */
+static bool find_window(const face *f, const double position[3], const svo_i_lit_box *box, double window[2][2],
+                        double *far)
+{
+    const double *const axes[3] = {f->right, f->up, f->forward};
+    double ranges[3][2];
+    double middle[3];
+    find_middle(box, middle);
+    for (int i = 0; i < 3; ++i) {
+        const double reach = reach_along(box, axes[i]);
+        const double at = dot(middle, axes[i]) - dot(position, axes[i]);
+        ranges[i][0] = at - reach;
+        ranges[i][1] = at + reach;
     }
-    /* A box that reaches the plane of the source has corners without a place on the face. */
-    const bool fills = !(nearest > NEAR * *depth);
+    /* What is on the face is no farther aside than slope times its depth. */
+    *far = ranges[2][1];
+    const double near = fmax(ranges[2][0], fmax(least_size(ranges[0]), least_size(ranges[1])) / f->slope);
+    if (!(*far > 0) || near > *far) {
+        return false;
+    }
     for (int i = 0; i < 2; ++i) {
-        window[i][0] = fills || window[i][0] < -f->slope ? -f->slope : window[i][0];
-        window[i][1] = fills || window[i][1] > f->slope ? f->slope : window[i][1];
+        window[i][0] = -f->slope;
+        window[i][1] = f->slope;
+        if (near > NEAR * *far) {
+            find_ratios(ranges[i], near, *far, f->slope, window[i]);
+        }
     }
-    return *depth > 0 && window[0][0] < window[0][1] && window[1][0] < window[1][1];
+    return window[0][0] < window[0][1] && window[1][0] < window[1][1];
 }
 
 /* The view of a face; false where it sees nothing of the box. */

@@ -109,13 +109,6 @@ static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
     return slots * svo_i_photons_sums_of_slot(photons) * sizeof(cl_ulong);
 }
 
-/* A scratch buffer that counts. */
-static svo_status take(svo_i_photons *photons, const char *name, uint64_t bytes, cl_mem *out)
-{
-    photons->scratch_bytes += bytes;
-    return svo_i_work_alloc(photons->work, name, bytes, out);
-}
-
 svo_status svo_i_photons_use(const svo_i_photons *photons)
 {
     return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS,
@@ -133,9 +126,9 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
                            .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
                            .unit = unit,
                            .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
-    SVO_I_TRY(take(out, "photon_slots", slot_bytes, &out->slots));
-    SVO_I_TRY(take(out, "photon_sums", sum_bytes(out, out->slot_room), &out->sums));
-    SVO_I_TRY(take(out, "photon_counters", SVO_PHOTON_COUNTERS * sizeof(cl_uint), &out->counters));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_sums", sum_bytes(out, out->slot_room), &out->sums));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_counters", SVO_PHOTON_COUNTERS * sizeof(cl_uint), &out->counters));
     SVO_I_TRY(svo_i_work_fill(work, out->slots, SVO_SLOT_NONE, slot_bytes));
     SVO_I_TRY(svo_i_work_fill_zero(work, out->sums, sum_bytes(out, out->slot_room)));
     return svo_i_work_fill_zero(work, out->counters, SVO_PHOTON_COUNTERS * sizeof(cl_uint));
@@ -147,10 +140,11 @@ static svo_status make_bands(svo_i_photons *photons)
     if (photons->leaves != NULL) {
         return SVO_OK;
     }
-    SVO_I_TRY(take(photons, "photon_weights", BAND_PHOTONS * sizeof(svo_photon_weight), &photons->weights));
-    SVO_I_TRY(take(photons, "photon_rays", BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
-    SVO_I_TRY(take(photons, "photon_hits", BAND_PHOTONS * sizeof(svo_hit), &photons->met));
-    return take(photons, "photon_leaves", BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
+    SVO_I_TRY(
+        svo_i_work_alloc(photons->work, "photon_weights", BAND_PHOTONS * sizeof(svo_photon_weight), &photons->weights));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", BAND_PHOTONS * sizeof(svo_hit), &photons->met));
+    return svo_i_work_alloc(photons->work, "photon_leaves", BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
 }
 
 void svo_i_photons_release_bands(svo_i_photons *photons)
@@ -161,12 +155,20 @@ void svo_i_photons_release_bands(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->leaves);
 }
 
+void svo_i_photons_release(svo_i_photons *photons)
+{
+    svo_i_photons_release_bands(photons);
+    svo_i_work_free(photons->work, &photons->slots);
+    svo_i_work_free(photons->work, &photons->sums);
+    svo_i_work_free(photons->work, &photons->counters);
+}
+
 static svo_status grow_sums(svo_i_photons *photons, uint64_t least)
 {
     const uint64_t most = photons->tree->info.leaf_count;
     const uint64_t room = 2 * least < most ? 2 * least : most;
     cl_mem larger = NULL;
-    SVO_I_TRY(take(photons, "photon_sums", sum_bytes(photons, room), &larger));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
     SVO_I_TRY(svo_i_work_fill_zero(photons->work, larger, sum_bytes(photons, room)));
     SVO_I_TRY(svo_i_work_copy(photons->work, photons->sums, 0, larger, 0, sum_bytes(photons, photons->slot_room)));
     svo_i_work_free(photons->work, &photons->sums);

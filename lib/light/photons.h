@@ -22,7 +22,6 @@ typedef struct svo_i_photons {
     uint64_t hits; /* 64 bits of what the counter has 32 of */
     cl_mem weights, rays, met, leaves; /* of a band */
     double view_ms, sum_ms; /* rays; leaves and sums */
-    uint64_t scratch_bytes; /* the most at any time */
 } svo_i_photons;
 
 /* Bounds of a tree's leaves, from the masks of its upper levels. There is a leaf. */
@@ -34,8 +33,9 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
                                svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
-/* Releases the buffers of bands. */
+/* Releases the buffers of bands, which only shooting needs; and the rest. The work does so otherwise. */
 void svo_i_photons_release_bands(svo_i_photons *photons);
+void svo_i_photons_release(svo_i_photons *photons);
 
 /* Selects the program of photons and of their exchange. */
 svo_status svo_i_photons_use(const svo_i_photons *photons);

@@ -203,7 +203,7 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     const double start = svo_i_now_ms();
     SVO_I_TRY(svo_i_light_exchange(&photons, light, setup->finishes, setup->finish_count, lit));
     light->info.lit_leaves = lit->lit_count;
-    light->info.scratch_bytes = photons.scratch_bytes;
+    svo_i_photons_release(&photons);
     return svo_i_light_took(work, light, SVO_LIGHT_STAGE_EXCHANGE, start);
 }
 
@@ -212,18 +212,14 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
 /* Takes away what earlier sources have left. */
 static void darken(svo_light *light)
 {
-    static const svo_light_buffer buffers[] = {SVO_LIGHT_LIT, SVO_LIGHT_RADIANCE, SVO_LIGHT_FLUX};
     svo_light_info *info = &light->info;
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_light_release(light, buffers[i]);
-    }
+    svo_i_light_darken(light);
+    svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
     }
-    info->photons = info->photon_hits = info->lit_leaves = info->lit_nodes = info->missed_leaves = 0;
+    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = 0;
     info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
-    light->params.unit = 0.0F;
-    light->params.flags &= ~SVO_LIGHT_FLAG_LIT;
     light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;
 }
 
@@ -234,6 +230,10 @@ static svo_status shine(svo_light *light, const svo_light_setup *setup, cl_comma
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_shine(&work, light, setup, &lit));
+    SVO_I_TRY_CLEANUP(svo_i_light_filter(&work, light, &lit));
+    if (work.peak_bytes > light->info.scratch_bytes) {
+        light->info.scratch_bytes = work.peak_bytes;
+    }
 
 cleanup:
     svo_i_work_end(&work);

@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_LIGHT_SOURCES_H
 #define SVO_LIB_LIGHT_SOURCES_H
 
-#include "light/lit_leaves.h"
+#include "light/filter.h"
 #include "light/state.h"
 
 /* Shoots the photons of a setup that has been checked, and makes the radiance of the leaves. The light has been dark.
