@@ -31,7 +31,7 @@ static const truth_scene full_scenes[] = {
      .sky = {0.4F, 0.5F, 0.7F}},
     {.name = "cornell",
      .spec = "cornell",
-     .source = {.kind = SVO_SOURCE_POINT, .position = {0, 1.85F, 0}, .value = {3, 2.8F, 2.4F}}},
+     .source = {.kind = SVO_SOURCE_POINT, .position = {0.1F, 1.5F, 0.1F}, .value = {3, 2.8F, 2.4F}}},
     {.name = "statue",
      .spec = "statue",
      .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.6F, -1, -0.8F}, .value = {10, 9.5F, 8.5F}},
