@@ -11,7 +11,8 @@
 #define SEED            1u
 #define TREE_DEPTH      6u /* rays do not depend on it */
 #define RANGE           0.25 /* of ambient occlusion, in widths of the grid */
-#define BURIED          0x1p-7 /* nothing is seen beyond it: widths of the grid */
+#define BURIED_RANGE    0x1p-6 /* in widths of the grid */
+#define BURIED_OPENNESS 0.1
 #define BURIED_SAMPLES  64u
 #define CANDIDATE_SHARE 2u /* points that are tried for each one that is kept */
 
@@ -55,11 +56,11 @@ static void keep_points(const svo_gather_point *candidates, const path_result *s
     size_t visible = 0;
     size_t passed = 0;
     for (size_t i = 0; i < candidate_count; ++i) {
-        visible += seen[i].openness > 0;
+        visible += seen[i].openness >= BURIED_OPENNESS;
     }
     const size_t wanted = visible < point_count ? visible : point_count;
     for (size_t i = 0; i < candidate_count && truth->count < wanted; ++i) {
-        if (seen[i].openness > 0 && passed++ * wanted / visible == truth->count) {
+        if (seen[i].openness >= BURIED_OPENNESS && passed++ * wanted / visible == truth->count) {
             truth->points[truth->count++] = candidates[i];
         }
     }
@@ -75,7 +76,7 @@ static bool make_points(const error_run *run, size_t point_count, cone_truth *tr
     const bool worked =
         candidates != NULL && seen != NULL && truth->points != NULL && truth->results != NULL &&
         surface_points(scene_mesh(truth->made), candidate_count, SEED, candidates) &&
-        trace(run, truth, BURIED * truth->edge, candidates, candidate_count, BURIED_SAMPLES, seen) == SVO_OK;
+        trace(run, truth, BURIED_RANGE * truth->edge, candidates, candidate_count, BURIED_SAMPLES, seen) == SVO_OK;
     if (worked) {
         keep_points(candidates, seen, candidate_count, point_count, truth);
     }
