@@ -29,7 +29,8 @@ typedef struct truth_scene {
 } truth_scene;
 
 /* Points are spread by area. Those between surfaces that all but touch are left out, where surfaces within 1/64 of the
-   grid's width leave less than a tenth of the hemisphere open. Returns the exit code; on failure nothing is left to release. */
+   grid's width leave less than a tenth of the hemisphere open. Returns the exit code; on failure nothing is left to
+   release. */
 int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count, unsigned samples, cone_truth *out);
 void cone_truth_free(cone_truth *truth);
 
