@@ -242,7 +242,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
 /* ---- builds and queries that launch every kernel ---- */
 
 /* Payload that differs between voxels, so that none of it is left out: vertex colors, two materials. Uniform weights
-   without SVO_NEED_FILL compile the least source and do not change signatures. */
+   without SVO_NEED_FILL compile the least source and do not change signatures; areas add arguments. */
 typedef struct painted_mesh {
     owned_mesh base;
     svo_mesh mesh;
@@ -307,8 +307,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
-/* The list in one chunk and in several, the same with a workspace, and the sorted builder, which has the same payload
-   stages. */
+/* The list in one chunk and in several, each with and without areas, the same with a workspace, and the sorted builder,
+   which has the same payload stages. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -316,9 +316,14 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     fixture_build(opened, mesh, DEPTH, &options, out);
     enqueue_build(opened, mesh, &options);
     options.chunk_bytes = 16384;
-    fixture_build(opened, mesh, DEPTH, &options, &other);
-    assert_true(other.report.list_chunks > 1);
-    built_destroy(&other);
+    for (int areas = 0; areas < 2; ++areas) {
+        fixture_build(opened, mesh, DEPTH, &options, &other);
+        assert_true(other.report.list_chunks > 1);
+        built_destroy(&other);
+        options.need |= SVO_NEED_PROJECTED_AREA;
+    }
+    options.chunk_bytes = 0;
+    enqueue_build(opened, mesh, &options);
     options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
     fixture_build(opened, mesh, DEPTH, &options, &other);
     built_destroy(&other);
