@@ -213,10 +213,12 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_U32 depth; /* 60 */
     SVO_F32 sun[3]; /* 64: unit, towards the light */
-    SVO_U32 samples; /* 76: rays per pixel along each of its sides */
+    SVO_U32 reserved; /* 76: zero */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
 };
+
+#define SVO_CAST_SAMPLES 2u /* camera rays of a shaded picture along each side of a pixel */
 
 /* What kernels/rays/view.cl shows: svo_render_view of trace.h. */
 #define SVO_VIEW_KIND_NORMAL    1u

@@ -16,9 +16,7 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
 #define PICTURE_EDGE_MAX 16384u
-/* Rays along each side of a pixel. */
-#define SAMPLES   2u
-#define TILE_EDGE 8u
+#define TILE_EDGE        8u
 
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out)
@@ -85,7 +83,6 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
     params->width = options->width;
     params->height = options->height;
     params->depth = source->grid.depth;
-    params->samples = SAMPLES;
     params->occlusion_range = (float)(voxels / 14 + 2);
     return SVO_OK;
 }
@@ -93,6 +90,7 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
 /* Buffers and kernel of one picture. */
 typedef struct picture {
     cl_kernel kernel;
+    size_t items_per_tile;
     cl_mem params, pixels;
 } picture;
 
@@ -106,13 +104,13 @@ static const char *color_defines(const svo_i_picture_source *source)
     return source->colors == NULL ? "" : source->one_color ? " -DSVO_COLOR -DSVO_ONE_COLOR" : " -DSVO_COLOR";
 }
 
-/* Makes a kernel of a program. colors: empty for views that show none. */
-static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *colors,
+/* Makes a kernel of a program. first: defines besides those of normals and form. */
+static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *first,
                               const char *name, cl_kernel *out)
 {
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    (void)snprintf(defines, sizeof defines, "%s%s%s", colors, normal_defines(source), source->form_defines);
+    (void)snprintf(defines, sizeof defines, "%s%s%s", first, normal_defines(source), source->form_defines);
     SVO_I_TRY(svo_i_program_get(source->device, source->function, kind, defines, &program, NULL));
     return svo_i_kernel_create(source->device, source->function, program, name, out);
 }
@@ -125,6 +123,7 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
                                         SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->kernel));
+    drawn->items_per_tile = SVO_GROUP_ITEMS;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->kernel, 0));
     return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->tree.arguments, arguments, 5);
 }
@@ -134,7 +133,11 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
                                         SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, color_defines(source), "svo_k_cast", &drawn->kernel));
+    const bool tiles = source->device->is_cpu;
+    char defines[64];
+    (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->kernel));
+    drawn->items_per_tile = tiles ? 1 : SVO_GROUP_ITEMS;
     for (cl_uint i = 0; i < source->node_arguments; ++i) {
         SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->kernel, i,
                                         &(svo_i_argument){sizeof(cl_mem), &source->nodes[i], true}, 1));
@@ -158,7 +161,7 @@ static svo_status draw(const svo_i_picture_source *source, cl_command_queue queu
 {
     const size_t tiles =
         (size_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t local = SVO_GROUP_ITEMS;
+    const size_t local = drawn->items_per_tile;
     const size_t global = tiles * local;
     const size_t pixel_bytes = (size_t)params->width * params->height * 4;
     cl_event cast = NULL;
@@ -182,7 +185,7 @@ svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_rend
                               cl_command_queue queue, uint8_t *rgba)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {NULL, NULL, NULL};
+    picture drawn = {.kernel = NULL};
     svo_status status = SVO_OK;
     SVO_I_TRY(check_payload(source));
     SVO_I_TRY(fill_params(source, options, &params));
