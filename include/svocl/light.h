@@ -68,7 +68,6 @@ typedef struct svo_light_options {
 typedef enum svo_light_buffer {
     SVO_LIGHT_OPACITY = 0, /**< "opacity": as the form has it */
     SVO_LIGHT_COVER, /**< "cover": projected areas of nodes; SVO_LIGHT_FACES */
-    SVO_LIGHT_NEIGHBORS, /**< "neighbors": six nodes a node */
     SVO_LIGHT_LIT, /**< "lit": the place of each node's radiance, or SVO_NO_NODE */
     SVO_LIGHT_RADIANCE, /**< "radiance": as the form has it */
     SVO_LIGHT_FLUX, /**< "flux": sums of photons of the lit leaves */
@@ -83,8 +82,7 @@ SVO_API const char *svo_light_buffer_name(svo_light_buffer buffer);
 
 /** The stages of a light, for times. */
 typedef enum svo_light_stage {
-    SVO_LIGHT_STAGE_NEIGHBORS = 0, /**< "neighbors" */
-    SVO_LIGHT_STAGE_OPACITY, /**< "opacity": of the leaves and up to the deepest filtered level */
+    SVO_LIGHT_STAGE_OPACITY = 0, /**< "opacity": of the leaves and up to the deepest filtered level */
     SVO_LIGHT_STAGE_OPACITY_FILTER, /**< "opacity filter": the levels above */
     SVO_LIGHT_STAGE_VIEW, /**< "light view": rays from the sources */
     SVO_LIGHT_STAGE_PHOTONS, /**< "photons": from hits to the sums of leaves */
@@ -96,7 +94,7 @@ typedef enum svo_light_stage {
 /** Name of a stage.
  *
  * \param stage any value
- * \returns "neighbors", ...; else "unknown stage". Static string. */
+ * \returns "opacity", ...; else "unknown stage". Static string. */
 SVO_API const char *svo_light_stage_name(svo_light_stage stage);
 
 /** What a light holds. */
@@ -160,7 +158,8 @@ SVO_API svo_status svo_light_get_info(const svo_light *light, svo_light_info *in
  * \returns the buffer, which belongs to the light; NULL where it is not held. */
 SVO_API cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer);
 
-/** Hashes what a light stores with XXH3-128: u32 form, opacity, depth; then each buffer in the order of
+/** Hashes what a light stores with XXH3-128: u32 form, opacity, depth; f32 radiance of a
+ *  unit of SVO_LIGHT_RADIANCE, 0 without light; then each buffer in the order of
  *  svo_light_buffer, its length in bytes as u64 before its elements; length 0 where it is not held. Little-endian, seed
  *  0. The hash does not depend on device or time.
  *

@@ -3,11 +3,12 @@
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
  * every field at a multiple of four bytes, without padding. Offsets are in bytes. The records that callers of the
- * library see are in svocl/ray_types.h, svocl/scene_types.h and svocl/tree_types.h.
+ * library see are in svocl/light_types.h, svocl/ray_types.h, svocl/scene_types.h and svocl/tree_types.h.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
 
+#include "svocl/light_types.h"
 #include "svocl/ray_types.h"
 #include "svocl/scene_types.h"
 #include "svocl/tree_types.h"
@@ -366,6 +367,45 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
 };
 
+/* ---- light ---- */
+
+/* Extinctions are in units of 2^-12 octaves: 4096 halves what passes. */
+#define SVO_EXTINCTION_UNIT 4096
+/* Samples of a brick, and the most levels from the root to a leaf. */
+#define SVO_BRICK_SAMPLES 27
+#define SVO_LIGHT_LEVELS  17
+
+/* Of the flags below. */
+#define SVO_LIGHT_FLAG_NORMALS    1u /* the tree has normals */
+#define SVO_LIGHT_FLAG_ONE_NORMAL 2u /* one for all nodes */
+#define SVO_LIGHT_FLAG_LIT        4u /* there is radiance */
+#define SVO_LIGHT_FLAG_COLORS     8u /* the tree has colors */
+#define SVO_LIGHT_FLAG_ONE_COLOR  16u /* one for all nodes */
+
+/* What cones know of a light besides its buffers. 32 bytes. */
+SVO_RECORD(svo_light_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 flags; /* 4: SVO_LIGHT_FLAG_* */
+    SVO_F32 unit; /* 8: radiance of a unit of the radiance buffer, a power of two */
+    SVO_F32 voxel_edge; /* 12: of a leaf, world units */
+    SVO_F32 sky[3]; /* 16: radiance from outside */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* Arguments of the kernels that make and filter light. 32 bytes. */
+SVO_RECORD(svo_light_step)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 leaf_begin; /* 4: the first leaf */
+    SVO_U32 first; /* 8: node of the launch */
+    SVO_U32 count; /* 12: nodes of the launch */
+    SVO_U32 level; /* 16: of those nodes */
+    SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
+    SVO_U32 payload_begin; /* 24: the first node that has colors */
+    SVO_U32 reserved; /* 28 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -387,6 +427,8 @@ SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
+SVO_ASSERT_BYTES(svo_light_params, 32);
+SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
 
 #endif
