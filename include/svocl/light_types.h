@@ -13,7 +13,8 @@
 #define SVO_SOURCE_POINT       1u /**< svo_light_source.kind: value is its intensity I, per unit of solid angle */
 #define SVO_SOURCE_SPOT        2u /**< svo_light_source.kind: a point source within a cone; value is I on its axis */
 
-/** A source of light, in world coordinates and linear units. 64 bytes. */
+/** A source of light, in world coordinates and linear units. Between its angles a spot has the share s^2 (3 - 2 s) of
+ *  its value, where s goes from 1 to 0 with the cosine of the angle from the axis. 64 bytes. */
 SVO_RECORD(svo_light_source)
 {
     SVO_U32 kind; /**< 0: SVO_SOURCE_* */

@@ -406,6 +406,93 @@ SVO_RECORD(svo_light_step)
     SVO_U32 reserved; /* 28 */
 };
 
+/* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
+#define SVO_PHOTON_MISSED 0xffffffffu
+#define SVO_PHOTON_LOST   0xfffffffeu
+/* The slot of a leaf: it has none; a source sees its center, but no photon met it. */
+#define SVO_SLOT_NONE   0xffffffffu
+#define SVO_SLOT_MISSED 0xfffffffeu
+
+/* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
+   x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six
+   directions, three channels a direction. */
+#define SVO_FLUX_SUMS          6
+#define SVO_FACE_SUMS          18
+#define SVO_FLUX_UNIT_LOG2     24 /* of a direction's component */
+#define SVO_COSINE_UNIT_LOG2   16 /* of a normal's component */
+#define SVO_WEIGHT_UNIT_LOG2   31 /* of svo_photon_weight */
+#define SVO_FLUX_TOTAL_LOG2    50 /* all photons together have less flux, so that no sum overflows */
+#define SVO_RADIANCE_MOST_LOG2 30 /* radiance from photons and emission are at most this each */
+#define SVO_TILE_PIXELS_LOG2   3 /* photons come in square tiles of pixels, in Morton order inside */
+
+/* What photons count. */
+#define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
+#define SVO_PHOTON_HITS     1
+#define SVO_PHOTON_UNSEEN   2 /* slots of SVO_SLOT_MISSED */
+#define SVO_PHOTON_BITS     3 /* of the largest radiance, before it gets its unit */
+#define SVO_PHOTON_NO_LEAF  4 /* lost flux: red, green, blue, 64 bits each */
+#define SVO_PHOTON_IN_LEAF  10 /* the flux of the lit leaves, likewise */
+#define SVO_PHOTON_COUNTERS 16
+
+/* A photon's flux relative to that of a pixel in the middle of the view, 2^31 = 1; 0: none is shot. And 1 / length of
+   its direction, 2^31 = 1. 8 bytes. */
+SVO_RECORD(svo_photon_weight)
+{
+    SVO_U32 flux; /* 0 */
+    SVO_U32 inverse_length; /* 4 */
+};
+
+/* The pixels that a source sees, and photons of them. Pixel i, j is at x = (2 i + 1 - columns) half_x and
+   y = (2 j + 1 - rows) half_y. 104 bytes. */
+SVO_RECORD(svo_light_view_params)
+{
+    SVO_F32 base[3]; /* 0: world: a point source's position; of parallel light, the middle of its plane */
+    SVO_U32 columns; /* 12: pixels */
+    SVO_F32 right[3]; /* 16: unit */
+    SVO_U32 rows; /* 28 */
+    SVO_F32 up[3]; /* 32: unit */
+    SVO_U32 tile_columns; /* 44 */
+    SVO_F32 forward[3]; /* 48: direction at x = y = 0; for parallel light everywhere, unit */
+    SVO_U32 parallel; /* 60: not 0: all photons go forward */
+    SVO_F32 half_x; /* 64: half a pixel, world units; of a point source at distance 1 */
+    SVO_F32 half_y; /* 68 */
+    SVO_U32 first; /* 72: of the launch's photons, a multiple of a tile's */
+    SVO_U32 count; /* 76: photons of the launch */
+    SVO_U32 flux[6]; /* 80: of a photon of weight 1: red, green, blue, 64 bits each */
+};
+
+/* Arguments of the kernels that bring photons to leaves. 32 bytes. */
+SVO_RECORD(svo_photon_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 snap_bits; /* 4: the grid is 2^snap_bits units wide */
+    SVO_U32 leaf_begin; /* 8: first leaf */
+    SVO_U32 leaf_count; /* 12 */
+    SVO_U32 triangle_count; /* 16: of those with ids */
+    SVO_U32 count; /* 20: photons, slots or leaves of the launch */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* What the tree holds: svo_exchange_params.flags. */
+#define SVO_EXCHANGE_COLORS       1u
+#define SVO_EXCHANGE_ONE_COLOR    2u /* for all nodes */
+#define SVO_EXCHANGE_ONE_MATERIAL 4u
+#define SVO_EXCHANGE_FILLS        8u
+#define SVO_EXCHANGE_AREAS        16u
+
+/* Arguments of the kernels that make radiance of sums. 32 bytes. */
+SVO_RECORD(svo_exchange_params)
+{
+    SVO_U32 count; /* 0: lit leaves */
+    SVO_U32 leaf_begin; /* 4: the first leaf's place in the payload */
+    SVO_U32 finish_count; /* 8: of finishes that emit; 0: none */
+    SVO_U32 flags; /* 12: SVO_EXCHANGE_* */
+    SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
+    SVO_U32 factor_high; /* 20 */
+    SVO_U32 shift; /* 24 */
+    SVO_U32 reserved; /* 28 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -427,6 +514,10 @@ SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
+SVO_ASSERT_BYTES(svo_photon_weight, 8);
+SVO_ASSERT_BYTES(svo_light_view_params, 104);
+SVO_ASSERT_BYTES(svo_photon_params, 32);
+SVO_ASSERT_BYTES(svo_exchange_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
