@@ -25,12 +25,15 @@ svo_k_light_lit_bricks(__global const uchar *colors, __global const ushort *area
     }
 }
 
-/* Stores the samples of a brick, as sums of 2^shift. sums: red, green, blue of each sample. */
-static void svo_brick_store(const ulong *sums, ulong shift, size_t place, __global uint *radiance)
+SVO_BRICK_GATHER(svo_brick_gather_light, uint)
+
+/* Sums of weight 2^weight_log2 to the samples of a brick. sums: of red, then of green, then of blue. */
+static void svo_brick_store_light(const ulong *sums, ulong weight_log2, uint place, __global uint *radiance)
 {
-    for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        const ulong3 sum = vload3(sample, sums) + (1ul << shift >> 1);
-        radiance[SVO_BRICK_SAMPLES * place + sample] = svo_radiance_encode(convert_uint3_sat(sum >> shift));
+    for (uint k = 0; k < SVO_BRICK_SAMPLES; ++k) {
+        const ulong3 sum = (ulong3)(sums[k], sums[k + SVO_BRICK_SAMPLES], sums[k + 2u * SVO_BRICK_SAMPLES]);
+        const ulong3 mean = (sum + (1ul << weight_log2 >> 1)) >> weight_log2;
+        radiance[SVO_BRICK_SAMPLES * (size_t)place + k] = svo_radiance_encode(convert_uint3_sat(mean));
     }
 }
 
@@ -45,21 +48,20 @@ svo_k_light_brick_deep(__global const uchar *child_mask, __global const uint *fi
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
         return;
     }
-    uint cells[64];
+    uint cells[SVO_BRICK_CELL_COUNT];
+    uint channel_cells[SVO_BRICK_CELL_COUNT];
     ulong sums[3 * SVO_BRICK_SAMPLES];
     svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
-    for (uint k = 0; k < 64u; ++k) {
+    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
         cells[k] = cells[k] != SVO_NO_NODE ? lit_leaves[cells[k] - params.leaf_begin] : SVO_NO_NODE;
     }
-    for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        ulong3 sum = (ulong3)(0ul);
-        for (uint k = 0; k < 8u; ++k) {
-            const uint leaf = cells[svo_brick_cell_at(sample, k)];
-            sum += leaf != SVO_NO_NODE ? convert_ulong3(vload3(leaf, premultiplied)) : (ulong3)(0ul);
+    for (uint channel = 0; channel < 3u; ++channel) {
+        for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
+            channel_cells[k] = cells[k] != SVO_NO_NODE ? premultiplied[3u * (size_t)cells[k] + channel] : 0u;
         }
-        vstore3(sum, sample, sums);
+        svo_brick_sum_cells(channel_cells, sums + SVO_BRICK_SAMPLES * channel);
     }
-    svo_brick_store(sums, 3ul, lit[node], radiance);
+    svo_brick_store_light(sums, 3ul, lit[node], radiance);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -71,25 +73,22 @@ svo_k_light_brick_light(__global const uchar *child_mask, __global const uint *f
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
         return;
     }
-    uint cells[64];
+    uint cells[SVO_BRICK_CELL_COUNT];
+    uint points[SVO_BRICK_POINT_COUNT];
+    uint channel_points[SVO_BRICK_POINT_COUNT];
     ulong sums[3 * SVO_BRICK_SAMPLES];
     svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
-    /* A dark brick has no sample that is not 0 in the lit ones beside it. */
-    for (uint k = 0; k < 64u; ++k) {
+    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
         cells[k] = cells[k] != SVO_NO_NODE ? lit[cells[k]] : SVO_NO_NODE;
     }
-    for (uint k = 0; k < 3u * SVO_BRICK_SAMPLES; ++k) {
-        sums[k] = 0ul;
-    }
-    for (int point = 0; point < 343; ++point) {
-        const int3 at = (int3)(point % 7, point / 7 % 7, point / 49);
-        const size_t place = svo_brick_point(cells, at);
-        const uint word = place != SVO_BRICK_NO_POINT ? radiance[place] : 0u;
-        if (word != 0u) {
-            svo_brick_add_point(convert_ulong3(svo_radiance_decode(word)), at, sums);
+    svo_brick_gather_light(cells, radiance, points);
+    for (uint channel = 0; channel < 3u; ++channel) {
+        for (uint k = 0; k < SVO_BRICK_POINT_COUNT; ++k) {
+            channel_points[k] = svo_radiance_channel(points[k], channel);
         }
+        svo_brick_sum_points(channel_points, sums + SVO_BRICK_SAMPLES * channel);
     }
-    svo_brick_store(sums, 6ul, lit[node], radiance);
+    svo_brick_store_light(sums, 6ul, lit[node], radiance);
 }
 
 #endif

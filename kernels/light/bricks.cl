@@ -14,6 +14,17 @@
 
 #ifdef SVO_LIGHT_BRICKS
 
+SVO_BRICK_GATHER(svo_brick_gather_opacity, ushort)
+
+/* Sums of weight 2^weight_log2 to the samples of a brick, rounded half up. */
+static void svo_brick_store(const ulong *sums, uint weight_log2, uint node, __global ushort *samples)
+{
+    for (uint k = 0; k < SVO_BRICK_SAMPLES; ++k) {
+        const ulong half_unit = 1ul << (weight_log2 - 1u);
+        samples[SVO_BRICK_SAMPLES * (size_t)node + k] = (ushort)((sums[k] + half_unit) >> weight_log2);
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *first_child,
                          __global const ulong *codes, __global const ushort *leaves, __global ushort *samples,
@@ -23,18 +34,14 @@ svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *
     if (item >= params.count) {
         return;
     }
-    uint cells[64];
+    uint cells[SVO_BRICK_CELL_COUNT];
+    ulong sums[SVO_BRICK_SAMPLES];
     svo_brick_cells(child_mask, first_child, codes, params.first + item, params.level, cells);
     for (uint k = 0; k < 64u; ++k) {
         cells[k] = cells[k] != SVO_NO_NODE ? leaves[cells[k] - params.leaf_begin] : 0u;
     }
-    for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        uint sum = 4u;
-        for (uint k = 0; k < 8u; ++k) {
-            sum += cells[svo_brick_cell_at(sample, k)];
-        }
-        samples[SVO_BRICK_SAMPLES * (size_t)(params.first + item) + sample] = (ushort)(sum / 8u);
-    }
+    svo_brick_sum_cells(cells, sums);
+    svo_brick_store(sums, 3u, params.first + item, samples);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -45,23 +52,13 @@ svo_k_light_brick_level(__global const uchar *child_mask, __global const uint *f
     if (item >= params.count) {
         return;
     }
-    uint cells[64];
-    uint sums[SVO_BRICK_SAMPLES];
+    uint cells[SVO_BRICK_CELL_COUNT];
+    uint points[SVO_BRICK_POINT_COUNT];
+    ulong sums[SVO_BRICK_SAMPLES];
     svo_brick_cells(child_mask, first_child, codes, params.first + item, params.level, cells);
-    for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        sums[sample] = 32u;
-    }
-    for (int z = 0; z < 7; ++z) {
-        uint plane[49];
-        for (int k = 0; k < 49; ++k) {
-            const size_t at = svo_brick_point(cells, (int3)(k % 7, k / 7, z));
-            plane[k] = at != SVO_BRICK_NO_POINT ? samples[at] : 0u;
-        }
-        svo_brick_add_plane(plane, z, sums);
-    }
-    for (uint sample = 0; sample < SVO_BRICK_SAMPLES; ++sample) {
-        samples[SVO_BRICK_SAMPLES * (size_t)(params.first + item) + sample] = (ushort)(sums[sample] / 64u);
-    }
+    svo_brick_gather_opacity(cells, samples, points);
+    svo_brick_sum_points(points, sums);
+    svo_brick_store(sums, 6u, params.first + item, samples);
 }
 
 #endif

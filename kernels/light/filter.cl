@@ -76,10 +76,11 @@ svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *f
         /* What is dark has no lit children. */
         around[k] = around[k] != SVO_NO_NODE && marks[around[k]] != 0u ? around[k] : SVO_NO_NODE;
     }
+    uint cells[64];
+    svo_light_children_around(child_mask, first_child, around, cells);
     uint lit = 0u;
     for (int k = 0; k < 64; ++k) {
-        const uint cell = svo_light_child_around(child_mask, first_child, around, k);
-        lit |= cell != SVO_NO_NODE ? marks[cell] : 0u;
+        lit |= cells[k] != SVO_NO_NODE ? marks[cells[k]] : 0u;
     }
     brick_marks[node] = lit;
 }
@@ -102,20 +103,22 @@ svo_k_light_lit_faces(__global const uint *leaves, __global const uint *values, 
     }
 }
 
-/* Radiance in one direction of eight cells, and what they let pass of 65535, to that of the node. first: the octants
-   that a ray meets first, 0 or 1 on its axis. */
-static uint3 svo_face_light(const uint3 *cells, const uint *passing, uint axis, uint first)
+/* Adds the light of a node's child, whose words begin at place, to the six sums of the node, which are four means
+   times 65535. On each axis the child is the front one for one direction, and behind the child on
+   the other side for the other. */
+static void svo_add_face_light(const uint *children, uint octant, uint place, __global const ushort *extinctions,
+                               __global const uint *radiance, ulong3 *sums)
 {
-    ulong3 sum = (ulong3)(0ul);
-    for (uint octant = 0; octant < 8u; ++octant) {
-        if ((octant >> axis & 1u) != first) {
-            const uint front = octant ^ 1u << axis;
-            sum += convert_ulong3(cells[front]) * (ulong)SVO_OPACITY_ONE;
-            sum += convert_ulong3(cells[octant]) * (ulong)passing[front];
-        }
+    __global const uint *words = radiance + 6u * (size_t)place;
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const uint front = 2u * axis + (octant >> axis & 1u);
+        const uint back = front ^ 1u;
+        const uint before = children[octant ^ 1u << axis];
+        const uint passing =
+            before != SVO_NO_NODE ? svo_passing_of(extinctions[6u * (size_t)before + back]) : SVO_OPACITY_ONE;
+        sums[front] += convert_ulong3(svo_radiance_decode(words[front])) * (ulong)SVO_OPACITY_ONE;
+        sums[back] += convert_ulong3(svo_radiance_decode(words[back])) * (ulong)passing;
     }
-    const ulong unit = 4ul * SVO_OPACITY_ONE;
-    return convert_uint3_sat((sum + unit / 2ul) / unit);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -128,19 +131,23 @@ svo_k_light_face_light(__global const uchar *child_mask, __global const uint *fi
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
         return;
     }
+    uint children[8];
+    ulong3 sums[6];
+    for (uint octant = 0; octant < 8u; ++octant) {
+        children[octant] = svo_light_child(child_mask, first_child, node, octant);
+    }
     for (uint direction = 0; direction < 6u; ++direction) {
-        uint3 cells[8];
-        uint passing[8];
-        for (uint octant = 0; octant < 8u; ++octant) {
-            const uint child = svo_light_child(child_mask, first_child, node, octant);
-            const uint place = child != SVO_NO_NODE ? lit[child] : SVO_NO_NODE;
-            passing[octant] =
-                child != SVO_NO_NODE ? svo_passing_of(extinctions[6u * (size_t)child + direction]) : SVO_OPACITY_ONE;
-            cells[octant] =
-                place != SVO_NO_NODE ? svo_radiance_decode(radiance[6u * (size_t)place + direction]) : (uint3)(0u);
+        sums[direction] = (ulong3)(2ul * SVO_OPACITY_ONE);
+    }
+    for (uint octant = 0; octant < 8u; ++octant) {
+        const uint place = children[octant] != SVO_NO_NODE ? lit[children[octant]] : SVO_NO_NODE;
+        if (place != SVO_NO_NODE) {
+            svo_add_face_light(children, octant, place, extinctions, radiance, sums);
         }
+    }
+    for (uint direction = 0; direction < 6u; ++direction) {
         radiance[6u * (size_t)lit[node] + direction] =
-            svo_radiance_encode(svo_face_light(cells, passing, direction >> 1, direction & 1u));
+            svo_radiance_encode(convert_uint3_sat(sums[direction] / (4ul * SVO_OPACITY_ONE)));
     }
 }
 

@@ -155,7 +155,8 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
     SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
     SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
-    SVO_U32 reserved[3]; /* 68 */
+    SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
+    SVO_U32 reserved[2]; /* 72 */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
@@ -393,6 +394,18 @@ SVO_RECORD(svo_light_params)
     SVO_U32 reserved; /* 28 */
 };
 
+/* How cones gather. 32 bytes. */
+SVO_RECORD(svo_gather_params)
+{
+    SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
+    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
+    SVO_F32 step; /* 8: widths of the cone */
+    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
+    SVO_F32 falloff; /* 16: lambda, per world unit */
+    SVO_U32 with_light; /* 20: 0: occlusion alone */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 /* Arguments of the kernels that make and filter light. 32 bytes. */
 SVO_RECORD(svo_light_step)
 {
@@ -545,6 +558,7 @@ SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
+SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
 

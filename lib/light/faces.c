@@ -4,7 +4,7 @@
 
 static svo_status make_leaves(svo_i_compact_work *work, const svo_light *light)
 {
-    const cl_mem areas = NULL;
+    const cl_mem areas = svo_i_light_areas(light);
     const svo_light_step params = svo_i_light_step(light, light->params.depth);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_COLORS]), SVO_I_ARGUMENT(areas),
                                         SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),

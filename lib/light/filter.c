@@ -165,7 +165,7 @@ static svo_status filter_all_nodes(filter *f)
 static svo_status premultiply(filter *f)
 {
     const svo_tree_info *tree = &f->light->tree->info;
-    const cl_mem areas = NULL;
+    const cl_mem areas = svo_i_light_areas(f->light);
     const svo_light_step params = step_of_leaves(f);
     cl_mem marks = NULL;
     SVO_I_TRY(svo_i_work_alloc(f->work, "light_values", f->from->lit_count * 3 * sizeof(cl_uint), &f->values));

@@ -4,7 +4,7 @@
 
 svo_status svo_i_light_leaves(svo_i_compact_work *work, const svo_light *light, cl_mem opacities, cl_uint first)
 {
-    const cl_mem areas = NULL;
+    const cl_mem areas = svo_i_light_areas(light);
     svo_light_step params = svo_i_light_step(light, light->params.depth);
     params.first = first;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_COLORS]), SVO_I_ARGUMENT(areas),

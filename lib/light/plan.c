@@ -61,7 +61,8 @@ svo_status svo_i_light_plan(const svo_tree *tree, const char *function, const sv
     svo_light_options asked;
     SVO_I_TRY(check_tree(tree, function));
     SVO_I_TRY(read_options(tree, function, options, &asked));
-    *info = (svo_light_info){.form = asked.form, .opacity = SVO_OPACITY_FULL};
+    const bool has_areas = (tree->info.need & SVO_NEED_PROJECTED_AREA) != 0;
+    *info = (svo_light_info){.form = asked.form, .opacity = has_areas ? asked.opacity : SVO_OPACITY_FULL};
     info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked.form);
     if (asked.form == SVO_LIGHT_FACES) {
         info->bytes[SVO_LIGHT_COVER] = info->bytes[SVO_LIGHT_OPACITY];

@@ -6,9 +6,17 @@
 
 const char *svo_i_light_defines(const svo_light *light)
 {
+    static const char *const area[SVO_LIGHT_FORM_COUNT] = {" -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_AREA",
+                                                           " -DSVO_SORT -DSVO_LIGHT_BRICKS -DSVO_LIGHT_AREA",
+                                                           " -DSVO_SORT -DSVO_LIGHT_VOXELS -DSVO_LIGHT_AREA"};
     static const char *const full[SVO_LIGHT_FORM_COUNT] = {
         " -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_BRICKS", " -DSVO_SORT -DSVO_LIGHT_VOXELS"};
-    return full[light->info.form];
+    return light->info.opacity == SVO_OPACITY_AREA ? area[light->info.form] : full[light->info.form];
+}
+
+cl_mem svo_i_light_areas(const svo_light *light)
+{
+    return light->info.opacity == SVO_OPACITY_AREA ? light->tree->buffers[SVO_TREE_AREAS] : NULL;
 }
 
 svo_status svo_i_light_buffer(svo_i_compact_work *work, svo_light *light, svo_light_buffer buffer)

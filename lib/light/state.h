@@ -19,6 +19,9 @@ struct svo_light {
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */
 const char *svo_i_light_defines(const svo_light *light);
 
+/* The projected areas of the leaves, where opacity is by area; else NULL. */
+cl_mem svo_i_light_areas(const svo_light *light);
+
 /* Makes one of the light's buffers, of info.bytes[buffer], which the plan or the caller has set. */
 svo_status svo_i_light_buffer(svo_i_compact_work *work, svo_light *light, svo_light_buffer buffer);
 /* Releases one, and says in info that it is not held. */

@@ -64,6 +64,7 @@ static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"rays", SVO_NEED_RAYS},
                                {"material", SVO_NEED_MATERIAL},
                                {"fill", SVO_NEED_FILL},
+                               {"projected-area", SVO_NEED_PROJECTED_AREA},
                                {"none", 0},
                                {NULL, 0}};
 
@@ -223,7 +224,8 @@ static int read_need(program *state, const rule *option, const char *value)
             suggestion near = suggestion_begin(name, length);
             offer_choices(&near, option->choices);
             return program_fail(state, PROGRAM_WRONG_USAGE,
-                                "--need '%s' is neither none nor a list of color, normal, rays, material, fill%s",
+                                "--need '%s' is neither none nor a list of color, normal, rays, material, fill, "
+                                "projected-area%s",
                                 value, suggestion_end(&near).text);
         }
         need |= (uint32_t)one->value;
@@ -278,7 +280,7 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8; voxels: the least that holds them)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, needs,
-     "color,normal,rays,material,fill or none (colors and normals of the mesh)"},
+     "color,normal,rays,material,fill,projected-area or none (colors and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, requires --edge (fitted to the mesh)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL,
