@@ -11,6 +11,7 @@
  * Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "light/direct.clh"
+#include "light/published.clh"
 #include "rays/shade.clh"
 
 #define SVO_PICTURE_SAMPLES 2u /* along each side of a pixel */
@@ -38,14 +39,19 @@ static svo_gather_result svo_picture_gather(const svo_lit_picture *picture, cons
                                             float3 direction)
 {
     const bool shines = picture->params.view == SVO_LIT_VIEW_FULL || picture->params.view == SVO_LIT_VIEW_SPECULAR;
-    const bool reflects = shines && (surface->specular.x > 0.0f || surface->specular.y > 0.0f ||
-                                     surface->specular.z > 0.0f);
+    const bool reflects =
+        shines && (surface->specular.x > 0.0f || surface->specular.y > 0.0f || surface->specular.z > 0.0f);
     const float3 reflected = direction - 2.0f * dot(direction, surface->normal) * surface->normal;
     svo_gather_point point;
     vstore3(surface->point, 0, point.position);
     vstore3(surface->normal, 0, point.normal);
     vstore3(reflects ? reflected : (float3)(0.0f), 0, point.reflected);
     point.exponent = surface->exponent;
+#ifdef SVO_LIGHT_BRICKS
+    if (picture->gather.published != 0u) {
+        return svo_gather_published(&picture->light, &point, &picture->gather);
+    }
+#endif
     return svo_gather_by(&picture->light, &point, &picture->gather);
 }
 
@@ -61,10 +67,14 @@ static float3 svo_picture_radiance(const svo_lit_picture *picture, const svo_lit
     const float3 direct =
         view == SVO_LIT_VIEW_DIRECT || view == SVO_LIT_VIEW_FULL ? svo_direct_light(picture, surface) : (float3)(0.0f);
     switch (view) {
-    case SVO_LIT_VIEW_DIRECT: return surface->albedo * direct / M_PI_F;
-    case SVO_LIT_VIEW_INDIRECT: return surface->albedo * indirect / M_PI_F;
-    case SVO_LIT_VIEW_SPECULAR: return specular;
-    default: return surface->emission + surface->albedo * (direct + indirect) / M_PI_F + specular;
+    case SVO_LIT_VIEW_DIRECT:
+        return surface->albedo * direct / M_PI_F;
+    case SVO_LIT_VIEW_INDIRECT:
+        return surface->albedo * indirect / M_PI_F;
+    case SVO_LIT_VIEW_SPECULAR:
+        return specular;
+    default:
+        return surface->emission + surface->albedo * (direct + indirect) / M_PI_F + specular;
     }
 }
 

@@ -2,7 +2,6 @@
 /* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
 #include "rays/picture.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "core/device.h"
@@ -15,23 +14,14 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                    (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
-#define PICTURE_EDGE_MAX 16384u
-#define TILE_EDGE        8u
+#define TILE_EDGE 8u
 
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out)
 {
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_render_options, camera)));
-    if (out->width < 1 || out->width > PICTURE_EDGE_MAX || out->height < 1 || out->height > PICTURE_EDGE_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %u x %u pixels are not within 1 .. %u", function,
-                                 out->width, out->height, PICTURE_EDGE_MAX);
-    }
-    const double fov = (double)out->camera.vertical_fov;
-    if (!(fov > 0) || !(fov < 3.14159265358979)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: camera.vertical_fov %g is not between 0 and pi",
-                                 function, fov);
-    }
+    SVO_I_TRY(svo_i_camera_check(device, function, &out->camera, out->width, out->height));
     if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
@@ -55,31 +45,22 @@ static svo_status check_payload(const svo_i_picture_source *source)
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
                               svo_cast_params *params)
 {
-    svo_i_view looking = {{0}, {0}, {0}};
-    if (!svo_i_view_from_camera(&options->camera, &looking)) {
-        return svo_i_device_fail(source->device, SVO_INVALID_ARGUMENT,
-                                 "%s: camera.eye, target and up are not finite, or up is along the line of sight",
-                                 source->function);
-    }
-    const double tangent = tan(0.5 * (double)options->camera.vertical_fov);
-    const double pixel = 2 * tangent / options->height;
+    svo_i_pinhole hole;
+    SVO_I_TRY(svo_i_pinhole_from_camera(source->device, source->function, &options->camera, options->width,
+                                        options->height, &hole));
     const double voxels = (double)(1u << source->grid.depth);
     const double voxels_per_unit = source->grid.scale * voxels / (double)(1u << source->grid.snap_bits);
-    const double up[3] = {(double)options->camera.up[0], (double)options->camera.up[1], (double)options->camera.up[2]};
-    double sky[3] = {0, 1, 0};
     double sun[3];
-    (void)svo_i_normalize(up, sky);
-    svo_i_place_sun(&looking, sky, sun);
+    svo_i_place_sun(&hole.view, hole.up, sun);
     for (int axis = 0; axis < 3; ++axis) {
         params->eye[axis] = (float)(((double)options->camera.eye[axis] - source->grid.origin[axis]) * voxels_per_unit);
-        params->corner[axis] = (float)(looking.forward[axis] + tangent * looking.up[axis] -
-                                       0.5 * pixel * options->width * looking.right[axis]);
-        params->across[axis] = (float)(pixel * looking.right[axis]);
-        params->down[axis] = (float)(-pixel * looking.up[axis]);
+        params->corner[axis] = hole.corner[axis];
+        params->across[axis] = hole.across[axis];
+        params->down[axis] = hole.down[axis];
         params->sun[axis] = (float)sun[axis];
-        params->up[axis] = (float)sky[axis];
+        params->up[axis] = (float)hole.up[axis];
     }
-    params->footprint = (float)pixel;
+    params->footprint = (float)hole.pixel;
     params->width = options->width;
     params->height = options->height;
     params->depth = source->grid.depth;
