@@ -206,8 +206,7 @@ svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint3
 
 void cone_scene_gather(const fixture *opened, cone_scene *scene, svo_light *light, const svo_gather_options *options)
 {
-    light_succeed(opened,
-                  svo_gather(light, scene->points, scene->results, scene->point_count, options, opened->queue));
+    light_succeed(opened, svo_gather(light, scene->points, scene->results, scene->point_count, options, opened->queue));
 }
 
 void cone_scene_gather_form(const fixture *opened, cone_scene *scene, svo_light_form form,

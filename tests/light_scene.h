@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Random scenes of voxels: their tree, their light, and the same on dense grids. Call inside a running cmocka test. */
+/* Random scenes of voxels and of triangles: their tree, their light, and the same on dense grids. Call inside a running cmocka test. */
 #ifndef SVOCL_TESTS_LIGHT_SCENE_H
 #define SVOCL_TESTS_LIGHT_SCENE_H
 
@@ -11,7 +11,7 @@
 #define LIGHT_SCENE_CELLS (LIGHT_SCENE_WIDTH * LIGHT_SCENE_WIDTH * LIGHT_SCENE_WIDTH)
 
 typedef struct light_scene {
-    uint8_t *alphas; /* LIGHT_SCENE_CELLS */
+    uint8_t *alphas; /* LIGHT_SCENE_CELLS; NULL for a mesh */
     svo_tree *tree;
     svo_tree_info info;
     svo_light *light;
@@ -19,7 +19,10 @@ typedef struct light_scene {
     uint16_t *opacity; /* SVO_LIGHT_OPACITY */
 } light_scene;
 
+/* Clusters of voxels, some of them transparent. */
 void light_scene_open(const fixture *opened, uint64_t seed, svo_light_form form, light_scene *out);
+/* Random triangles with colors, normals and projected areas. */
+void light_scene_open_mesh(const fixture *opened, uint64_t seed, svo_light_form form, light_scene *out);
 void light_scene_close(light_scene *scene);
 
 /* Where a sample of a brick is in the lattice of the level below its node. */

@@ -37,55 +37,114 @@ static double extinction_of(double opacity)
     return opacity > 65533 ? 65535 : 4096 * log2(65535 / (65535 - opacity));
 }
 
+/* A random scene of either kind. */
+static void open_kind(const fixture *opened, int kind, uint64_t seed, svo_light_form form, light_scene *out)
+{
+    if (kind == 0) {
+        light_scene_open(opened, seed, form, out);
+    } else {
+        light_scene_open_mesh(opened, seed, form, out);
+        assert_int_equal(light_info_of(out->light).opacity, SVO_OPACITY_AREA);
+    }
+}
+
+static void check_voxels(const fixture *opened, const light_scene *scene)
+{
+    for (uint32_t index = 0; index < scene->info.node_count; ++index) {
+        svo_node node;
+        light_succeed(opened, svo_tree_find_node(scene->tree, index, &node));
+        const int cell[3] = {(int)node.cell[0], (int)node.cell[1], (int)node.cell[2]};
+        check_value("voxels", &node, 0, scene->opacity[index], light_levels_get(&scene->levels, node.level, cell, 0));
+    }
+}
+
 static void every_node_has_the_opacity_of_a_dense_grid(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    light_scene scene;
-    light_scene_open(&opened, 1, SVO_LIGHT_VOXELS, &scene);
-    for (uint32_t index = 0; index < scene.info.node_count; ++index) {
-        svo_node node;
-        light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
-        const int cell[3] = {(int)node.cell[0], (int)node.cell[1], (int)node.cell[2]};
-        check_value("voxels", &node, 0, scene.opacity[index], light_levels_get(&scene.levels, node.level, cell, 0));
+    for (int kind = 0; kind < 2; ++kind) {
+        light_scene scene;
+        open_kind(&opened, kind, 1, SVO_LIGHT_VOXELS, &scene);
+        check_voxels(&opened, &scene);
+        light_scene_close(&scene);
     }
-    light_scene_close(&scene);
+}
+
+static void check_faces(const fixture *opened, const light_scene *scene)
+{
+    for (uint32_t index = 0; index < scene->info.node_count; ++index) {
+        svo_node node;
+        light_succeed(opened, svo_tree_find_node(scene->tree, index, &node));
+        const int cell[3] = {(int)node.cell[0], (int)node.cell[1], (int)node.cell[2]};
+        for (uint32_t direction = 0; direction < 6; ++direction) {
+            const double expected = extinction_of(light_levels_get(&scene->levels, node.level, cell, direction));
+            const double stored = scene->opacity[6 * (size_t)index + direction];
+            check_value("faces", &node, direction, fabs(stored - expected) < 0.51 ? expected : stored, expected);
+        }
+    }
 }
 
 static void every_face_has_the_extinction_of_a_dense_grid(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
+    for (int kind = 0; kind < 2; ++kind) {
+        light_scene scene;
+        open_kind(&opened, kind, 2, SVO_LIGHT_FACES, &scene);
+        check_faces(&opened, &scene);
+        light_scene_close(&scene);
+    }
+}
+
+/* The area that a node covers of its face is that of its leaves. */
+static void covers_add_up(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
     light_scene scene;
-    light_scene_open(&opened, 2, SVO_LIGHT_FACES, &scene);
-    for (uint32_t index = 0; index < scene.info.node_count; ++index) {
-        svo_node node;
-        light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
-        const int cell[3] = {(int)node.cell[0], (int)node.cell[1], (int)node.cell[2]};
-        for (uint32_t direction = 0; direction < 6; ++direction) {
-            const double expected = extinction_of(light_levels_get(&scene.levels, node.level, cell, direction));
-            const double stored = scene.opacity[6 * (size_t)index + direction];
-            check_value("faces", &node, direction, fabs(stored - expected) < 0.51 ? expected : stored, expected);
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
+    light_scene_open_mesh(&opened, 4, SVO_LIGHT_FACES, &scene);
+    light_succeed(&opened, svo_tree_get_arrays(scene.tree, &arrays));
+    uint16_t *cover = light_read(&opened, scene.light, SVO_LIGHT_COVER);
+    for (uint32_t index = (uint32_t)scene.info.node_count; index-- > 0;) {
+        const bool leaf = index >= scene.info.inner_count;
+        const uint32_t children = leaf ? 0 : (uint32_t)__builtin_popcount(arrays.child_mask[index]);
+        for (size_t direction = 0; direction < 6; ++direction) {
+            double sum = 0;
+            for (uint32_t child = 0; child < children; ++child) {
+                sum += cover[6 * (size_t)(arrays.first_child[index] + child) + direction];
+            }
+            const double alpha = leaf ? arrays.colors[4 * (size_t)index + 3] / 255.0 : 0;
+            const double expected =
+                leaf ? alpha * arrays.areas[6 * (index - scene.info.inner_count) + direction] : sum / 4;
+            assert_true(fabs(cover[6 * (size_t)index + direction] - fmin(expected, 65535)) <= 0.5001);
         }
     }
+    free(cover);
     light_scene_close(&scene);
+}
+
+static void check_bricks(const fixture *opened, const light_scene *scene)
+{
+    assert_int_equal(light_info_of(scene->light).bytes[SVO_LIGHT_OPACITY], 27 * 2 * scene->info.inner_count);
+    for (uint32_t index = 0; index < scene->info.inner_count; ++index) {
+        svo_node node;
+        light_succeed(opened, svo_tree_find_node(scene->tree, index, &node));
+        for (uint32_t sample = 0; sample < 27; ++sample) {
+            int at[3];
+            light_scene_place(&node, sample, at);
+            check_value("bricks", &node, sample, scene->opacity[27 * (size_t)index + sample],
+                        light_levels_get(&scene->levels, node.level + 1, at, 0));
+        }
+    }
 }
 
 static void every_sample_is_that_of_a_dense_lattice(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    light_scene scene;
-    light_scene_open(&opened, 3, SVO_LIGHT_BRICKS, &scene);
-    assert_int_equal(light_info_of(scene.light).bytes[SVO_LIGHT_OPACITY], 27 * 2 * scene.info.inner_count);
-    for (uint32_t index = 0; index < scene.info.inner_count; ++index) {
-        svo_node node;
-        light_succeed(&opened, svo_tree_find_node(scene.tree, index, &node));
-        for (uint32_t sample = 0; sample < 27; ++sample) {
-            int at[3];
-            light_scene_place(&node, sample, at);
-            check_value("bricks", &node, sample, scene.opacity[27 * (size_t)index + sample],
-                        light_levels_get(&scene.levels, node.level + 1, at, 0));
-        }
+    for (int kind = 0; kind < 2; ++kind) {
+        light_scene scene;
+        open_kind(&opened, kind, 3, SVO_LIGHT_BRICKS, &scene);
+        check_bricks(&opened, &scene);
+        light_scene_close(&scene);
     }
-    light_scene_close(&scene);
 }
 
 /* The sum over the points of a level's lattice, each counted once; bricks that share a point must agree. *points: how
@@ -262,6 +321,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_node_has_the_opacity_of_a_dense_grid),
         cmocka_unit_test(every_face_has_the_extinction_of_a_dense_grid),
+        cmocka_unit_test(covers_add_up),
         cmocka_unit_test(every_sample_is_that_of_a_dense_lattice),
         cmocka_unit_test(bricks_agree_and_keep_the_sum),
         cmocka_unit_test(fields_are_those_of_dense_grids),

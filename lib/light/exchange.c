@@ -199,7 +199,6 @@ static svo_status choose_unit(exchange *e, uint32_t bits, double *unit)
 static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
 {
     const svo_tree *tree = e->light->tree;
-    const cl_mem areas = NULL;
     const uint64_t values = e->photons->has_directions ? SVO_FACE_SUMS : 3;
     svo_light_info *info = &e->light->info;
     info->bytes[SVO_LIGHT_FLUX] = lit->lit_count * SVO_FLUX_SUMS * sizeof(cl_ulong);
@@ -210,7 +209,7 @@ static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
                                         SVO_I_ARGUMENT(e->photons->sums),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
-                                        SVO_I_ARGUMENT(areas),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
                                         SVO_I_ARGUMENT(e->emission),
                                         SVO_I_ARGUMENT(lit->radiance),

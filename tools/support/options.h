@@ -34,7 +34,8 @@ enum option_group {
     OPTION_FORM = 65536, /* form */
     OPTION_SOLID = 131072, /* solid */
     OPTION_VOXELS = 262144, /* what is read of a voxel file */
-    OPTION_CONVERT_COMMAND = 524288 /* a second argument, the file to write */
+    OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
+    OPTION_REFERENCE_COMMAND = 1048576 /* points, samples, range, lambda */
 };
 
 enum option_frontend {
@@ -56,6 +57,7 @@ enum option_frontend {
 
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
+#define OPTION_SAMPLES_MAX   262144
 
 /* A point or direction of the command line. */
 typedef struct option_vector {
@@ -113,6 +115,9 @@ typedef struct options {
     const char *from; /* report: a file of measurements; NULL: measure now */
     const char *docs; /* report: the folder whose documents are updated; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
+    const char *points_path; /* light: a file of points, or how many; NULL: not given */
+    uint64_t samples; /* light: paths for each point */
+    double range, falloff; /* light: of ambient occlusion; 0: unlimited, none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
 } options;
 

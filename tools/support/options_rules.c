@@ -203,6 +203,16 @@ static int read_edge(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+static int read_amount(program *state, const rule *option, const char *value)
+{
+    double *amount = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, amount) || *end != '\0' || *amount < 0.0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of at least 0", option->name, value);
+    }
+    return PROGRAM_DONE;
+}
+
 /* One name of a list, which is not terminated; NULL: none has that name. */
 static const choice *find_choice(const choice *choices, const char *name, size_t length)
 {
@@ -313,7 +323,8 @@ static const rule rules[] = {
      "file to write; - is standard output"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_count, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
      "approximate number of triangles (the default of the scene)"},
-    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_count, FIELD(seed), 0, UINT32_MAX, NULL,
+    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND | OPTION_REFERENCE_COMMAND, "S", read_count,
+     FIELD(seed), 0, UINT32_MAX, NULL,
      "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
      "amount of work, 0 to 1000: triangles per case grow with it (8)"},
@@ -323,6 +334,14 @@ static const rule rules[] = {
      "CSV file with one ray per line: ox,oy,oz,dx,dy,dz; - is standard input"},
     {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
      "one ray per pixel: auto, or eye, target, up, degrees as 6, 9 or 10 numbers"},
+    {"points", '\0', OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(points_path), 0, 0, NULL,
+     "CSV file with one point per line: x,y,z,nx,ny,nz; or a number of points, spread over the mesh by area"},
+    {"samples", '\0', OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(samples), 1, OPTION_SAMPLES_MAX, NULL,
+     "paths for each point, rounded down to 16 squares (16384)"},
+    {"range", '\0', OPTION_REFERENCE_COMMAND, "R", read_amount, FIELD(range), 0, 0, NULL,
+     "farthest that ambient occlusion reaches, in the mesh's units (0: any distance)"},
+    {"lambda", '\0', OPTION_REFERENCE_COMMAND, "L", read_amount, FIELD(falloff), 0, 0, NULL,
+     "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
     {"eye", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,

@@ -8,6 +8,7 @@
 #include "bench/filter.h"
 #include "bench/import.h"
 #include "bench/leaving_out.h"
+#include "bench/light.h"
 #include "bench/peers.h"
 #include "bench/rays.h"
 #include "bench/scene.h"
@@ -21,6 +22,7 @@
 #include "errors/e3_attributes.h"
 #include "errors/e4_detail.h"
 #include "errors/e5_conditioning.h"
+#include "errors/e7_cones.h"
 
 const suite_subject *const subjects[] = {
     &bench_voxelize,
@@ -33,6 +35,7 @@ const suite_subject *const subjects[] = {
     &bench_compact,
     &bench_solid,
     &bench_scene,
+    &bench_light,
     &bench_leaving_out,
     &bench_scene_sizes,
     &bench_memory,
@@ -45,6 +48,7 @@ const suite_subject *const subjects[] = {
     &errors_attributes,
     &errors_detail,
     &errors_conditioning,
+    &errors_cones,
     NULL,
 };
 

@@ -42,7 +42,7 @@ from ._errors import (
     UnsupportedError,
     text as _text,
 )
-from ._mesh import Material, Mesh, Texture, has_io, read_mesh
+from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._plan import Plan
 from ._structs import BuildReport, ImportInfo, Kernels, LeftOut, PlanBuffer, PlanInfo, StageTime, TreeInfo
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
@@ -65,6 +65,7 @@ __all__ = [
     "Error",
     "FileDamagedError",
     "FileError",
+    "Finish",
     "GLError",
     "ImportFailedError",
     "ImportInfo",
