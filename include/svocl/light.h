@@ -178,6 +178,8 @@ typedef struct svo_light_setup {
     size_t finish_count; /**< at most 65535; materials beyond are diffuse and do not emit */
     float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
+    uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
+    uint32_t reserved; /**< zero */
 } svo_light_setup;
 
 /** No light. */

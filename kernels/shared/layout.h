@@ -215,10 +215,12 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_U32 depth; /* 60 */
     SVO_F32 sun[3]; /* 64: unit, towards the light */
-    SVO_U32 samples; /* 76: rays per pixel along each of its sides */
+    SVO_U32 reserved; /* 76: zero */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
 };
+
+#define SVO_CAST_SAMPLES 2u /* camera rays of a shaded picture along each side of a pixel */
 
 /* What kernels/rays/view.cl shows: svo_render_view of trace.h. */
 #define SVO_VIEW_KIND_NORMAL    1u
@@ -506,6 +508,31 @@ SVO_RECORD(svo_exchange_params)
     SVO_U32 reserved; /* 28 */
 };
 
+/* What a picture of a light shows: svo_light_view of light.h. */
+#define SVO_LIT_VIEW_FULL     0u
+#define SVO_LIT_VIEW_AO       1u
+#define SVO_LIT_VIEW_DIRECT   2u
+#define SVO_LIT_VIEW_INDIRECT 3u
+#define SVO_LIT_VIEW_SPECULAR 4u
+
+/* Arguments of pictures of lights, world coordinates. 96 bytes. */
+SVO_RECORD(svo_lit_picture_params)
+{
+    SVO_F32 eye[3]; /* 0 */
+    SVO_U32 view; /* 12: SVO_LIT_VIEW_* */
+    SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
+    SVO_U32 width; /* 28: pixels */
+    SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
+    SVO_U32 height; /* 44: pixels */
+    SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
+    SVO_F32 exposure; /* 60 */
+    SVO_F32 sky[3]; /* 64: radiance from outside */
+    SVO_U32 source_count; /* 76 */
+    SVO_U32 finish_count; /* 80 */
+    SVO_U32 first_tile; /* 84: of the launch */
+    SVO_U32 reserved[2]; /* 88 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -519,6 +546,7 @@ SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);

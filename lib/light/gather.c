@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "core/struct_size.h"
-#include "light/state.h"
+#include "light/gather.h"
 #include "rays/batch.h"
 
 #define CONES_DEFAULT   16u
@@ -12,9 +12,12 @@
 #define STEP_MIN        0.25F
 #define STEP_MAX        1.0F
 
-/* The kernels that read a form. */
-static const char *const form_defines[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
-                                                               " -DSVO_LIGHT_VOXELS"};
+const char *svo_i_gather_defines(const svo_light *light)
+{
+    static const char *const defines[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
+                                                              " -DSVO_LIGHT_VOXELS"};
+    return defines[light->info.form];
+}
 
 /* ---- options ---- */
 
@@ -63,8 +66,7 @@ static svo_status check_lengths(const svo_light *light, const char *function, co
                                    (double)options->falloff);
 }
 
-/* What kernels take, with the defaults for 0. */
-static svo_status read_options(const svo_light *light, const char *function, const svo_gather_options *options,
+svo_status svo_i_gather_params(const svo_light *light, const char *function, const svo_gather_options *options,
                                svo_gather_params *params)
 {
     svo_gather_options asked;
@@ -106,7 +108,7 @@ static svo_i_batch batch_of(svo_light *light, const char *function, size_t point
                          .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
                          .program = SVO_I_PROGRAM_GATHER,
                          .kernel_name = "svo_k_gather",
-                         .defines = form_defines[light->info.form],
+                         .defines = svo_i_gather_defines(light),
                          .input_name = "points",
                          .output_name = "results",
                          .input_bytes = sizeof(svo_gather_point),
@@ -125,7 +127,7 @@ svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, s
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_options(light, function, options, &params));
+    SVO_I_TRY(svo_i_gather_params(light, function, options, &params));
     const svo_i_batch asked = batch_of(light, function, point_count, &params);
     return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
 }
@@ -138,7 +140,7 @@ svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gath
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_options(light, function, options, &params));
+    SVO_I_TRY(svo_i_gather_params(light, function, options, &params));
     const svo_i_batch asked = batch_of(light, function, point_count, &params);
     return svo_i_batch_run(&asked, points, results, queue);
 }

@@ -14,6 +14,7 @@
 #include "light/faces.h"
 #include "light/opacity.h"
 #include "light/plan.h"
+#include "light/setup.h"
 #include "svocl/plan.h"
 
 /* Made by cmake/embed.cmake. */
@@ -119,6 +120,7 @@ void svo_light_destroy(svo_light **light)
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         svo_i_light_release(*light, i);
     }
+    svo_i_light_forget_setup(*light);
     svo_i_free(*light);
     *light = NULL;
 }

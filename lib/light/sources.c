@@ -7,6 +7,7 @@
 #include "core/struct_size.h"
 #include "light/exchange.h"
 #include "light/photons.h"
+#include "light/setup.h"
 
 static const char function[] = "svo_light_set_sources";
 
@@ -214,6 +215,7 @@ static void darken(svo_light *light)
 {
     svo_light_info *info = &light->info;
     svo_i_light_darken(light);
+    svo_i_light_forget_setup(light);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
@@ -248,10 +250,15 @@ svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup,
     }
     darken(light);
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "setup", setup, &asked,
-                                SVO_I_STRUCT_SIZES(svo_light_setup, view_resolution)));
+                                SVO_I_STRUCT_SIZES(svo_light_setup, no_photons)));
     SVO_I_TRY(check_setup(light, &asked));
     SVO_I_TRY(svo_i_tree_check(light->tree, function));
-    const svo_status status = shine(light, &asked, queue);
+    svo_light_setup shining = asked;
+    shining.source_count = asked.no_photons != 0 ? 0 : asked.source_count;
+    svo_status status = shine(light, &shining, queue);
+    if (status == SVO_OK) {
+        status = svo_i_light_keep_setup(light, function, &asked);
+    }
     if (status != SVO_OK) {
         darken(light);
         return status;

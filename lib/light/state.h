@@ -8,12 +8,21 @@
 #include "shared/layout.h"
 #include "svocl/light.h"
 
+/* What lights the tree directly, for pictures: copies of what svo_light_set_sources got. */
+typedef struct svo_i_light_setup {
+    svo_light_source *sources; /* with unit directions; NULL: none */
+    size_t source_count;
+    svo_finish *finishes; /* NULL: none */
+    size_t finish_count;
+} svo_i_light_setup;
+
 struct svo_light {
     svo_tree *tree; /* the caller's */
     svo_device *device; /* the tree's */
     svo_light_info info;
     svo_light_params params; /* of its kernels */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
+    svo_i_light_setup setup; /* owned */
 };
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */

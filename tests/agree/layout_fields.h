@@ -104,7 +104,7 @@ SCALAR(svo_cast_params, cast_params_items, height)
 ARRAY(svo_cast_params, cast_params_items, down)
 SCALAR(svo_cast_params, cast_params_items, depth)
 ARRAY(svo_cast_params, cast_params_items, sun)
-SCALAR(svo_cast_params, cast_params_items, samples)
+SCALAR(svo_cast_params, cast_params_items, reserved)
 ARRAY(svo_cast_params, cast_params_items, up)
 SCALAR(svo_cast_params, cast_params_items, occlusion_range)
 /* The rest is used by kernels only: a shader has too few storage blocks for these records. */

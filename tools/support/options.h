@@ -23,7 +23,7 @@ enum option_group {
     OPTION_BUILD_COMMAND = 32, /* repeat, compress, plan */
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
-    OPTION_RENDER_COMMAND = 256,
+    OPTION_RENDER_COMMAND = 256, /* view, camera */
     OPTION_METHODS = 512, /* front end, share path, context: for any kind of build */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
     OPTION_BENCH_COMMAND = 2048, /* what is measured, and compared with what */
@@ -58,6 +58,12 @@ enum option_frontend {
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
 #define OPTION_SAMPLES_MAX   262144
+
+/* A point or direction of the command line. */
+typedef struct option_vector {
+    double at[3];
+    bool is_given;
+} option_vector;
 
 typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
@@ -99,6 +105,8 @@ typedef struct options {
     uint64_t seed;
     uint32_t width, height; /* pixels */
     int view; /* svo_render_view */
+    option_vector eye, look_at, up; /* render: the camera, world units */
+    double fov; /* render: degrees; 0: not given */
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */

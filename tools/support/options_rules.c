@@ -15,6 +15,10 @@
 #include "svocl/solid.h"
 #include "svocl/trace.h"
 
+#define OPTION_VECTOR_MAX 1e18
+#define OPTION_FOV_MIN    0.01
+#define OPTION_FOV_MAX    179.0
+
 static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
                                    {"cl", OPTION_FRONTEND_CL},
                                    {"gl-expand", OPTION_FRONTEND_GL_EXPAND},
@@ -144,18 +148,48 @@ static bool parse_number(const char *text, char **end, double *number)
     return *end != text && isfinite(*number);
 }
 
-static int read_origin(program *state, const rule *option, const char *value)
+/* "x,y,z" */
+static bool parse_vector(const char *text, double out[3])
 {
-    double *origin = field(state, option);
-    const char *rest = value;
+    const char *rest = text;
     for (int axis = 0; axis < 3; ++axis) {
         char *end = NULL;
-        if (!parse_number(rest, &end, &origin[axis]) || *end != (axis < 2 ? ',' : '\0')) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "origin '%s' is not of the form x,y,z", value);
+        if (!parse_number(rest, &end, &out[axis]) || *end != (axis < 2 ? ',' : '\0')) {
+            return false;
         }
         rest = end + 1;
     }
+    return true;
+}
+
+static int read_origin(program *state, const rule *option, const char *value)
+{
+    if (!parse_vector(value, field(state, option))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "origin '%s' is not of the form x,y,z", value);
+    }
     state->options.has_origin = true;
+    return PROGRAM_DONE;
+}
+
+/* A vector of the camera, which floats must hold. */
+static int read_vector(program *state, const rule *option, const char *value)
+{
+    option_vector *vector = field(state, option);
+    vector->is_given = parse_vector(value, vector->at) && fabs(vector->at[0]) <= OPTION_VECTOR_MAX &&
+                       fabs(vector->at[1]) <= OPTION_VECTOR_MAX && fabs(vector->at[2]) <= OPTION_VECTOR_MAX;
+    return vector->is_given ? PROGRAM_DONE
+                            : program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not X,Y,Z, each within %g",
+                                           option->name, value, OPTION_VECTOR_MAX);
+}
+
+static int read_fov(program *state, const rule *option, const char *value)
+{
+    double *degrees = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, degrees) || *end != '\0' || *degrees < OPTION_FOV_MIN || *degrees > OPTION_FOV_MAX) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of degrees within %g .. %g",
+                            option->name, value, OPTION_FOV_MIN, OPTION_FOV_MAX);
+    }
     return PROGRAM_DONE;
 }
 
@@ -310,6 +344,14 @@ static const rule rules[] = {
      "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles (shaded)"},
+    {"eye", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,
+     "where the camera stands, world units (where all of INPUT is in view)"},
+    {"at", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(look_at), 0, 0, NULL,
+     "the point that the camera looks at (the middle of INPUT)"},
+    {"up", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(up), 0, 0, NULL,
+     "direction that is up in the picture (0,1,0)"},
+    {"fov", '\0', OPTION_RENDER_COMMAND, "DEG", read_fov, FIELD(fov), 0, 0, NULL,
+     "angle of view from the picture's bottom to its top, degrees (32; with --eye 60)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_MEASURE, "N", read_repeat, FIELD(repeat), 1, 10000, NULL,
      "repeat N times and report medians; builds leave out the first (1; measurements: 11 after a warm-up)"},
     {"scenes", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(scenes), 0, 0, NULL,
