@@ -34,7 +34,7 @@ static uint pack(uint4 color)
     return color.x | color.y << 8 | color.z << 16 | color.w << 24;
 }
 
-/* The mean over four pairs of front + (1 - alpha of the front) back. corner: of the eight voxels, in an array of n^3. */
+/* The mean over four pairs of front + (1 - alpha of the front) back. corner: of eight voxels in an array of n^3. */
 static uint merge(__global const uint *voxels, ulong corner, uint n, uint direction)
 {
     const ulong strides[3] = {1ul, n, (ulong)n * n};

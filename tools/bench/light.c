@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The stages of light in each form, next to the figures that a master's thesis on voxel cone tracing published in 2016
- * for grids of the same size (Radeon HD 5850); its bytes next to those of a dense pyramid of six directions, whose passes
- * run on the same device; and frames gathered by five cones.
+ * for grids of the same size (Radeon HD 5850); its bytes next to those of a dense pyramid of six directions, whose
+ * passes run on the same device; and frames gathered by five cones.
  */
 #include "bench/light.h"
 
