@@ -30,7 +30,7 @@
 /* What cones gathered at the surfaces of an item's pixels. */
 typedef struct svo_picture_cache {
     float3 points[SVO_PICTURE_KEPT];
-    float3 normals[SVO_PICTURE_KEPT];
+    float3 faces[SVO_PICTURE_KEPT];
     svo_gather_result gathered[SVO_PICTURE_KEPT];
     uint count; /* of all that were gathered; the last ones are kept */
 } svo_picture_cache;
@@ -42,9 +42,9 @@ static uint svo_picture_find(const svo_lit_picture *picture, const svo_lit_surfa
     const float edge = picture->light.params.voxel_edge;
     for (uint k = 0; k < min(cache->count, SVO_PICTURE_KEPT); ++k) {
         const float3 apart = surface->point - cache->points[k];
-        if (dot(surface->normal, cache->normals[k]) >= SVO_PICTURE_ALIKE &&
+        if (dot(surface->face, cache->faces[k]) >= SVO_PICTURE_ALIKE &&
             dot(apart, apart) <= SVO_PICTURE_NEAR * SVO_PICTURE_NEAR * edge * edge &&
-            fabs(dot(apart, surface->normal)) <= SVO_PICTURE_OFF * edge) {
+            fabs(dot(apart, surface->face)) <= SVO_PICTURE_OFF * edge) {
             return k;
         }
     }
@@ -57,6 +57,7 @@ static bool svo_picture_has_cones(const svo_lit_picture *picture)
     return view == SVO_LIT_VIEW_AO || (view != SVO_LIT_VIEW_DIRECT && picture->gather.with_light != 0u);
 }
 
+/* Cones leave the triangle's own plane: the payload's normal differs from leaf to leaf, which would show. */
 static svo_gather_result svo_picture_gather(const svo_lit_picture *picture, const svo_lit_surface *surface,
                                             float3 direction)
 {
@@ -66,7 +67,7 @@ static svo_gather_result svo_picture_gather(const svo_lit_picture *picture, cons
     const float3 reflected = direction - 2.0f * dot(direction, surface->normal) * surface->normal;
     svo_gather_point point;
     vstore3(surface->point, 0, point.position);
-    vstore3(surface->normal, 0, point.normal);
+    vstore3(surface->face, 0, point.normal);
     vstore3(reflects ? reflected : (float3)(0.0f), 0, point.reflected);
     point.exponent = surface->exponent;
 #ifdef SVO_LIGHT_BRICKS
@@ -142,7 +143,7 @@ static svo_gather_result svo_picture_cones(const svo_lit_picture *picture, const
     if (place == SVO_PICTURE_KEPT) {
         place = cache->count++ % SVO_PICTURE_KEPT;
         cache->points[place] = surface->point;
-        cache->normals[place] = surface->normal;
+        cache->faces[place] = surface->face;
         cache->gathered[place] = svo_picture_gather(picture, surface, direction);
     }
     return cache->gathered[place];
