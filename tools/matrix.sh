@@ -20,7 +20,7 @@ readonly matrix_packages=(
 )
 
 # A case is the arguments of `svocl hash`. Small cases also run on oclgrind, an interpreter.
-readonly matrix_all=color,normal,rays,material,fill
+readonly matrix_all=color,normal,rays,material,fill,projected-area
 readonly matrix_small_cases=(
     "scene:cornell:60 -d 4 --need $matrix_all"
     "scene:knot:200 -d 5 --need $matrix_all"

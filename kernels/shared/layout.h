@@ -372,6 +372,8 @@ SVO_RECORD(svo_solid_params)
 
 /* Extinctions are in units of 2^-12 octaves: 4096 halves what passes. */
 #define SVO_EXTINCTION_UNIT 4096
+/* A projected area as large as a face of its node. */
+#define SVO_AREA_UNIT 4096u
 /* Samples of a brick, and the most levels from the root to a leaf. */
 #define SVO_BRICK_SAMPLES 27
 #define SVO_LIGHT_LEVELS  17
