@@ -15,11 +15,13 @@
 #include "svocl/light.h"
 
 #define ROUNDS_MAX      3u /* views of millions of photons take seconds on a processor */
-#define VIEW            4096u /* photons along a side, as published */
+#define VIEW            4096u /* photons along a side of the first form's view, as published */
+#define VIEW_OTHERS     1024u
 #define VIEW_QUICK      512u
 #define FRAME_WIDTH     800u /* as published */
 #define FRAME_HEIGHT    600u
 #define FRAME_CONES     5u
+#define WARM_UP_POINTS  4096u
 #define PUBLISHED_FIRST 7u /* the depth of the first of three figures */
 
 static const char stages_id[] = "light-stages";
@@ -67,15 +69,16 @@ static void begin_stages(suite *all, size_t rounds)
     result_table *table = result_add_table(all->results, stages_id, "Light: stages", "");
     result_set_note(
         table,
-        "Medians and quartiles (q1, q3) of %zu runs after a warm-up run. One directional light whose view has %u "
-        "photons along a side. Published: Voxel cone tracing thesis (2016), Radeon HD 5850, the corresponding stage on "
-        "a grid of the same size, with a view of 4,096 photons along a side. Ratio: published time to svocl's; above 1 "
-        "svocl is quicker. svocl needs no neighbors. Rate: rays per second of the light view.",
-        rounds, all->quick ? VIEW_QUICK : VIEW);
+        "Medians and quartiles (q1, q3) of %zu runs after a warm-up run. One directional light. Published: Voxel cone "
+        "tracing thesis (2016), Radeon HD 5850, the corresponding stage on a grid of the same size, with a view of "
+        "4,096 photons along a side. Ratio: published time to svocl's; above 1 svocl is quicker. svocl needs no "
+        "neighbors. Rate: rays per second of the light view.",
+        rounds);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
     result_add_column(table, "form", "");
     result_add_column(table, "stage", "");
+    result_add_column(table, "photons", "");
     spread_add_columns(table, "time", "ms");
     result_add_column(table, "published", "ms");
     result_add_column(table, "ratio", "");
@@ -119,7 +122,7 @@ static void begin_frames(suite *all)
     result_add_column(table, "form", "");
     result_add_column(table, "points", "");
     result_add_column(table, "first hits", "ms");
-    spread_add_columns(table, "cones", "ms");
+    result_add_column(table, "cones", "ms");
     result_add_column(table, "frames", "1/s");
     result_add_column(table, "published", "1/s");
 }
@@ -160,8 +163,19 @@ static svo_status build_tree(light_bench *bench)
         return status;
     }
     bench->info = (svo_tree_info)SVO_TREE_INFO_INIT;
-    status = svo_tree_get_info(bench->tree, &bench->info);
-    return status == SVO_OK ? svo_tree_download(bench->tree, opened->queue) : status;
+    (void)svo_tree_get_info(bench->tree, &bench->info);
+    return svo_tree_download(bench->tree, opened->queue);
+}
+
+/* Photons do not depend on the form: one form shoots as many as published. */
+static uint32_t view_of(const suite *all, svo_light_form form)
+{
+    return all->quick ? VIEW_QUICK : form == SVO_LIGHT_FACES ? VIEW : VIEW_OTHERS;
+}
+
+static bool shoots(int stage)
+{
+    return stage == SVO_LIGHT_STAGE_VIEW || stage == SVO_LIGHT_STAGE_PHOTONS;
 }
 
 /* Makes the light anew, and keeps the times of its stages unless it warms up. */
@@ -173,7 +187,7 @@ static svo_status run_round(light_bench *bench, svo_light_form form, size_t roun
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
     setup.sources = &sun;
     setup.source_count = 1;
-    setup.view_resolution = bench->all->quick ? VIEW_QUICK : VIEW;
+    setup.view_resolution = view_of(bench->all, form);
     svo_light_destroy(&bench->light);
     svo_status status = svo_light_create(bench->tree, &stored, bench->all->opened.queue, &bench->light);
     if (status == SVO_OK) {
@@ -217,11 +231,13 @@ static void add_stage(const light_bench *bench, const published_stage *given)
     result_table *table = result_find(bench->all->results, stages_id);
     const bool runs = given->stage != NO_STAGE;
     const spread ms = runs ? stage_spread(bench, (size_t)given->stage) : spread_none();
-    const double published = published_at(given->ms, bench->depth);
+    const bool fewer = shoots(given->stage) && view_of(bench->all, bench->lit.form) != VIEW;
+    const double published = fewer ? NAN : published_at(given->ms, bench->depth);
     result_add_text(table, "%s", suite_scene_name(bench->source));
     result_add_number(table, bench->depth);
     result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
     result_add_text(table, "%s", given->name);
+    result_add_number(table, shoots(given->stage) ? (double)bench->lit.photons : NAN);
     spread_add(table, ms);
     result_add_number(table, published);
     result_add_number(table, published / ms.median);
@@ -229,19 +245,16 @@ static void add_stage(const light_bench *bench, const published_stage *given)
                       given->stage == SVO_LIGHT_STAGE_VIEW ? (double)bench->lit.photons / ms.median * 1e-3 : NAN);
 }
 
-/* Bytes of every voxel of all levels with what the form stores of one node. */
+/* Every voxel of all levels with the numbers of one node. Bricks: of one sample, which is one voxel's. */
 static double dense_bytes(const light_bench *bench)
 {
-    const uint64_t *bytes = bench->lit.bytes;
-    const double nodes = (double)bench->info.node_count;
-    const double lit_nodes = (double)bench->lit.lit_nodes;
-    const double of_opacity = (double)(bytes[SVO_LIGHT_OPACITY] + bytes[SVO_LIGHT_COVER]) / nodes;
-    const double of_radiance = lit_nodes > 0 ? (double)bytes[SVO_LIGHT_RADIANCE] / lit_nodes : 0;
+    static const double of_voxel[SVO_LIGHT_FORM_COUNT] = {
+        [SVO_LIGHT_FACES] = 6 * (2 + 2 + 4), [SVO_LIGHT_BRICKS] = 2 + 4, [SVO_LIGHT_VOXELS] = 2 + 4};
     double voxels = 0;
     for (unsigned level = 0; level <= bench->depth; ++level) {
         voxels += ldexp(1, 3 * (int)level);
     }
-    return voxels * (of_opacity + of_radiance);
+    return voxels * of_voxel[bench->lit.form];
 }
 
 static void add_bytes(const light_bench *bench, double dense_ms)
@@ -355,26 +368,31 @@ static int make_frame(const light_bench *bench, frame_points *frame)
     return exit_code;
 }
 
-static int add_frame(const light_bench *bench, const frame_points *frame)
+/* Milliseconds for the first points; below 0 on failure. */
+static double gather_frame(const light_bench *bench, const frame_points *frame, size_t count)
 {
     const svo_gather_options asked = {.struct_size = sizeof asked, .cones = FRAME_CONES};
+    const double started_ms = input_now_ms();
+    const svo_status status =
+        svo_gather(bench->light, frame->points, frame->results, count, &asked, bench->all->opened.queue);
+    return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
+}
+
+static int add_frame(const light_bench *bench, const frame_points *frame)
+{
     result_table *table = result_find(bench->all->results, frames_id);
-    for (size_t round = 0; round <= bench->rounds; ++round) {
-        const double started_ms = input_now_ms();
-        if (svo_gather(bench->light, frame->points, frame->results, frame->count, &asked, bench->all->opened.queue) !=
-            SVO_OK) {
-            return program_fail_library(bench->all->state, svo_device_message(bench->all->opened.device));
-        }
-        bench->scratch[round > 0 ? round - 1 : 0] = input_now_ms() - started_ms;
+    const bool warm = gather_frame(bench, frame, frame->count < WARM_UP_POINTS ? frame->count : WARM_UP_POINTS) >= 0;
+    const double ms = warm ? gather_frame(bench, frame, frame->count) : -1.0;
+    if (ms < 0) {
+        return program_fail_library(bench->all->state, svo_device_message(bench->all->opened.device));
     }
-    const spread ms = spread_of(bench->scratch, bench->rounds);
     result_add_text(table, "%s", suite_scene_name(bench->source));
     result_add_number(table, bench->depth);
     result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
     result_add_number(table, (double)frame->count);
     result_add_number(table, frame->first_hit_ms);
-    spread_add(table, ms);
-    result_add_number(table, 1e3 / (frame->first_hit_ms + ms.median));
+    result_add_number(table, ms);
+    result_add_number(table, 1e3 / (frame->first_hit_ms + ms));
     result_add_number(table, published_at(published_frames, bench->depth));
     return PROGRAM_DONE;
 }

@@ -48,7 +48,7 @@ typedef struct cone_gather {
 /* Finds or makes the light of a way. False on failure, with the reason in the device's message; what was made then is
    still released by cone_gather_free. */
 bool cone_gather_make(cone_lights *lights, const cone_way *way, cone_gather *out);
-void cone_gather_free(cone_gather *gather);
+void cone_gather_free(cone_gather *work);
 void cone_lights_free(cone_lights *lights);
 
 /* The work of interleaved methods: ambient occlusion alone, within the truth's range; light too, which has no range. */
@@ -56,6 +56,6 @@ double cone_gather_occlusion(void *user);
 double cone_gather_light(void *user);
 
 /* Gathers both ways once and compares the results. */
-bool cone_gather_compare(cone_gather *gather, truth_error *openness, truth_error *irradiance);
+bool cone_gather_compare(cone_gather *work, truth_error *openness, truth_error *irradiance);
 
 #endif

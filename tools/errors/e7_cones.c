@@ -331,7 +331,7 @@ static void add_alternative(const cone_run *work, const measured *cones, const m
 
 static bool add_rows(cone_run *work)
 {
-    measured all[WAYS + RAY_METHODS];
+    measured all[WAYS + RAY_METHODS] = {{.method = NULL}};
     const size_t count = work->way_count + work->ray_count;
     for (size_t i = 0; i < count; ++i) {
         if (i < work->way_count ? !measure_cones(work, i, &all[i])
