@@ -52,7 +52,7 @@ typedef struct edge {
 
 static int compare_edges(const void *a, const void *b)
 {
-    return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof ((const edge *)a)->ends);
+    return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof((const edge *)a)->ends);
 }
 
 static edge edge_between(const int32_t *from, const int32_t *to)

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Second reference for the payload: color, normal, material and fill of every node and the projected areas of every
- * leaf, in plain C on the host, from the exact pairs and the exact tree. It shares two things with kernels/ and lib/: the unit of weight, and
- * kernels/shared/clip.clh, which test_clip.c tests separately. The rest follows the definition alone: the contribution
- * of a triangle to a voxel (kernels/stages/attribute.clh), the mean over all pairs of a node, rounded once
- * (kernels/stages/filter.cl), and the material of the largest weight (kernels/stages/material.cl).
+ * leaf, in plain C on the host, from the exact pairs and the exact tree. It shares two things with kernels/ and lib/:
+ * the unit of weight, and the clipping of kernels/shared/clip.clh, which test_clip.c tests separately. The rest follows
+ * the definition alone: the contribution of a triangle to a voxel (kernels/stages/attribute.clh), the mean over all
+ * pairs of a node, rounded once (kernels/stages/filter.cl), and the material of the largest weight
+ * (kernels/stages/material.cl).
  */
 #ifndef SVOCL_TESTS_PAYLOAD_REFERENCE_H
 #define SVOCL_TESTS_PAYLOAD_REFERENCE_H

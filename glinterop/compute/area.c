@@ -39,10 +39,8 @@ static svo_status run(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface,
     SVO_I_TRY(svo_i_compute_alloc(compute, "areas", leaves * 12, areas));
     SVO_I_TRY(svo_i_compute_alloc_zero(compute, "area_sums", leaves * 48, sums));
     SVO_I_TRY(add_fragments(gl_build, surface, params, *sums));
-    const svo_i_launch round = {.entry = SVO_I_ENTRY_ROUND_AREAS,
-                                .buffers = {[9] = *sums, [10] = *areas},
-                                .params = &params,
-                                .items = leaves};
+    const svo_i_launch round = {
+        .entry = SVO_I_ENTRY_ROUND_AREAS, .buffers = {[9] = *sums, [10] = *areas}, .params = &params, .items = leaves};
     SVO_I_TRY(svo_i_compute_launch(compute, &round));
     return svo_i_compute_stage_end(compute, gl_build->build, SVO_STAGE_FILTER);
 }

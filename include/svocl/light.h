@@ -114,9 +114,9 @@ typedef struct svo_light_info {
     uint64_t total_bytes; /**< of all buffers */
     uint64_t scratch_bytes; /**< the most that making it took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
-    /** Items that a node map over the light views would start to filter what photons brought, all levels together, to be
-     *  compared with lit_nodes: a pyramid over the pixels' leaves, with the common ancestor of 2 x 2 cells above them,
-     *  after Crassin et al. 2011. 0 without svo_light_setup.diagnose. */
+    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
+     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
+     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
     uint64_t node_map_items;
 } svo_light_info;
 

@@ -37,7 +37,7 @@ typedef enum svo_need {
     /** 6 x 16 bits per leaf, none for inner nodes: how much surface rays along +x, -x, +y, -y, +z and -z see in the
      *  voxel. For +x it is the sum, over the triangles with n_x < 0, of the area inside times |n_x|; n is the unit
      *  normal by the right-hand rule. 4096 = a face of the voxel, at most 65535. Surfaces that hide each other all
-     *  count.
+     *  count. With closed voxels, surface in a common face counts in both; with thin ones, surface may lie in no leaf.
      *
      *  Triangles of an open mesh count from both sides. A mesh is closed if each edge is used as often in one direction
      *  as in the other by its accepted triangles, those outside the grid included. Vertices with the same snapped

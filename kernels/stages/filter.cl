@@ -16,8 +16,8 @@
  * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
  * Launch: one work-item per node or leaf, rounded up to whole groups. No atomics: one work-item writes a node's sums.
- * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node). Of the leaves alone:
- * areas (6 ulong a leaf), for lists of several chunks.
+ * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node); of the leaves, for
+ * lists of several chunks: areas (6 ulong a leaf).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
@@ -30,11 +30,11 @@
 
 #if defined(SVO_NODE_PAYLOAD) || defined(SVO_AREAS)
 
-/* An argument that only kernels with projected areas have. */
+/* A last argument, which only kernels with projected areas have. */
 #ifdef SVO_AREAS
-#define SVO_AREA_ARGUMENT(declaration) declaration,
+#define SVO_AND_AREAS(type, name) , __global type *name
 #else
-#define SVO_AREA_ARGUMENT(declaration)
+#define SVO_AND_AREAS(type, name)
 #endif
 
 /* The sums of a node; areas are those of leaves alone. */
@@ -226,9 +226,8 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
              __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-             __global ulong *color_sums, __global long *normal_sums,
-             SVO_AREA_ARGUMENT(__global ulong *area_sums) __global const svo_build_state *state,
-             svo_filter_params params)
+             __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
+             svo_filter_params params SVO_AND_AREAS(ulong, area_sums))
 {
     svo_make_current(&params, state);
     const uint leaf = params.first_index + (uint)get_global_id(0);
@@ -250,16 +249,14 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
 #endif
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_gather_level(__global const uint *fragments, __global const uint *links, __global const uint *heads,
-                   __global const int *vertices, __global const uint *indices,
-                   __global const svo_triangle_record *records, __global const uint *vertex_colors,
-                   __global const short *vertex_normals, __global const int *uvs,
-                   __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-                   __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
-                   __global const uint *first_child, __global uint *colors, __global short *normals,
-                   __global ushort *fills, SVO_AREA_ARGUMENT(__global ushort *areas)
-                   __global const svo_build_state *state, svo_filter_params params)
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_gather_level(
+    __global const uint *fragments, __global const uint *links, __global const uint *heads,
+    __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
+    __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
+    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
+    __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
+    __global const uint *first_child, __global uint *colors, __global short *normals, __global ushort *fills,
+    __global const svo_build_state *state, svo_filter_params params SVO_AND_AREAS(ushort, areas))
 {
     svo_make_current(&params, state);
     const uint index = params.first_index + (uint)get_global_id(0);

@@ -106,9 +106,8 @@ typedef struct svo_i_chunking {
 #define SVO_I_BUFFERS_MAX 48
 
 /* svo_need bits of payload that stages/filter.c computes for all levels, and of all payload. */
-#define SVO_I_NEED_FILTER ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL)
-#define SVO_I_NEED_PAYLOAD \
-    (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_PROJECTED_AREA)
+#define SVO_I_NEED_FILTER  ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL)
+#define SVO_I_NEED_PAYLOAD (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_PROJECTED_AREA)
 
 /* Unit of fill: a node's face is 2^SVO_I_FILL_LOG2. */
 #define SVO_I_FILL_LOG2 12u

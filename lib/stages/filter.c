@@ -123,7 +123,7 @@ static void release(filterer *f)
     }
 }
 
-/* Launches one work-item per node, in parts. The last argument is f->params. */
+/* Launches one work-item per node, in parts. One of the arguments is f->params. */
 static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argument *arguments, cl_uint argument_count,
                                uint64_t nodes)
 {
@@ -172,12 +172,12 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]);
     }
+    arguments[count++] = SVO_I_ARGUMENT(build->state);
+    arguments[count++] = SVO_I_ARGUMENT(f->params);
     if (f->areas) {
         arguments[count++] =
             f->one_chunk ? SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]) : SVO_I_ARGUMENT(f->area_sums);
     }
-    arguments[count++] = SVO_I_ARGUMENT(build->state);
-    arguments[count++] = SVO_I_ARGUMENT(f->params);
     svo_i_stage_begin(&build->commands);
     const uint64_t nodes = f->one_chunk ? f->params.level_count : f->params.leaf_count;
     const double fragments = (double)build->list.chunks[chunk].needed;
@@ -203,9 +203,9 @@ static svo_status gather_leaves(filterer *f)
 static svo_status round_areas(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(f->area_sums), SVO_I_ARGUMENT(f->build->tree->buffers[SVO_TREE_AREAS]),
-        SVO_I_ARGUMENT(f->build->state), SVO_I_ARGUMENT(f->params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->area_sums),
+                                        SVO_I_ARGUMENT(f->build->tree->buffers[SVO_TREE_AREAS]),
+                                        SVO_I_ARGUMENT(f->build->state), SVO_I_ARGUMENT(f->params)};
     svo_i_stage_begin(commands);
     svo_i_commands_stage(commands, SVO_STAGE_FILTER, NODE_NS);
     SVO_I_TRY(svo_i_commands_run(commands, f->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_round_areas",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl hash: the hash of a tree, alone on the last line. */
+/* svocl hash: the hash of a tree, or of the opacity of a light in it, alone on the last line. */
 #include <stdio.h>
 
 #include "support/job.h"
@@ -34,6 +34,49 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
     return json_print(state, document);
 }
 
+/* ---- light ---- */
+
+static int print_light_hash(program *state, const job *done)
+{
+    svo_light_options asked = SVO_LIGHT_OPTIONS_INIT;
+    char text[SVO_HASH_TEXT_BYTES];
+    svo_light *light = NULL;
+    asked.form = (svo_light_form)(state->options.light - 1);
+    progress_step(state->progress, "hashing");
+    svo_status status = svo_light_create(done->result.tree, &asked, done->opened.queue, &light);
+    if (status == SVO_OK) {
+        status = svo_light_hash(light, done->opened.queue, text);
+    }
+    svo_light_destroy(&light);
+    if (status != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (!state->options.json) {
+        progress_hide(state->progress);
+        puts(text);
+        return PROGRAM_DONE;
+    }
+    cJSON *document = json_document();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "hash", text);
+    json_add_text(document, "light", svo_light_form_name(asked.form));
+    return json_print(state, document);
+}
+
+static int hash_light(program *state)
+{
+    job done;
+    int exit_code = input_is_tree(state) ? job_load(state, 1, &done) : job_run(state, state->options.need, 1, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = print_light_hash(state, &done);
+    job_release(&done);
+    return exit_code;
+}
+
+/* ---- trees ---- */
+
 static int hash_tree_file(program *state)
 {
     int exit_code = input_refuse_build_options(state);
@@ -52,6 +95,12 @@ static int hash_tree_file(program *state)
 
 int command_hash(program *state)
 {
+    if (state->options.light != 0 && state->options.nodes) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--light and --nodes exclude each other");
+    }
+    if (state->options.light != 0) {
+        return hash_light(state);
+    }
     if (input_is_tree(state)) {
         return hash_tree_file(state);
     }

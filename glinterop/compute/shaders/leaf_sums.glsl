@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* 64-bit sums of leaves, to which each fragment adds by 32-bit atomics: low word first, with a carry to the high one. */
+/* 64-bit sums of leaves, to which fragments add by 32-bit atomics: low word first, with a carry to the high one. */
 #if defined(SVO_K_GATHER) || defined(SVO_K_AREA)
 
 layout(std430, binding = 9) buffer Sums
