@@ -327,7 +327,7 @@ static const rule rules[] = {
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_choice, FIELD(light), 0, 0, lights,
-     "hash the opacity that light is stored with: faces, bricks or voxels (the tree)"},
+     "hash the light of a sun and a lamp, stored as faces, bricks or voxels (the tree)"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
      "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
