@@ -182,22 +182,15 @@ void cone_scene_add_point(cone_scene *scene, const double position[3], const dou
 
 svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint32_t need)
 {
-    uint32_t *indices = malloc(3 * scene->triangle_count * sizeof *indices);
     svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
     svo_mesh mesh = SVO_MESH_INIT;
     built made;
-    assert_non_null(indices);
-    for (size_t k = 0; k < 3 * scene->triangle_count; ++k) {
-        indices[k] = (uint32_t)k;
-    }
     mesh.positions = scene->corners;
     mesh.vertex_count = 3 * scene->triangle_count;
-    mesh.indices = indices;
     mesh.triangle_count = scene->triangle_count;
     options.edge = ldexp(1, (int)scene->depth);
     options.need = need;
     fixture_build(opened, &mesh, scene->depth, &options, &made);
-    free(indices);
     svo_tree *tree = made.tree;
     made.tree = NULL;
     built_destroy(&made);

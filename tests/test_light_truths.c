@@ -190,13 +190,80 @@ static void clutter_of_quads(void **state)
     cone_scene_free(scene);
 }
 
+/* ---- a room that emits ---- */
+
+/* Emits 1 from all surfaces, under a sky of 1. */
+static void light_up(const fixture *opened, svo_light *light)
+{
+    static const svo_finish finish = {.emission = {1, 1, 1}};
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.finishes = &finish;
+    setup.finish_count = 1;
+    for (int channel = 0; channel < 3; ++channel) {
+        setup.sky[channel] = 1;
+    }
+    light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+}
+
+static void check_furnace(const cone_scene *scene, const char *what)
+{
+    double worst = 0;
+    for (size_t i = 0; i < scene->point_count; ++i) {
+        for (int channel = 0; channel < 3; ++channel) {
+            worst = fmax(worst, fabs(scene->results[i].irradiance[channel] / 3.14159265358979 - 1));
+        }
+        worst = fmax(worst, fabs(scene->results[i].specular[1] - 1.0));
+    }
+    check_below(what, worst, 0.01);
+}
+
+static void a_room_that_emits_is_even(void **state)
+{
+    static const uint32_t sets[] = {1, 5, 6, 16, 64};
+    static const float steps[] = {0.5F, 0.75F, 1.0F};
+    const fixture opened = fixture_cl_of_group(state);
+    cone_scene *scene = cone_scene_new(DEPTH, 15);
+    for (uint32_t depth = 5; depth <= DEPTH; ++depth) {
+        const double size = ldexp(1, (int)depth);
+        const double half[3] = {0.25 * size, 0.22 * size, 0.2 * size};
+        scene->depth = depth;
+        cone_scene_clear(scene);
+        cone_scene_pose(scene, true, 1);
+        cone_scene_add_room(scene, half);
+        for (int k = 0; k < 32; ++k) {
+            const double at[3] = {0.2 * size * (2 * random_unit(&scene->seed) - 1),
+                                  0.2 * size * (2 * random_unit(&scene->seed) - 1), -half[2]};
+            cone_scene_add_point(scene, at, up, 0);
+            scene->points[k].exponent = (float)k;
+            scene->points[k].reflected[k % 3] = 1;
+        }
+        svo_tree *tree =
+            cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA | SVO_NEED_MATERIAL);
+        for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
+            svo_light *light = light_of(&opened, tree, (svo_light_form)form);
+            light_up(&opened, light);
+            for (int k = 0; k < 15; ++k) {
+                svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
+                options.cones = sets[k % 5];
+                options.step = steps[k / 5];
+                cone_scene_gather(&opened, scene, light, &options);
+                print_message("depth %u, %s, %u cones, step %g: ", depth, svo_light_form_name((svo_light_form)form),
+                              options.cones, (double)options.step);
+                check_furnace(scene, "worst error");
+            }
+            svo_light_destroy(&light);
+        }
+        svo_tree_destroy(&tree);
+    }
+    cone_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(occlusion_of_simple_shapes),
-        cmocka_unit_test(bare_floors_are_open),
-        cmocka_unit_test(closed_rooms_are_dark),
-        cmocka_unit_test(clutter_of_quads),
+        cmocka_unit_test(occlusion_of_simple_shapes), cmocka_unit_test(bare_floors_are_open),
+        cmocka_unit_test(closed_rooms_are_dark),      cmocka_unit_test(clutter_of_quads),
+        cmocka_unit_test(a_room_that_emits_is_even),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -106,13 +106,18 @@ typedef struct svo_light_info {
     uint64_t photon_hits; /**< of those, that met the tree */
     uint64_t lit_leaves; /**< leaves with light: photons or emission */
     uint64_t lit_nodes; /**< of all levels */
-    uint64_t missed_leaves; /**< leaves that a source sees at their center, without a photon */
+    uint64_t missed_leaves; /**< leaves without a photon, although they are what a ray from a source to their center
+                                 meets first; 0 without svo_light_setup.diagnose */
     double flux[3]; /**< of all photons that hit: red, green, blue, world units */
     double lost_flux; /**< share of it that found no leaf */
     uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
     uint64_t total_bytes; /**< of all buffers */
     uint64_t scratch_bytes; /**< the most that making it took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
+    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
+     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
+     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
+    uint64_t node_map_items;
 } svo_light_info;
 
 /** An empty output. */
@@ -178,8 +183,8 @@ typedef struct svo_light_setup {
     size_t finish_count; /**< at most 65535; materials beyond are diffuse and do not emit */
     float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
+    uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
     uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
-    uint32_t reserved; /**< zero */
 } svo_light_setup;
 
 /** No light. */

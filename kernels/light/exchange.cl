@@ -59,7 +59,7 @@ svo_k_lit_flags(__global const uint *slots, __global uint *flags, svo_exchange_p
 {
     const uint leaf = (uint)get_global_id(0);
     if (leaf < params.count) {
-        flags[leaf] = slots[leaf] < SVO_SLOT_MISSED ? 1u : 0u;
+        flags[leaf] = slots[leaf] != SVO_SLOT_NONE ? 1u : 0u;
     }
 }
 
@@ -69,7 +69,7 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
                                                                                             svo_exchange_params params)
 {
     const uint leaf = (uint)get_global_id(0);
-    if (leaf < params.count && slots[leaf] < SVO_SLOT_MISSED) {
+    if (leaf < params.count && slots[leaf] != SVO_SLOT_NONE) {
         leaves[places[leaf]] = leaf;
     }
 }

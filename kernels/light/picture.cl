@@ -3,11 +3,11 @@
  * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh), openness, indirect and
  * specular light by cones (gather.clh).
  *
- * A pixel has SVO_PICTURE_SAMPLES^2 camera rays. Those that meet one plane share what the cones gather, which is nearly
- * all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh) makes it the share of white that a screen
+ * A pixel has SVO_PICTURE_SAMPLES^2 camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
+ * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh) makes it the share of white that a screen
  * shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
- * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, some tiles of the picture each.
+ * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, some of the picture's tiles.
  * Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "light/direct.clh"
@@ -16,17 +16,39 @@
 
 #define SVO_PICTURE_SAMPLES 2u /* along each side of a pixel */
 
-/* Samples share what cones gather if their normals agree, and each lies in the other's plane, in leaf edges. */
+/* Samples share what cones gather if their normals' cosine is at least this, and they are no farther apart than this,
+   in leaf edges: along the plane, and off it. */
 #define SVO_PICTURE_ALIKE 0.97f
-#define SVO_PICTURE_PLANE 1.0f
+#define SVO_PICTURE_NEAR  1.0f
+#define SVO_PICTURE_OFF   0.25f
+
+/* Surfaces of 2 x 2 pixels for which the gathered is kept. */
+#define SVO_PICTURE_KEPT 4u
 
 /* ---- what cones bring ---- */
 
-static bool svo_picture_shares(const svo_lit_picture *picture, const svo_lit_surface *a, const svo_lit_surface *b)
+/* What cones gathered at the surfaces of an item's pixels. */
+typedef struct svo_picture_cache {
+    float3 points[SVO_PICTURE_KEPT];
+    float3 faces[SVO_PICTURE_KEPT];
+    svo_gather_result gathered[SVO_PICTURE_KEPT];
+    uint count; /* of all that were gathered; the last ones are kept */
+} svo_picture_cache;
+
+/* Where a surface finds what was gathered near it; SVO_PICTURE_KEPT: nowhere. */
+static uint svo_picture_find(const svo_lit_picture *picture, const svo_lit_surface *surface,
+                             const svo_picture_cache *cache)
 {
-    const float off = dot(a->point - b->point, b->normal);
-    return dot(a->normal, b->normal) >= SVO_PICTURE_ALIKE && dot(a->face, b->face) >= SVO_PICTURE_ALIKE &&
-           fabs(off) <= SVO_PICTURE_PLANE * picture->light.params.voxel_edge;
+    const float edge = picture->light.params.voxel_edge;
+    for (uint k = 0; k < min(cache->count, SVO_PICTURE_KEPT); ++k) {
+        const float3 apart = surface->point - cache->points[k];
+        if (dot(surface->face, cache->faces[k]) >= SVO_PICTURE_ALIKE &&
+            dot(apart, apart) <= SVO_PICTURE_NEAR * SVO_PICTURE_NEAR * edge * edge &&
+            fabs(dot(apart, surface->face)) <= SVO_PICTURE_OFF * edge) {
+            return k;
+        }
+    }
+    return SVO_PICTURE_KEPT;
 }
 
 static bool svo_picture_has_cones(const svo_lit_picture *picture)
@@ -35,6 +57,7 @@ static bool svo_picture_has_cones(const svo_lit_picture *picture)
     return view == SVO_LIT_VIEW_AO || (view != SVO_LIT_VIEW_DIRECT && picture->gather.with_light != 0u);
 }
 
+/* Cones leave the triangle's own plane: the payload's normal differs from leaf to leaf, which would show. */
 static svo_gather_result svo_picture_gather(const svo_lit_picture *picture, const svo_lit_surface *surface,
                                             float3 direction)
 {
@@ -44,7 +67,7 @@ static svo_gather_result svo_picture_gather(const svo_lit_picture *picture, cons
     const float3 reflected = direction - 2.0f * dot(direction, surface->normal) * surface->normal;
     svo_gather_point point;
     vstore3(surface->point, 0, point.position);
-    vstore3(surface->normal, 0, point.normal);
+    vstore3(surface->face, 0, point.normal);
     vstore3(reflects ? reflected : (float3)(0.0f), 0, point.reflected);
     point.exponent = surface->exponent;
 #ifdef SVO_LIGHT_BRICKS
@@ -109,13 +132,27 @@ static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, u
     return svo_lit_ray(vload3(0, picture->params.eye), direction, INFINITY);
 }
 
+/* What cones gather at a surface; nothing in views without them. */
+static svo_gather_result svo_picture_cones(const svo_lit_picture *picture, const svo_lit_surface *surface,
+                                           float3 direction, svo_picture_cache *cache)
+{
+    if (!svo_picture_has_cones(picture)) {
+        return svo_gather_dark();
+    }
+    uint place = svo_picture_find(picture, surface, cache);
+    if (place == SVO_PICTURE_KEPT) {
+        place = cache->count++ % SVO_PICTURE_KEPT;
+        cache->points[place] = surface->point;
+        cache->faces[place] = surface->face;
+        cache->gathered[place] = svo_picture_gather(picture, surface, direction);
+    }
+    return cache->gathered[place];
+}
+
 /* The share of white that a pixel shows. */
-static float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y)
+static float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_picture_cache *cache)
 {
     const uint samples = SVO_PICTURE_SAMPLES * SVO_PICTURE_SAMPLES;
-    svo_gather_result gathered = svo_gather_dark();
-    svo_lit_surface last; /* of which gathered is */
-    bool has_last = false;
     float3 sum = (float3)(0.0f);
     for (uint sample = 0; sample < samples; ++sample) {
         const svo_ray ray = svo_picture_ray(picture, x, y, sample);
@@ -124,11 +161,7 @@ static float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y)
             sum += svo_picture_background(picture);
             continue;
         }
-        if (svo_picture_has_cones(picture) && !(has_last && svo_picture_shares(picture, &surface, &last))) {
-            gathered = svo_picture_gather(picture, &surface, vload3(0, ray.direction));
-            last = surface;
-            has_last = true;
-        }
+        const svo_gather_result gathered = svo_picture_cones(picture, &surface, vload3(0, ray.direction), cache);
         sum += picture->params.view == SVO_LIT_VIEW_AO
                    ? (float3)(gathered.openness)
                    : svo_picture_shown(picture, svo_picture_radiance(picture, &surface, &gathered));
@@ -142,15 +175,12 @@ svo_k_light_picture(SVO_TREE_PARAMETERS, SVO_LIGHT_PARAMETERS, __global const uc
                     __global const svo_finish *finishes, __global const svo_light_source *sources,
                     svo_gather_params gather, svo_lit_picture_params params, __global uint *pixels)
 {
-    /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
+    /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile, in pairs of pixels. */
     const uint item = (uint)get_local_id(0);
     const uint tile = (uint)get_group_id(0) + params.first_tile;
-    const uint tiles_across = (params.width + 7u) / 8u;
-    const uint x = tile % tiles_across * 8u + (item & 7u);
-    const uint y = tile / tiles_across * 8u + (item >> 3);
-    if (x >= params.width || y >= params.height) {
-        return;
-    }
+    const uint tiles_across = (params.width + 15u) / 16u;
+    const uint x = tile % tiles_across * 16u + 2u * (item & 7u);
+    const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_TREE_MAKE(tree);
     SVO_LIGHT_MAKE(light);
     svo_lit_picture picture;
@@ -163,5 +193,14 @@ svo_k_light_picture(SVO_TREE_PARAMETERS, SVO_LIGHT_PARAMETERS, __global const uc
     picture.sources = sources;
     picture.gather = gather;
     picture.params = params;
-    pixels[(size_t)y * params.width + x] = svo_picture_encode(svo_picture_pixel(&picture, x, y));
+    svo_picture_cache cache;
+    cache.count = 0;
+    for (uint pixel = 0; pixel < 4u; ++pixel) {
+        const uint column = x + (pixel & 1u);
+        const uint row = y + (pixel >> 1);
+        if (column < params.width && row < params.height) {
+            pixels[(size_t)row * params.width + column] =
+                svo_picture_encode(svo_picture_pixel(&picture, column, row, &cache));
+        }
+    }
 }

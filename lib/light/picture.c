@@ -15,9 +15,9 @@ _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)S
                    (uint32_t)SVO_LIGHT_VIEW_SPECULAR == SVO_LIT_VIEW_SPECULAR,
                "svo_light_view and kernels/light/picture.cl number the views alike");
 
-#define TILE_EDGE 8u
-/* Pixels of a launch, so that none takes long enough for a driver to end it. */
-#define BAND_PIXELS (UINT64_C(1) << 16)
+#define TILE_EDGE 16u
+/* Tiles of a launch, so that none takes long enough for a driver to end it. */
+#define BAND_TILES 256u
 
 static const char function[] = "svo_light_render";
 
@@ -169,11 +169,10 @@ static svo_status draw(const svo_light *light, const svo_gather_params *gather, 
 {
     const uint64_t tiles =
         (uint64_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
-    const uint64_t band = BAND_PIXELS / SVO_GROUP_ITEMS;
-    for (uint64_t first = 0; first < tiles; first += band) {
+    for (uint64_t first = 0; first < tiles; first += BAND_TILES) {
         params->first_tile = (uint32_t)first;
         SVO_I_TRY(set_arguments(light, drawn, gather, params));
-        SVO_I_TRY(draw_band(drawn, tiles - first < band ? tiles - first : band));
+        SVO_I_TRY(draw_band(drawn, tiles - first < BAND_TILES ? tiles - first : BAND_TILES));
     }
     return SVO_OK;
 }

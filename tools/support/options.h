@@ -35,7 +35,9 @@ enum option_group {
     OPTION_SOLID = 131072, /* solid */
     OPTION_VOXELS = 262144, /* what is read of a voxel file */
     OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
-    OPTION_REFERENCE_COMMAND = 1048576 /* points, samples, range, lambda */
+    OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
+    OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
+    OPTION_GATHER_COMMAND = 4194304 /* points, reference */
 };
 
 enum option_frontend {
@@ -47,6 +49,9 @@ enum option_frontend {
 
 /* Next to the values of svo_builder. */
 #define OPTION_BUILDER_GL_COMPUTE (-1)
+
+/* Next to the values of svo_render_view: this plus those of svo_light_view. */
+#define OPTION_VIEW_LIGHT 100
 
 /* Next to 1 + the values of svo_form. */
 #define OPTION_FORM_ALL (-1)
@@ -101,10 +106,11 @@ typedef struct options {
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
+    int light; /* hash: 0 not given, else 1 + svo_light_form */
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
     uint32_t width, height; /* pixels */
-    int view; /* svo_render_view */
+    int view; /* svo_render_view, or from OPTION_VIEW_LIGHT on */
     option_vector eye, look_at, up; /* render: the camera, world units */
     double fov; /* render: degrees; 0: not given */
     uint64_t count; /* stress: amount of work */
@@ -118,6 +124,12 @@ typedef struct options {
     const char *points_path; /* light: a file of points, or how many; NULL: not given */
     uint64_t samples; /* light: paths for each point */
     double range, falloff; /* light: of ambient occlusion; 0: unlimited, none */
+    const char *lights_path; /* light: NULL: not given */
+    int cones; /* light: 0: not given */
+    int light_form; /* light: svo_light_form */
+    int photons, gi; /* light: 0: off */
+    double exposure; /* light: of pictures; 0: not given */
+    uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
 } options;
 

@@ -6,18 +6,17 @@
 #include <unistd.h>
 
 #include "measure/path.h"
-#include "measure/surface_points.h"
-#include "support/job.h"
+#include "support/lighting.h"
 #include "support/output.h"
 #include "support/point_table.h"
 #include "support/table.h"
 #include "svocl/commands.h"
-
-#define POINTS_MAX 10000000u
+#include "svocl/light_points.h"
 
 _Static_assert(OPTION_SAMPLES_MAX == PATH_SAMPLES_MAX, "--samples takes what path_trace takes");
 
 typedef struct reference {
+    lighting lit; /* its file alone */
     point_table at;
     path_result *results;
     unsigned samples;
@@ -26,29 +25,6 @@ typedef struct reference {
     double openness_error, largest_openness_error; /* standard errors over all other points: root of the mean square */
     double irradiance_error, irradiance; /* of all three channels: the same, and the mean */
 } reference;
-
-/* ---- points ---- */
-
-/* A whole number of points in place of a file; 0: it is none. */
-static size_t point_count_of(const char *text)
-{
-    char *end = NULL;
-    const unsigned long count = text[0] >= '0' && text[0] <= '9' ? strtoul(text, &end, 10) : 0;
-    return end != NULL && *end == '\0' && count <= POINTS_MAX ? count : 0;
-}
-
-static int make_points(program *state, const svo_mesh *mesh, reference *work)
-{
-    const size_t count = point_count_of(state->options.points_path);
-    if (count == 0) {
-        return point_table_read(state, state->options.points_path, &work->at);
-    }
-    work->at = (point_table){.points = calloc(count, sizeof *work->at.points), .count = count};
-    return work->at.points != NULL && surface_points(mesh, count, (uint32_t)state->options.seed, work->at.points)
-               ? PROGRAM_DONE
-               : program_fail(state, PROGRAM_FAILED, "%s: out of memory for %zu points, or no area for them",
-                              state->options.input, count);
-}
 
 /* ---- tracing ---- */
 
@@ -77,7 +53,7 @@ static int trace(program *state, job *done, reference *work)
 {
     const options *given = &state->options;
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    const svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    const svo_light_setup setup = lighting_setup(&work->lit, &done->source);
     const path_scene paths = {.tree = done->result.tree,
                               .mesh = done->source.mesh,
                               .queue = done->opened.queue,
@@ -187,8 +163,11 @@ static int run(program *state, job *done)
     reference work = {.samples = path_sample_count((unsigned)state->options.samples)};
     int exit_code =
         done->source.mesh != NULL
-            ? make_points(state, done->source.mesh, &work)
+            ? light_points_make(state, done->source.mesh, &work.at)
             : program_fail(state, PROGRAM_WRONG_USAGE, "%s is no mesh: paths need triangles", state->options.input);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = lighting_open(state, &work.lit);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = trace(state, done, &work);
     }
@@ -198,6 +177,7 @@ static int run(program *state, job *done)
     if (exit_code == PROGRAM_DONE) {
         exit_code = report(state, &work);
     }
+    lighting_close(&work.lit);
     point_table_free(&work.at);
     free(work.results);
     return exit_code;
@@ -206,12 +186,11 @@ static int run(program *state, job *done)
 int command_reference(program *state)
 {
     const options *given = &state->options;
-    if (given->points_path == NULL || given->output_path == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "%s is missing",
-                            given->points_path == NULL ? "--points FILE" : "-o FILE");
+    if (light_points_check(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
     }
-    if (state->piped.name != NULL && piped_is_standard_input(given->points_path)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "INPUT and --points both read standard input");
+    if (given->output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     if (input_is_tree(state)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree: paths need the mesh and its colors",

@@ -9,6 +9,7 @@
 #include "support/table.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
+#include "svocl/render_light.h"
 #include "svocl/render_scene.h"
 
 static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
@@ -82,13 +83,32 @@ static int build_tree(program *state, job *done)
     return built;
 }
 
+/* Options that the view does not take. */
+static int check_view(program *state)
+{
+    const bool by_cones = render_light_is_asked(&state->options);
+    if (by_cones && scene_file_is_input(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --view does not apply to a scene");
+    }
+    return by_cones || (state->options.given_groups & (unsigned)OPTION_LIGHT) == 0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE,
+                              "options of lights and cones require --view ao, direct, gi, specular or full");
+}
+
 int command_render(program *state)
 {
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     job done;
+    if (check_view(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE && render_light_is_asked(&state->options)) {
+        return render_light(state);
+    }
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
         return render_scene(state);
     }
