@@ -219,6 +219,7 @@ void assert_same_results(const measured *a, const measured *b)
     assert_same_array("normals", x->normals, y->normals, info->node_count, 6);
     assert_same_array("materials", x->materials, y->materials, info->node_count, 2);
     assert_same_array("fills", x->fills, y->fills, info->node_count, 2);
+    assert_same_array("areas", x->areas, y->areas, info->leaf_count, 12);
     if (x->list != NULL && y->list != NULL) {
         assert_int_equal(info->list_count, b->result.info.list_count);
         assert_same_array("lists", x->list, y->list, info->list_count, 4);

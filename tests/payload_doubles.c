@@ -100,6 +100,35 @@ void payload_double_colors(const svo_mesh *mesh, const exact *expected, svo_weig
     }
 }
 
+static void add_double_projections(const payload_pair *pair, bool both_sides, double seen[6])
+{
+    double centroid[3];
+    int64_t normal[3];
+    payload_pair_normal(pair->corners, normal);
+    const double length = sqrt((double)normal[0] * (double)normal[0] + (double)normal[1] * (double)normal[1] +
+                               (double)normal[2] * (double)normal[2]);
+    const double area = payload_double_part(pair, centroid);
+    for (unsigned i = 0; i < 6 && length > 0.0; ++i) {
+        const double n = (double)normal[i / 2];
+        if (both_sides || (i % 2 == 0 ? n < 0.0 : n > 0.0)) {
+            seen[i] += area * fabs(n) / length;
+        }
+    }
+}
+
+void payload_double_projections(const exact *expected, bool both_sides, double *seen)
+{
+    const oracle_pairs *pairs = &expected->pairs;
+    size_t leaf = 0;
+    memset(seen, 0, (expected->tree.node_count - expected->tree.inner_count) * 6 * sizeof *seen);
+    for (size_t i = 0; i < pairs->count; ++i) {
+        payload_pair opened;
+        leaf += i > 0 && pairs->pairs[i].code != pairs->pairs[i - 1].code ? 1 : 0;
+        payload_pair_open(expected, &pairs->pairs[i], &opened);
+        add_double_projections(&opened, both_sides, seen + leaf * 6);
+    }
+}
+
 void payload_double_areas(const exact *expected, double *areas)
 {
     const oracle_pairs *pairs = &expected->pairs;

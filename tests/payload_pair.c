@@ -2,7 +2,13 @@
 /* Lookups that both payload references use: a pair's triangle and voxel, a triangle's material and texels. */
 #include "payload_pair.h"
 
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
 #include <stdlib.h>
+#include <string.h>
 
 int64_t payload_remainder(int64_t value, int64_t period)
 {
@@ -28,6 +34,60 @@ unsigned payload_pair_axis(const int32_t *const corners[3])
     unsigned best = 0;
     best = areas[1] > areas[best] ? 1 : best;
     return areas[2] > areas[best] ? 2 : best;
+}
+
+void payload_pair_normal(const int32_t *const corners[3], int64_t normal[3])
+{
+    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        normal[axis] = payload_area_seen(first, corners[1], corners[2], axis);
+    }
+}
+
+/* An edge between two positions, the lesser first; sign: 1 for this direction, -1 for the other. */
+typedef struct edge {
+    int32_t ends[2][3];
+    int sign;
+} edge;
+
+static int compare_edges(const void *a, const void *b)
+{
+    return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof((const edge *)a)->ends);
+}
+
+static edge edge_between(const int32_t *from, const int32_t *to)
+{
+    edge made;
+    const bool ascends = memcmp(from, to, sizeof made.ends[0]) < 0;
+    memset(&made, 0, sizeof made);
+    memcpy(made.ends[ascends ? 0 : 1], from, sizeof made.ends[0]);
+    memcpy(made.ends[ascends ? 1 : 0], to, sizeof made.ends[0]);
+    made.sign = ascends ? 1 : -1;
+    return made;
+}
+
+bool payload_mesh_is_open(const exact *expected)
+{
+    const size_t count = expected->triangle_count * 3;
+    edge *edges = malloc((count + 1) * sizeof *edges);
+    bool is_open = false;
+    assert_non_null(edges);
+    for (size_t i = 0; i < count; ++i) {
+        const size_t next = i % 3 < 2 ? i + 1 : i - 2;
+        edges[i] = edge_between(expected->vertices + (size_t)expected->indices[i] * 3,
+                                expected->vertices + (size_t)expected->indices[next] * 3);
+    }
+    qsort(edges, count, sizeof *edges, compare_edges);
+    for (size_t begin = 0, end = 0; begin < count; begin = end) {
+        long balance = 0;
+        const bool is_point = memcmp(edges[begin].ends[0], edges[begin].ends[1], sizeof edges[begin].ends[0]) == 0;
+        for (end = begin; end < count && compare_edges(&edges[begin], &edges[end]) == 0; ++end) {
+            balance += edges[end].sign;
+        }
+        is_open = is_open || (balance != 0 && !is_point);
+    }
+    free(edges);
+    return is_open;
 }
 
 /* The triangle's material, or NULL for white. */

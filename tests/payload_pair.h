@@ -31,6 +31,13 @@ int64_t payload_texel(const svo_texture *texture, int64_t x, int64_t y, unsigned
    grid units from the box's corner. Without area, the centroid is the box's center. */
 double payload_double_part(const payload_pair *pair, double centroid[3]);
 
+/* The triangle's normal: the cross product of two edges. */
+void payload_pair_normal(const int32_t *const corners[3], int64_t normal[3]);
+
+/* Whether some edge of the accepted triangles is used more often in one direction than in the other, where vertices of
+   the same position are one. */
+bool payload_mesh_is_open(const exact *expected);
+
 /* value modulo period, never negative. */
 int64_t payload_remainder(int64_t value, int64_t period);
 

@@ -21,6 +21,7 @@ typedef struct payload_reference {
     uint8_t *colors; /* node_count * 4 */
     int16_t *normals; /* node_count * 3 */
     uint16_t *materials, *fills; /* node_count */
+    uint16_t *areas; /* leaf_count * 6 */
 } payload_reference;
 
 /* The sums over a node's pairs. */
@@ -154,7 +155,7 @@ static seen_point point_at(const payload_pair *pair, unsigned axis, int64_t u, i
     return (seen_point){u / coarser, v / coarser, bits};
 }
 
-static void share_by_area(const surface *of, const payload_pair *pair, share *out)
+static svo_part part_of(const payload_pair *pair)
 {
     const unsigned axis = payload_pair_axis(pair->corners);
     int64_t polygons[2 * SVO_PART_WORDS];
@@ -165,7 +166,13 @@ static void share_by_area(const surface *of, const payload_pair *pair, share *ou
                                        ((INT64_C(1) << SVO_SUB_LOG2) / pair->box.width);
         }
     }
-    const svo_part part = svo_clip(polygons);
+    return svo_clip(polygons);
+}
+
+static void share_by_area(const surface *of, const payload_pair *pair, share *out)
+{
+    const unsigned axis = payload_pair_axis(pair->corners);
+    const svo_part part = part_of(pair);
     out->weight = svo_part_weight(part.doubled_area, stretch_of(pair->corners, axis), of->weight_log2);
     corner_weights(pair, axis, point_at(pair, axis, part.u, part.v), out->corners);
 }
@@ -373,6 +380,50 @@ static void write_node(const surface *of, size_t node, uint32_t level, const sum
     out->fills[node] = fill_of(from->weight, of->weight_log2, of->snapped->tree.depth - level);
 }
 
+/* The part's area as rays along an axis see it, 2^32 = a face: n / n_t has 31 bits below 1, from the 32 leading ones of
+   n_t. */
+static uint64_t seen_along(int64_t doubled_area, int64_t n, int64_t n_t)
+{
+    int64_t part = llabs(n);
+    int64_t whole = llabs(n_t);
+    for (; whole > UINT32_MAX; whole /= 2) {
+        part /= 2;
+    }
+    const int64_t ratio = (int64_t)(((__int128)part << 31) / whole);
+    return (uint64_t)round_half_up((int64_t)(((__int128)doubled_area * ratio) >> 25), 1 << 23);
+}
+
+static void add_areas(const payload_pair *pair, bool both_sides, uint64_t areas[6])
+{
+    int64_t normal[3];
+    payload_pair_normal(pair->corners, normal);
+    const int64_t largest = normal[payload_pair_axis(pair->corners)];
+    for (unsigned i = 0; i < 6 && largest != 0; ++i) {
+        const int64_t n = normal[i / 2];
+        if (both_sides || (i % 2 == 0 ? n < 0 : n > 0)) {
+            areas[i] += seen_along(part_of(pair).doubled_area, n, largest);
+        }
+    }
+}
+
+static void reference_areas(const exact *expected, uint16_t *out)
+{
+    const oracle_pairs *pairs = &expected->pairs;
+    const bool both_sides = payload_mesh_is_open(expected);
+    for (size_t begin = 0, end = 0; begin < pairs->count; begin = end, out += 6) {
+        uint64_t areas[6] = {0};
+        for (end = begin; end < pairs->count && pairs->pairs[end].code == pairs->pairs[begin].code; ++end) {
+            payload_pair opened;
+            payload_pair_open(expected, &pairs->pairs[end], &opened);
+            add_areas(&opened, both_sides, areas);
+        }
+        for (unsigned i = 0; i < 6; ++i) {
+            const uint64_t rounded = areas[i] / (1 << 20) + areas[i] / (1 << 19) % 2;
+            out[i] = rounded > 65535 ? 65535 : (uint16_t)rounded;
+        }
+    }
+}
+
 static void reference_create(const svo_mesh *mesh, const exact *expected, const built *as, payload_reference *out)
 {
     const oracle_tree *tree = &expected->tree;
@@ -384,12 +435,15 @@ static void reference_create(const svo_mesh *mesh, const exact *expected, const 
     out->normals = calloc(tree->node_count * 3, sizeof(int16_t));
     out->materials = calloc(tree->node_count, sizeof(uint16_t));
     out->fills = calloc(tree->node_count, sizeof(uint16_t));
+    out->areas = calloc((tree->node_count - tree->inner_count) * 6 + 1, sizeof(uint16_t));
     assert_non_null(nodes);
     assert_non_null(by_material);
     assert_non_null(out->colors);
     assert_non_null(out->normals);
     assert_non_null(out->materials);
     assert_non_null(out->fills);
+    assert_non_null(out->areas);
+    reference_areas(expected, out->areas);
     sum_nodes(&of, nodes, by_material);
     uint32_t level = 0;
     for (size_t node = 0; node < tree->node_count; ++node) {
@@ -408,6 +462,7 @@ static void reference_destroy(payload_reference *made)
     free(made->normals);
     free(made->materials);
     free(made->fills);
+    free(made->areas);
     *made = (payload_reference){0};
 }
 
@@ -419,13 +474,15 @@ void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const 
         const char *name;
         const void *actual, *expected;
         size_t node_bytes;
-    } arrays[] = {{"color", actual->arrays.colors, payload.colors, 4},
-                  {"normal", actual->arrays.normals, payload.normals, 6},
-                  {"material", actual->arrays.materials, payload.materials, 2},
-                  {"fill", actual->arrays.fills, payload.fills, 2}};
+        uint64_t count;
+    } arrays[] = {{"color", actual->arrays.colors, payload.colors, 4, actual->info.node_count},
+                  {"normal", actual->arrays.normals, payload.normals, 6, actual->info.node_count},
+                  {"material", actual->arrays.materials, payload.materials, 2, actual->info.node_count},
+                  {"fill", actual->arrays.fills, payload.fills, 2, actual->info.node_count},
+                  {"areas by leaf", actual->arrays.areas, payload.areas, 12, actual->info.leaf_count}};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         const size_t bytes = arrays[i].node_bytes;
-        for (size_t node = 0; arrays[i].actual != NULL && node < actual->info.node_count; ++node) {
+        for (size_t node = 0; arrays[i].actual != NULL && node < arrays[i].count; ++node) {
             const uint8_t *a = (const uint8_t *)arrays[i].actual + node * bytes;
             const uint8_t *e = (const uint8_t *)arrays[i].expected + node * bytes;
             if (memcmp(a, e, bytes) != 0) {

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Second reference for the payload: color, normal, material and fill of every node, in plain C on the host, from the
- * exact pairs and the exact tree. It shares two things with kernels/ and lib/: the unit of weight, and
- * kernels/shared/clip.clh, which test_clip.c tests separately. The rest follows the definition alone: the contribution
- * of a triangle to a voxel (kernels/stages/attribute.clh), the mean over all pairs of a node, rounded once
- * (kernels/stages/filter.cl), and the material of the largest weight (kernels/stages/material.cl).
+ * Second reference for the payload: color, normal, material and fill of every node and the projected areas of every
+ * leaf, in plain C on the host, from the exact pairs and the exact tree. It shares two things with kernels/ and lib/:
+ * the unit of weight, and the clipping of kernels/shared/clip.clh, which test_clip.c tests separately. The rest follows
+ * the definition alone: the contribution of a triangle to a voxel (kernels/stages/attribute.clh), the mean over all
+ * pairs of a node, rounded once (kernels/stages/filter.cl), and the material of the largest weight
+ * (kernels/stages/material.cl).
  */
 #ifndef SVOCL_TESTS_PAYLOAD_REFERENCE_H
 #define SVOCL_TESTS_PAYLOAD_REFERENCE_H
+
+#include <stdbool.h>
 
 #include "compare_tree.h"
 
@@ -19,5 +22,7 @@ void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const 
 void payload_double_colors(const svo_mesh *mesh, const exact *expected, svo_weights weights, double *rgba);
 /* The area of the surface inside each leaf in double precision, in faces of a voxel. */
 void payload_double_areas(const exact *expected, double *areas);
+/* What rays along +x, -x, +y, -y, +z and -z see of it, in faces of a voxel. seen: leaf_count * 6. */
+void payload_double_projections(const exact *expected, bool both_sides, double *seen);
 
 #endif

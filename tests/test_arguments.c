@@ -80,6 +80,7 @@ static void names_of_enumerators_and_of_none(void **state)
     assert_string_equal(svo_status_name((svo_status)99), "unknown status");
     assert_string_equal(svo_status_text((svo_status)99), "unknown status");
     assert_string_equal(svo_need_name(SVO_NEED_FILL), "fill");
+    assert_string_equal(svo_need_name(SVO_NEED_PROJECTED_AREA), "projected-area");
     assert_string_equal(svo_need_name(SVO_NEED_NONE), "none");
     assert_string_equal(svo_i_cl_error_name(CL_INVALID_VALUE), "CL_INVALID_VALUE");
     assert_string_equal(svo_i_cl_error_name(-9999), "error");

@@ -97,6 +97,10 @@ static void every_subject_adds_its_tables(void **state)
     expect_positive(table_of(document, "memory"), "tree per leaf");
     expect_positive(table_of(document, "compact-shared"), "per voxel");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
+    assert_true(row_count_of(table_of(document, "light-stages")) > 3 * 5);
+    expect_positive(table_of(document, "light-bytes"), "all");
+    expect_positive(table_of(document, "light-frames"), "cones");
+    expect_positive(table_of(document, "light-bytes"), "RGBA8 pyramid, passes");
     expect_spread(table_of(document, "peer-embree"), "svocl");
     expect_spread(table_of(document, "peer-openvdb"), "OpenVDB");
     cJSON_Delete(document);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5 on small inputs: svocl's methods have no error beyond one rounding, common methods have their
- * known errors, and every table has its methods. Times are not tested, so that one round is enough.
+ * svocl bench e1 to e5 and e7 on small inputs: svocl's exact methods have no error beyond one rounding, common methods
+ * have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
  */
 #include <stdio.h>
 #include <string.h>
@@ -158,6 +158,55 @@ static void other_methods_fail_on_ill_conditioned_meshes(void **state)
     cJSON_Delete(document);
 }
 
+/* More rays err less, to the standard error of the truth; Embree traces the same rays. */
+static void expect_rays(const cJSON *table, const char *method)
+{
+    double before = 1.0;
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        if (begins(word_of(table, row, "method"), method)) {
+            const double rays = cell_of(table, row, "cones or rays");
+            const double error = cell_of(table, row, "AO, RMSE");
+            assert_true(rays == 1.0 || error < before);
+            assert_true(rays < 256.0 || error < 0.015);
+            before = error;
+        }
+    }
+    expect_within(table, method, "AO, bias", -0.05, 0.05);
+}
+
+/* Sets of few exact cones err by a few hundredths, those of 64 hardly. */
+static void expect_directions(const cJSON *table)
+{
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        const double cones = cell_of(table, row, "cones");
+        const double error = cell_of(table, row, "AO, RMSE");
+        assert_true(error < (cones < 16 ? 0.06 : cones < 64 ? 0.03 : 0.015));
+        assert_true(cones > 6 || error > 0.015);
+    }
+    assert_int_equal(cJSON_GetArraySize(array_of(table, "rows")), 15);
+}
+
+static void cones_are_compared_with_paths(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e7", "e7-cones", &table);
+    expect_times(table);
+    expect_within(table, "cones", "AO, RMSE", 0.01, 0.5);
+    expect_within(table, "cones", "AO, largest", 0.05, 1.0);
+    expect_within(table, "cones", "light, RMSE", 0.01, 10.0);
+    expect_within(table, "published march", "light, RMSE", 0.01, 10.0);
+    expect_rays(table, "exact rays, svocl");
+    expect_directions(table_of(document, "e7-directions"));
+    assert_int_equal(cJSON_GetArraySize(array_of(table_of(document, "e7-alternatives"), "rows")), 15);
+    cJSON_Delete(document);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -166,6 +215,7 @@ int main(void)
         IN_FOLDER(means_by_area_are_within_rounding),
         IN_FOLDER(levels_of_detail_keep_their_bounds),
         IN_FOLDER(other_methods_fail_on_ill_conditioned_meshes),
+        IN_FOLDER(cones_are_compared_with_paths),
     };
     return cmocka_run_group_tests_name("errors", tests, NULL, NULL);
 }

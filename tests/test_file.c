@@ -68,16 +68,21 @@ static void fill_payload(svo_tree *tree)
     int16_t *normals = allocate_array(info->node_count * 6);
     uint16_t *materials = allocate_array(info->node_count * 2);
     uint16_t *fills = allocate_array(info->node_count * 2);
+    uint16_t *areas = allocate_array(info->leaf_count * 12);
     for (uint64_t i = 0; i < info->node_count; ++i) {
         memset(colors + 4 * i, (int)(i * 7 % 256), 4);
         normals[3 * i] = (int16_t)(i * 100);
         materials[i] = (uint16_t)(i * 11);
         fills[i] = (uint16_t)(i * 13 + 1);
     }
+    for (uint64_t i = 0; i < info->leaf_count * 6; ++i) {
+        areas[i] = (uint16_t)(i * 17 + 1);
+    }
     tree->host[SVO_TREE_COLORS] = colors;
     tree->host[SVO_TREE_NORMALS] = normals;
     tree->host[SVO_TREE_MATERIALS] = materials;
     tree->host[SVO_TREE_FILLS] = fills;
+    tree->host[SVO_TREE_AREAS] = areas;
 
     /* Leaf k meets triangle 0 and, if k is odd, triangle 1. */
     info->vertex_count = 4;
@@ -263,7 +268,8 @@ static void test_round_trips(void **unused)
 {
     (void)unused;
     static const uint32_t needs[] = {
-        0, SVO_NEED_COLOR, SVO_NEED_NORMAL, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_FILL, NEED_ALL};
+        0,        SVO_NEED_COLOR,         SVO_NEED_NORMAL, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_FILL,
+        NEED_ALL, SVO_NEED_PROJECTED_AREA};
     uint32_t all_codes[512];
     for (uint32_t i = 0; i < 512; ++i) {
         all_codes[i] = i;
@@ -313,18 +319,18 @@ static void test_layout_is_as_documented(void **unused)
     memcpy(&edge, bytes + 80, 8);
     memcpy(&triangles, bytes + 104, 8);
     memcpy(level_begin, bytes + 128, 8);
-    memcpy(&kind, bytes + 200 + 40 * 10, 4);
+    memcpy(&kind, bytes + 200 + 40 * 11, 4);
     assert_memory_equal(bytes, "\x89SVO\r\n\x1a\n", 8);
     assert_int_equal(words[0], 1);
-    assert_int_equal(words[1], 200 + 40 * 11);
+    assert_int_equal(words[1], 200 + 40 * 12);
     assert_int_equal(words[2], DEPTH);
     assert_int_equal(file_bytes, byte_count);
-    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 11 - 32));
+    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 12 - 32));
     assert_true(edge == 2);
     assert_int_equal(triangles, 9);
     assert_int_equal(level_begin[0], 0);
     assert_int_equal(level_begin[1], 1);
-    assert_int_equal(kind, SVO_TREE_FILLS);
+    assert_int_equal(kind, SVO_TREE_AREAS);
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -449,13 +455,13 @@ static void test_broken_headers_are_named(void **unused)
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     expect_word_refused(bytes, byte_count, 8, 2, "version 2 is not known");
-    expect_word_refused(bytes, byte_count, 32, 12, "12 chunks, at most 11");
+    expect_word_refused(bytes, byte_count, 32, 13, "13 chunks, at most 12");
     expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
     expect_word_refused(bytes, byte_count, 40, 15, "snap_bits 15");
     expect_word_refused(bytes, byte_count, 44, 3, "coverage 3 is not known");
-    expect_word_refused(bytes, byte_count, 48, 32, "unknown bits");
+    expect_word_refused(bytes, byte_count, 48, 64, "unknown bits");
     expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_COLOR,
                         "chunk 2: kind is 2, 3 (normals) expected");
     expect_word_refused(bytes, byte_count, 52, 3, "weights 3 are not known");
@@ -526,8 +532,8 @@ static void test_chunks_that_do_not_fit_the_file_are_named(void **unused)
     uint8_t *copy = allocate(byte_count + 4);
     file_head *changed = (file_head *)(void *)copy;
     expect_word_refused(bytes, byte_count, 200 + 8, (uint32_t)head->chunks[0].offset + 1, " are free");
-    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_FILL,
-                        "chunk 10: kind 10 is not expected");
+    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA,
+                        "chunk 11: kind 11 is not expected");
     memcpy(copy, bytes, byte_count);
     memset(copy + byte_count, 0, 4);
     changed->header.file_bytes = byte_count + 4;
@@ -544,7 +550,7 @@ static void test_chunks_that_do_not_fit_the_file_are_named(void **unused)
     changed->header.header_bytes -= (uint32_t)sizeof(file_chunk);
     changed->header.file_bytes = end - sizeof(file_chunk);
     seal(copy);
-    assert_damaged(copy, end - sizeof(file_chunk), "chunk fills is missing");
+    assert_damaged(copy, end - sizeof(file_chunk), "chunk areas is missing");
     free(copy);
     free(bytes);
     svo_tree_destroy(&tree);

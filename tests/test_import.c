@@ -322,7 +322,7 @@ static void write_gltf(const char *name, const char *nodes, const char *texture_
                    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":2,"
                    "\"COLOR_0\":3},\"indices\":4,\"material\":0}]}],"
                    "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.25,0.5],"
-                   "\"baseColorTexture\":{\"index\":0%s}}}],"
+                   "\"baseColorTexture\":{\"index\":0%s}},\"emissiveFactor\":[0.5,0.25,1]}],"
                    "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":33648,\"wrapT\":33071}],"
                    "\"accessors\":["
                    "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
@@ -364,6 +364,8 @@ static void test_gltf_attributes(void **unused)
     expect_picture(texture);
     assert_int_equal(texture->wrap_u, SVO_WRAP_MIRROR);
     assert_int_equal(texture->wrap_v, SVO_WRAP_CLAMP);
+    assert_non_null(mesh->finishes);
+    expect_vector(mesh->finishes[mesh->triangle_materials[0]].emission, 0.5f, 0.25f, 1);
     svo_import_destroy(&import);
 }
 

@@ -208,6 +208,40 @@ static void test_several_material_libraries(void **unused)
     assert_int_equal(rmdir(path_of("folder.mtl")), 0);
 }
 
+/* Emission and the specular lobe; numbers that no light takes are tamed. */
+static void test_finishes_of_materials(void **unused)
+{
+    (void)unused;
+    write_text("lamp.mtl", "newmtl lamp\nKd 1 1 1\nKe 4 2.5 0.125\nKs 0.25\nNs 32\n"
+                           "newmtl dull\nKd 1 1 1\nKe 0 0 0\nNs 96\n"
+                           "newmtl odd\nKe -1 nan 1e39\nKs 2 -1 0.5\nNs -3\n");
+    svo_import *import = import_text("lamp.obj", "mtllib lamp.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                                 "usemtl lamp\nf 1 2 3\nusemtl dull\nf 1 3 2\nusemtl odd\nf 2 1 3\n");
+    const svo_mesh *mesh = svo_import_mesh(import);
+    const svo_finish expected[3] = {{.emission = {4, 2.5F, 0.125F}, .specular = {0.25F, 0.25F, 0.25F}, .exponent = 32},
+                                    {.exponent = 0},
+                                    {.specular = {1, 0, 0.5F}}};
+    assert_non_null(mesh->finishes);
+    assert_int_equal(mesh->material_count, 3);
+    for (size_t i = 0; i < 3; ++i) {
+        assert_memory_equal(&mesh->finishes[mesh->triangle_materials[i]], &expected[i], sizeof expected[i]);
+    }
+    svo_import_destroy(&import);
+    /* White lamps are materials still; without light and gloss they are none. */
+    write_text("white.mtl", "newmtl white\nKd 1 1 1\nKe 1 1 1\n");
+    import = import_text("white.obj", "mtllib white.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl white\nf 1 2 3\n");
+    mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->material_count, 1);
+    assert_true(mesh->finishes[0].emission[0] == 1.0F);
+    svo_import_destroy(&import);
+    write_text("white.mtl", "newmtl white\nKd 1 1 1\nNs 10\n");
+    import = import_text("white.obj", "mtllib white.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl white\nf 1 2 3\n");
+    mesh = svo_import_mesh(import);
+    assert_int_equal(mesh->material_count, 0);
+    assert_null(mesh->finishes);
+    svo_import_destroy(&import);
+}
+
 /* As assimp writes it for a mesh without a material: white, as without one. */
 static void test_the_default_material_is_none(void **unused)
 {
@@ -388,6 +422,7 @@ int main(void)
         cmocka_unit_test(test_ply_with_a_texture),
         cmocka_unit_test(test_ply_and_off_without_a_suffix),
         cmocka_unit_test(test_several_material_libraries),
+        cmocka_unit_test(test_finishes_of_materials),
         cmocka_unit_test(test_the_default_material_is_none),
         cmocka_unit_test(test_texture_transforms_of_materials),
         cmocka_unit_test(test_a_backslash_within_a_line),

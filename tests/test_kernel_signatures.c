@@ -18,11 +18,12 @@
 #include <cmocka.h>
 
 #include "fixture.h"
+#include "light/filter.h"
 #include "meshes.h"
 #include "shared/layout.h"
 #include "solid_meshes.h"
 
-#define KERNELS_MAX   96
+#define KERNELS_MAX   128
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64
@@ -46,6 +47,8 @@ extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
+extern const char svo_i_source_light[];
+extern const char svo_i_source_photons[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -88,7 +91,13 @@ static size_t bytes_of_type(const char *type)
                  {"svo_voxelize_params", sizeof(svo_voxelize_params)},
                  {"svo_ray_params", sizeof(svo_ray_params)},
                  {"svo_scene_params", sizeof(svo_scene_params)},
-                 {"svo_solid_params", sizeof(svo_solid_params)}};
+                 {"svo_solid_params", sizeof(svo_solid_params)},
+                 {"svo_light_step", sizeof(svo_light_step)},
+                 {"svo_light_source", sizeof(svo_light_source)},
+                 {"svo_light_view_params", sizeof(svo_light_view_params)},
+                 {"svo_photon_params", sizeof(svo_photon_params)},
+                 {"svo_unmet_params", sizeof(svo_unmet_params)},
+                 {"svo_exchange_params", sizeof(svo_exchange_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -239,7 +248,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
 /* ---- builds and queries that launch every kernel ---- */
 
 /* Payload that differs between voxels, so that none of it is left out: vertex colors, two materials. Uniform weights
-   without SVO_NEED_FILL compile the least source and do not change signatures. */
+   without SVO_NEED_FILL compile the least source and do not change signatures; areas add arguments. */
 typedef struct painted_mesh {
     owned_mesh base;
     svo_mesh mesh;
@@ -304,8 +313,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
-/* The list in one chunk and in several, the same with a workspace, and the sorted builder, which has the same payload
-   stages. */
+/* The list in one chunk and in several, each with and without areas, the same with a workspace, and the sorted builder,
+   which has the same payload stages. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -313,9 +322,14 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     fixture_build(opened, mesh, DEPTH, &options, out);
     enqueue_build(opened, mesh, &options);
     options.chunk_bytes = 16384;
-    fixture_build(opened, mesh, DEPTH, &options, &other);
-    assert_true(other.report.list_chunks > 1);
-    built_destroy(&other);
+    for (int areas = 0; areas < 2; ++areas) {
+        fixture_build(opened, mesh, DEPTH, &options, &other);
+        assert_true(other.report.list_chunks > 1);
+        built_destroy(&other);
+        options.need |= SVO_NEED_PROJECTED_AREA;
+    }
+    options.chunk_bytes = 0;
+    enqueue_build(opened, mesh, &options);
     options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
     fixture_build(opened, mesh, DEPTH, &options, &other);
     built_destroy(&other);
@@ -408,6 +422,54 @@ static void fill_all(const fixture *opened)
     parts_free(&made);
 }
 
+/* A light of each form, with one lit leaf. */
+static void light_all(const fixture *opened, svo_tree *tree)
+{
+    static const uint32_t leaf = 0;
+    static const uint32_t radiance[18] = {1};
+    for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
+        const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
+        svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
+        svo_i_compact_work work;
+        svo_light *light = NULL;
+        succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
+        succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
+        succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
+        succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));
+        succeed(opened, svo_i_work_write(&work, lit.leaves, &leaf, sizeof leaf));
+        succeed(opened, svo_i_work_write(&work, lit.radiance, radiance, sizeof radiance));
+        succeed(opened, svo_i_light_filter(&work, light, &lit));
+        svo_i_work_end(&work);
+        svo_light_destroy(&light);
+    }
+}
+
+/* A lamp on triangles and on voxels, and materials that emit; all that it counts. */
+static void shine_all(const fixture *opened, const svo_mesh *mesh)
+{
+    const svo_finish finishes[2] = {{.emission = {1, 1, 1}}, {.emission = {0, 0, 0}}};
+    const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
+    const uint32_t needs[2] = {PAYLOAD | (uint32_t)SVO_NEED_RAYS, PAYLOAD};
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.sources = &lamp;
+    setup.source_count = 1;
+    setup.finishes = finishes;
+    setup.finish_count = 2;
+    setup.view_resolution = 16;
+    setup.diagnose = 1;
+    for (int i = 0; i < 2; ++i) {
+        const svo_plan_options options = {.need = needs[i], .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
+        const svo_light_options faces = SVO_LIGHT_OPTIONS_INIT;
+        svo_light *light = NULL;
+        built made;
+        fixture_build(opened, mesh, DEPTH, &options, &made);
+        succeed(opened, svo_light_create(made.tree, &faces, opened->queue, &light));
+        succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+        svo_light_destroy(&light);
+        built_destroy(&made);
+    }
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -431,12 +493,12 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_subdivide,   svo_i_source_sort,         svo_i_source_pack,
-                                   svo_i_source_filter,      svo_i_source_voxelize,     svo_i_source_cast,
-                                   svo_i_source_trace,       svo_i_source_view,         svo_i_source_trace_voxels,
-                                   svo_i_source_compact,     svo_i_source_expand,       svo_i_source_minimize,
-                                   svo_i_source_scene_build, svo_i_source_scene_bounds, svo_i_source_scene_trace,
-                                   svo_i_source_scene_cast,  svo_i_source_solid};
+    const char *const sources[] = {
+        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
+        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
+        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
+        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
+        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -451,6 +513,8 @@ static void every_launch_matches_its_kernel(void **state)
     compact_all(&opened, tree.tree);
     place_all(&opened, tree.tree);
     fill_all(&opened);
+    light_all(&opened, tree.tree);
+    shine_all(&opened, &painted.mesh);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -157,6 +157,9 @@ static void assert_same_tree(const built *actual, const built *expected)
     if (expected->arrays.fills != NULL) {
         assert_memory_equal(actual->arrays.fills, expected->arrays.fills, nodes * 2);
     }
+    if (expected->arrays.areas != NULL) {
+        assert_memory_equal(actual->arrays.areas, expected->arrays.areas, expected->info.leaf_count * 12);
+    }
     assert_string_equal(actual->hash, expected->hash);
 }
 
@@ -342,6 +345,8 @@ static void payload_does_not_depend_on_order_and_chunking(void **state)
         {SVO_NEED_MATERIAL, false, false, false, SVO_WEIGHTS_AREA},
         {SVO_NEED_MATERIAL | SVO_NEED_NORMAL, true, true, false, SVO_WEIGHTS_UNIFORM},
         {SVO_NEED_FILL, true, true, false, SVO_WEIGHTS_AREA},
+        {SVO_NEED_PROJECTED_AREA, false, false, false, SVO_WEIGHTS_UNIFORM},
+        {SVO_NEED_PROJECTED_AREA | SVO_NEED_NORMAL, false, true, false, SVO_WEIGHTS_CENTER},
     };
     static const unsigned depths[] = {5, 1, 4, 10, 11};
     skip_without_device(state);

@@ -94,9 +94,11 @@ static void stages_that_do_not_run(void **state)
     (void)state;
     sheet_mesh sheet;
     sheet_make(SHEET_LARGE, 1.0, &sheet);
-    for (uint32_t need = 1; need <= SVO_NEED_ALL; ++need) {
+    for (uint32_t need = 1; need < SVO_NEED_PROJECTED_AREA; ++need) {
         assert_stages_are_planned(&sheet.mesh, need);
     }
+    assert_stages_are_planned(&sheet.mesh, SVO_NEED_PROJECTED_AREA);
+    assert_stages_are_planned(&sheet.mesh, SVO_NEED_ALL);
     assert_stages_are_planned(&sheet.mesh, SVO_NEED_NONE);
 }
 
@@ -209,6 +211,45 @@ static void each_payload(void **state)
     }
     measured_destroy(&all);
     measured_destroy(&none);
+}
+
+/* Projected areas alone sum up no levels. Beside a color of uniform weights they need clipping, and the color stays. */
+static void projected_areas(void **state)
+{
+    (void)state;
+    static const char *const buffers[] = {"areas", "records", "vertices", "heads"};
+    sheet_mesh sheet;
+    measured less;
+    measured full;
+    svo_plan_options options = asking_for(SVO_NEED_PROJECTED_AREA);
+    options.weights = SVO_WEIGHTS_UNIFORM;
+    sheet_make(SHEET_ALONE, 1.0, &sheet);
+    build_sheet(&sheet, SVO_NEED_NONE, &less);
+    measured_build(&sheet.mesh, DEPTH, &options, &full);
+    assert_same_results(&less, &full);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
+    assert_only_less_leaves_out(&less, &full, "mesh attributes");
+    assert_only_full_has_define(&less, &full, "SVO_AREAS");
+    assert_only_full_has_kernel(&less, &full, "svo_k_gather_level");
+    assert_false(measured_has_kernel(&full, "svo_k_filter"));
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        assert_only_full_has_buffer(&less, &full, buffers[i]);
+    }
+    assert_null(measured_buffer(&full, "weights"));
+    measured_destroy(&full);
+    measured_destroy(&less);
+    options.need = SVO_NEED_COLOR;
+    measured_build(&sheet.mesh, DEPTH, &options, &less);
+    options.need |= SVO_NEED_PROJECTED_AREA;
+    measured_build(&sheet.mesh, DEPTH, &options, &full);
+    assert_same_results(&less, &full);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
+    assert_only_less_leaves_out(&less, &full, "clipping");
+    assert_only_full_has_buffer(&less, &full, "areas");
+    assert_only_full_has_buffer(&less, &full, "vertices");
+    assert_only_full_has_kernel(&less, &full, "svo_k_round_areas");
+    measured_destroy(&full);
+    measured_destroy(&less);
 }
 
 static long file_bytes(const svo_tree *tree, const char *path)
@@ -721,6 +762,7 @@ int main(void)
         cmocka_unit_test(lists_and_their_packing),
         cmocka_unit_test(the_packing_copy_of_sorted_lists),
         cmocka_unit_test(each_payload),
+        cmocka_unit_test(projected_areas),
         cmocka_unit_test(one_color_is_stored_once),
         cmocka_unit_test(one_normal_is_stored_once),
         cmocka_unit_test(one_material_is_stored_once),

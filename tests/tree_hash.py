@@ -160,7 +160,7 @@ class Documents:
         self.node_lines, self.other_lines = (
             re.findall(r"^ \*     (.*)$", part, re.MULTILINE) for part in (nodes, rest)
         )
-        if len(self.node_lines) < 5 or len(self.other_lines) != 6:
+        if len(self.node_lines) < 5 or len(self.other_lines) != 7:
             raise ValueError(
                 "the description of svo_tree_hash lists %d and %d lines" % (len(self.node_lines), len(self.other_lines))
             )
@@ -219,9 +219,11 @@ def array_bytes(documents, tree, name, element_bytes):
 
 def line_bytes(documents, tree, line):
     """The bytes that a line of the description stands for."""
-    array = re.fullmatch(r"array (\w+): (?:(\d) )?(\w+) each", line)
+    array = re.fullmatch(r"array (\w+): (?:(\d) )?(\w+) each(, if the tree holds it)?", line)
     if array:
-        name, count, kind = array.groups()
+        name, count, kind, if_held = array.groups()
+        if if_held and name not in tree.chunks:
+            return b""
         return array_bytes(documents, tree, name, int(count or 1) * struct.calcsize(FORMATS[kind]))
     levels = re.fullmatch(r"u32 (\w+)\[0\] \.\. \1\[depth \+ 1\]", line)
     if levels:
@@ -244,13 +246,15 @@ def hashes(documents, path):
 
 # ---- trees that differ in every way the description mentions ----
 
-ALL = "color,normal,rays,material,fill"
+ALL = "color,normal,rays,material,fill,projected-area"
 CASES = (
     "scene:cube -d 1 --need none",  # the three ways in which XXH3-128 treats lengths: 17 to 128 bytes,
     "scene:cube -d 2 --need none",  # 129 to 240,
     "scene:cube -d 4 --need none",  # and more
     "scene:cube -d 3",
     "scene:cube -d 3 --need " + ALL,  # constant color and material
+    "scene:cornell:300 -d 4 --need color,normal,rays,material,fill",
+    "scene:knot:300 -d 4 --weights center --need projected-area",
     "scene:cornell:300 -d 4 --need " + ALL,  # payload that differs
     "scene:cornell:300 -d 4 --payload-level 3 --need " + ALL,
     "scene:cube -d 4 --payload-level 4 --need " + ALL,

@@ -6,6 +6,7 @@
 #include "compute/build.h"
 
 #include "commands/timing.h"
+#include "compute/area.h"
 #include "compute/buffer.h"
 #include "compute/filter.h"
 #include "compute/material.h"
@@ -122,12 +123,16 @@ static svo_status make_materials(svo_i_gl_build *gl_build, const svo_i_gl_surfac
 /* The payload, from the mesh's attributes. */
 static svo_status make_payload(svo_i_gl_build *gl_build)
 {
+    const uint32_t made = gl_build->build->commands.plan->work.made;
     svo_status status = SVO_OK;
     svo_i_gl_surface surface = {0};
     SVO_I_TRY_CLEANUP(svo_i_gl_surface_upload(gl_build, &surface));
     SVO_I_TRY_CLEANUP(make_materials(gl_build, &surface));
-    if (gl_build->build->commands.plan->work.filter) {
+    if ((made & SVO_I_NEED_FILTER) != 0) {
         SVO_I_TRY_CLEANUP(svo_i_gl_filter(gl_build, &surface));
+    }
+    if ((made & SVO_NEED_PROJECTED_AREA) != 0) {
+        SVO_I_TRY_CLEANUP(svo_i_gl_areas(gl_build, &surface));
     }
 cleanup:
     svo_i_gl_surface_free(gl_build, &surface);

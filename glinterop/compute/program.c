@@ -23,6 +23,7 @@ extern const char svo_i_source_compute_scan[];
 extern const char svo_i_source_compute_link[];
 extern const char svo_i_source_compute_pack[];
 extern const char svo_i_source_compute_filter[];
+extern const char svo_i_source_compute_area[];
 extern const char svo_i_source_compute_material[];
 
 /* The shared texts before an entry point. Each base includes those above it. */
@@ -50,6 +51,7 @@ typedef struct entry_shape {
 #define LINK      svo_i_source_compute_link
 #define PACK      svo_i_source_compute_pack
 #define FILTER    svo_i_source_compute_filter
+#define AREA      svo_i_source_compute_area
 #define MATERIAL  svo_i_source_compute_material
 
 static const entry_shape shapes[SVO_I_ENTRIES] = {
@@ -73,6 +75,8 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_GATHER_LEVEL", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_GATHER", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, true},
     {"SVO_K_FILTER", FILTER, BASE_COMMON, true, false, SVO_I_NEED_FILTER, false},
+    {"SVO_K_AREA", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},
+    {"SVO_K_ROUND_AREAS", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},
 };
 
 /* A field of the parameters and the name of its uniform. */
@@ -96,7 +100,7 @@ static const field filter_fields[] = {
     FILTER_FIELD(depth),       FILTER_FIELD(level),          FILTER_FIELD(level_begin),  FILTER_FIELD(level_count),
     FILTER_FIELD(child_begin), FILTER_FIELD(fragment_count), FILTER_FIELD(leaf_begin),   FILTER_FIELD(leaf_count),
     FILTER_FIELD(voxel_log2),  FILTER_FIELD(first_chunk),    FILTER_FIELD(digit_passes), FILTER_FIELD(weight_log2),
-    FILTER_FIELD(fill_shift)};
+    FILTER_FIELD(fill_shift),  FILTER_FIELD(both_sides)};
 
 static size_t fields_of(svo_i_entry entry, const field **out)
 {

@@ -27,6 +27,8 @@ typedef enum svo_i_entry {
     SVO_I_ENTRY_GATHER_LEVEL,
     SVO_I_ENTRY_GATHER,
     SVO_I_ENTRY_FILTER,
+    SVO_I_ENTRY_AREA,
+    SVO_I_ENTRY_ROUND_AREAS,
     SVO_I_ENTRIES
 } svo_i_entry;
 
@@ -36,7 +38,7 @@ typedef enum svo_i_entry {
 #define SVO_I_COMPUTE_EXHAUSTED 15
 #define SVO_I_COMPUTE_BINDINGS  SVO_I_GL_STATE_STORAGE_BINDINGS
 /* Fields of svo_filter_params, the larger of the two parameter records. */
-#define SVO_I_COMPUTE_FIELDS 13
+#define SVO_I_COMPUTE_FIELDS 14
 
 /* An entry point compiled for a plan's defines. */
 typedef struct svo_i_compute_program svo_i_compute_program;

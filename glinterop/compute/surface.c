@@ -45,13 +45,13 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
     return SVO_OK;
 }
 
-/* The arrays that locate a triangle in a voxel. Uniform weights do not need vertices. */
+/* The arrays that locate a triangle in a voxel. Uniform weights alone do not need vertices. */
 static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t triangles = plan->triangle_count;
     const uint64_t vertices = plan->vertex_count;
-    if (plan->options.weights != SVO_WEIGHTS_UNIFORM) {
+    if (plan->work.positions) {
         SVO_I_TRY(upload(gl_build, "vertices", plan->vertices, vertices * 12, &out->vertices));
     }
     SVO_I_TRY(upload(gl_build, "indices", plan->indices, triangles * 12, &out->indices));

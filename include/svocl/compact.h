@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Compact trees: smaller forms of a built tree's nodes, on a device, on the host, or both. A compact tree is
- * independent of the tree that it was made from. Leaf lists are not carried; svo_compact_expand gives the rest back.
+ * independent of the tree that it was made from. Leaf lists and projected areas are not carried; svo_compact_expand
+ * gives the rest back.
  *
  * A leaf may lie on any level: it then stands for all voxels inside. The root is always an inner node. In every form a
  * child in octant o = x | y << 1 | z << 2 is named by bit o of its parent's masks.

@@ -15,7 +15,8 @@
  *     36     4     u32 depth
  *     40     4     u32 snap_bits: 20 .. 24
  *     44     4     u32 coverage: 0 half-open, 1 closed, 2 thin
- *     48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill
+ *     48     2     u16 need: bit 0 color, bit 1 normal, bit 2 lists and geometry, bit 3 material, bit 4 fill, bit 5
+ *                  areas
  *     50     2     u16 constant: of those bits, color, normal and material that are the same in all nodes: one element
  *     52     2     u16 weights: 0 area, 1 uniform, 2 center
  *     54     2     u16 payload_level: 0 .. depth

@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "svocl/device.h"
+#include "svocl/light_types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -59,6 +60,9 @@ typedef struct svo_mesh {
     size_t material_count; /**< at most 65535; 0: white without a texture */
     const svo_texture *textures; /**< texture_count; NULL when that is 0 */
     size_t texture_count; /**< any */
+    /** material_count: what materials do besides their color, for svo_light_setup; builds do not read it. NULL: all are
+     *  diffuse and none emits. */
+    const svo_finish *finishes;
 } svo_mesh;
 
 /** No vertices, no triangles. */

@@ -34,15 +34,24 @@ typedef enum svo_need {
     SVO_NEED_RAYS = 4, /**< leaf lists, snapped vertices and indices, from which trace.h makes a BVH */
     SVO_NEED_MATERIAL = 8, /**< 16 bits per node: the material with the largest weight; the smaller index on ties */
     SVO_NEED_FILL = 16, /**< 16 bits per node: surface area inside, 4096 = a face of the node, at most 65535 */
+    /** 6 x 16 bits per leaf, none for inner nodes: how much surface rays along +x, -x, +y, -y, +z and -z see in the
+     *  voxel. For +x it is the sum, over the triangles with n_x < 0, of the area inside times |n_x|; n is the unit
+     *  normal by the right-hand rule. 4096 = a face of the voxel, at most 65535. Surfaces that hide each other all
+     *  count. With closed voxels, surface in a common face counts in both; with thin ones, surface may lie in no leaf.
+     *
+     *  Triangles of an open mesh count from both sides. A mesh is closed if each edge is used as often in one direction
+     *  as in the other by its accepted triangles, those outside the grid included. Vertices with the same snapped
+     *  position are one, so that split vertices do not open a mesh. */
+    SVO_NEED_PROJECTED_AREA = 32,
     SVO_NEED_NONE = 0x40000000 /**< occupancy alone */
 } svo_need;
 
-#define SVO_NEED_ALL 0x1f /**< everything */
+#define SVO_NEED_ALL 0x3f /**< everything */
 
 /** Name of one svo_need bit.
  *
  * \param bit one bit
- * \returns "color", "normal", "rays", "material", "fill"; else "none". Static string. */
+ * \returns "color", "normal", "rays", "material", "fill", "projected-area"; else "none". Static string. */
 SVO_API const char *svo_need_name(svo_need bit);
 
 /** Which voxels a triangle occupies. The triangle is closed; a voxel is w grid units wide. */

@@ -12,6 +12,7 @@
  *     rays        triangles, voxels, pictures      trace.h
  *     svo_compact smaller forms of a tree          compact.h
  *     svo_scene   many placed trees                scene.h
+ *     svo_light   light in a tree, cones           light.h
  *     svo_voxels  given voxels -> tree, and back   voxels.h
  */
 #ifndef SVOCL_SVOCL_H
@@ -22,6 +23,7 @@
 #include "svocl/device.h"
 #include "svocl/export.h"
 #include "svocl/memory.h"
+#include "svocl/light.h"
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"

@@ -81,6 +81,9 @@ typedef struct svo_tree_arrays {
     const uint32_t *triangle_ids; /**< list_triangle_count: positions in the mesh's index array, ascending */
     const uint16_t *materials; /**< payload_count: into the mesh's materials */
     const uint16_t *fills; /**< payload_count: surface area inside, 4096 = a face of the node; 65535 = that or more */
+    /** leaf_count * 6: the surface inside the leaf that faces rays along +x, -x, +y, -y, +z and -z, as they see it;
+     *  4096 = a face of the leaf, 65535 = that or more. See SVO_NEED_PROJECTED_AREA. */
+    const uint16_t *areas;
 } svo_tree_arrays;
 
 /** An empty output. */
@@ -99,6 +102,7 @@ typedef enum svo_tree_buffer {
     SVO_TREE_TRIANGLE_IDS, /**< "triangle_ids" */
     SVO_TREE_MATERIALS, /**< "materials" */
     SVO_TREE_FILLS, /**< "fills" */
+    SVO_TREE_AREAS, /**< "areas": six numbers a leaf; inner nodes have none */
     SVO_TREE_BUFFER_COUNT /**< number of arrays */
 } svo_tree_buffer;
 
@@ -187,8 +191,10 @@ typedef enum svo_hash_scope {
  *     array normals: 3 i16 each
  *     array materials: u16 each
  *     array fills: u16 each
+ *     array areas: 6 u16 each, if the tree holds it
  *
- * where an array is its length in bytes as u64, then its elements. One that the tree does not hold has length 0.
+ * where an array is its length in bytes as u64, then its elements. One that the tree does not hold has length 0, but
+ * areas that it does not hold are left out.
  * colors, normals, materials and fills have an element for every node from level_begin[payload_level] on, as on the
  * host: one that is constant, and a single element in files and on the device, is repeated for all of them. vertices,
  * indices and triangle_ids are not covered.

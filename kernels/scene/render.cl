@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
- * shadows, and by a sky that neighbors darken. The colors are those of kernels/rays/render.cl.
+ * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles. Reads the
  * scene, its colors and normals as far as its trees have them, and the lights; writes one RGBA8 word per pixel. No
@@ -9,6 +9,7 @@
  */
 #include "shared/layout.h"
 
+#include "rays/shade.clh"
 #include "scene/scene.clh"
 
 /* What a kernel draws from. */
@@ -65,29 +66,23 @@ static bool svo_scene_is_shadowed(const svo_scene_view *view, float3 point, floa
     return svo_scene_search_ray(&view->scene, &ray, 0.0f, SVO_SCENE_FLAG_ANY, &search);
 }
 
-/* How open the hemisphere above the point is, by four short rays. 0 .. 1. */
+/* How open the hemisphere above the point is, by short rays. 0 .. 1. */
 static float svo_scene_openness(const svo_scene_view *view, const svo_scene_surface *surface)
 {
     const float range = max(view->picture->occlusion_range, 6.0f * surface->node_width);
-    const float3 helper = fabs(surface->normal.y) < 0.7f ? (float3)(0.0f, 1.0f, 0.0f) : (float3)(1.0f, 0.0f, 0.0f);
-    const float3 side = normalize(cross(surface->normal, helper));
-    const float3 other = cross(surface->normal, side);
-    const float2 circle[4] = {(float2)(0.85f, 0.2f), (float2)(-0.2f, 0.85f), (float2)(-0.85f, -0.2f),
-                              (float2)(0.2f, -0.85f)};
     float open = 0.0f;
-    for (int k = 0; k < 4; ++k) {
-        const float3 direction = normalize(0.6f * surface->normal + circle[k].x * side + circle[k].y * other);
-        open += svo_scene_reach(view, surface->point, direction, range, 0.12f) / range;
+    for (int k = 0; k < SVO_SHADE_OCCLUSION_RAYS; ++k) {
+        const float3 direction = svo_shade_occlusion_direction(surface->normal, k);
+        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT) / range;
     }
-    return 0.25f * open;
+    return open / (float)SVO_SHADE_OCCLUSION_RAYS;
 }
 
 /* The light that reaches a surface. */
 static float3 svo_scene_light_of(const svo_scene_view *view, const svo_scene_surface *surface)
 {
-    const float sky = 0.5f + 0.5f * dot(surface->normal, svo_scene_constant(view->picture->up));
-    float3 light = mix((float3)(0.30f, 0.27f, 0.25f), (float3)(0.52f, 0.58f, 0.68f), sky) *
-                   mix(0.3f, 1.0f, svo_scene_openness(view, surface));
+    float3 light =
+        svo_shade_sky(dot(surface->normal, svo_scene_constant(view->picture->up)), svo_scene_openness(view, surface));
     for (uint i = 0; i < view->picture->light_count; ++i) {
         const float3 direction = svo_scene_constant(view->lights[i].direction);
         const float facing = dot(surface->normal, direction);
@@ -110,26 +105,17 @@ static float3 svo_scene_shading_normal(const svo_scene_view *view, __global cons
         const float3 own = convert_float3(vload3((size_t)tree->normal_begin + index, view->normals)) / 32767.0f;
         normal = dot(own, own) > 0.04f ? svo_scene_normal(instance, own) : normal;
     }
-    const float away = dot(normal, direction);
-    if (dot(normal, normal) == 0.0f) {
-        return -direction;
-    }
-    if (away > 0.7f) {
-        return -normal;
-    }
-    return away > 0.0f ? normalize(normal - away * direction) : normal;
+    return dot(normal, normal) == 0.0f ? -direction : svo_shade_facing(normal, direction);
 }
 
-/* Stored colors are squared to linear light: close to sRGB and cheap. */
 static float3 svo_scene_color(const svo_scene_view *view, uint tree_index, uint node)
 {
     __global const svo_scene_tree *tree = view->scene.trees + tree_index;
     if ((tree->flags & SVO_SCENE_TREE_COLORS) == 0u) {
-        return (float3)(0.55f, 0.54f, 0.52f);
+        return (float3)(SVO_SHADE_CLAY);
     }
     const uint index = (tree->flags & SVO_SCENE_TREE_ONE_COLOR) != 0u ? 0u : node;
-    const float3 stored = convert_float3(vload4((size_t)tree->color_begin + index, view->colors).xyz) / 255.0f;
-    return stored * stored;
+    return svo_shade_decode(vload4((size_t)tree->color_begin + index, view->colors));
 }
 
 static svo_scene_surface svo_scene_surface_of(const svo_scene_view *view, const svo_scene_search *search, float3 origin,
@@ -159,11 +145,6 @@ static float3 svo_scene_shade(const svo_scene_view *view, const svo_scene_surfac
     return surface->color * lit->light;
 }
 
-static float3 svo_scene_background(const svo_scene_view *view, float row)
-{
-    return mix((float3)(0.80f, 0.86f, 0.93f), (float3)(0.93f, 0.92f, 0.90f), row / (float)view->picture->height);
-}
-
 /* One ray of a pixel. */
 static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit)
 {
@@ -175,18 +156,10 @@ static float3 svo_scene_sample(const svo_scene_view *view, float column, float r
     const svo_ray ray = svo_scene_make_ray(origin, direction, INFINITY);
     svo_scene_search search;
     if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint / (float)picture->samples, 0u, &search)) {
-        return svo_scene_background(view, row);
+        return svo_shade_background(row / (float)picture->height);
     }
     const svo_scene_surface surface = svo_scene_surface_of(view, &search, origin, direction);
-    return svo_scene_shade(view, &surface, lit);
-}
-
-static uint svo_scene_pack(float3 light)
-{
-    /* Highlights are compressed, not clipped; the square root inverts the squares of svo_scene_color. */
-    const float3 soft = light / (1.0f + 0.12f * light * light);
-    const uint3 bytes = convert_uint3(sqrt(clamp(soft, (float3)(0.0f), (float3)(1.0f))) * 255.0f + 0.5f);
-    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
+    return svo_shade_tone(SVO_SHADE_EXPOSURE * svo_scene_shade(view, &surface, lit));
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -220,5 +193,5 @@ svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global 
         const float row = (float)y + ((float)(sample / picture->samples) + 0.5f) / (float)picture->samples;
         sum += svo_scene_sample(&view, column, row, &lit);
     }
-    pixels[(size_t)y * picture->width + x] = svo_scene_pack(sum / (float)(picture->samples * picture->samples));
+    pixels[(size_t)y * picture->width + x] = svo_shade_encode(sum / (float)(picture->samples * picture->samples));
 }

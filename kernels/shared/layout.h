@@ -3,11 +3,12 @@
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
  * every field at a multiple of four bytes, without padding. Offsets are in bytes. The records that callers of the
- * library see are in svocl/ray_types.h, svocl/scene_types.h and svocl/tree_types.h.
+ * library see are in svocl/light_types.h, svocl/ray_types.h, svocl/scene_types.h and svocl/tree_types.h.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
 
+#include "svocl/light_types.h"
 #include "svocl/ray_types.h"
 #include "svocl/scene_types.h"
 #include "svocl/tree_types.h"
@@ -154,7 +155,8 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
     SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
     SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
-    SVO_U32 reserved[3]; /* 68 */
+    SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
+    SVO_U32 reserved[2]; /* 72 */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
@@ -213,10 +215,12 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_U32 depth; /* 60 */
     SVO_F32 sun[3]; /* 64: unit, towards the light */
-    SVO_U32 samples; /* 76: rays per pixel along each of its sides */
+    SVO_U32 reserved; /* 76: zero */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
 };
+
+#define SVO_CAST_SAMPLES 2u /* camera rays of a shaded picture along each side of a pixel */
 
 /* What kernels/rays/view.cl shows: svo_render_view of trace.h. */
 #define SVO_VIEW_KIND_NORMAL    1u
@@ -366,6 +370,184 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
 };
 
+/* ---- light ---- */
+
+/* Extinctions are in units of 2^-12 octaves: 4096 halves what passes. */
+#define SVO_EXTINCTION_UNIT 4096
+/* A projected area as large as a face of its node. */
+#define SVO_AREA_UNIT 4096u
+/* Samples of a brick, and the most levels from the root to a leaf. */
+#define SVO_BRICK_SAMPLES 27
+#define SVO_LIGHT_LEVELS  17
+
+/* Of the flags below. */
+#define SVO_LIGHT_FLAG_NORMALS    1u /* the tree has normals */
+#define SVO_LIGHT_FLAG_ONE_NORMAL 2u /* one for all nodes */
+#define SVO_LIGHT_FLAG_LIT        4u /* there is radiance */
+#define SVO_LIGHT_FLAG_COLORS     8u /* the tree has colors */
+#define SVO_LIGHT_FLAG_ONE_COLOR  16u /* one for all nodes */
+
+/* What cones know of a light besides its buffers. 32 bytes. */
+SVO_RECORD(svo_light_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 flags; /* 4: SVO_LIGHT_FLAG_* */
+    SVO_F32 unit; /* 8: radiance of a unit of the radiance buffer, a power of two */
+    SVO_F32 voxel_edge; /* 12: of a leaf, world units */
+    SVO_F32 sky[3]; /* 16: radiance from outside */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* How cones gather. 32 bytes. */
+SVO_RECORD(svo_gather_params)
+{
+    SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
+    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
+    SVO_F32 step; /* 8: widths of the cone */
+    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
+    SVO_F32 falloff; /* 16: lambda, per world unit */
+    SVO_U32 with_light; /* 20: 0: occlusion alone */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* Arguments of the kernels that make and filter light. 32 bytes. */
+SVO_RECORD(svo_light_step)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 leaf_begin; /* 4: the first leaf */
+    SVO_U32 first; /* 8: node of the launch */
+    SVO_U32 count; /* 12: nodes of the launch */
+    SVO_U32 level; /* 16: of those nodes */
+    SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
+    SVO_U32 payload_begin; /* 24: the first node that has colors */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
+#define SVO_PHOTON_MISSED 0xffffffffu
+#define SVO_PHOTON_LOST   0xfffffffeu
+/* The slot of a leaf that has none. */
+#define SVO_SLOT_NONE 0xffffffffu
+
+/* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
+   x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six
+   directions, three channels a direction. */
+#define SVO_FLUX_SUMS          6
+#define SVO_FACE_SUMS          18
+#define SVO_FLUX_UNIT_LOG2     24 /* of a direction's component */
+#define SVO_COSINE_UNIT_LOG2   16 /* of a normal's component */
+#define SVO_WEIGHT_UNIT_LOG2   31 /* of svo_photon_weight */
+#define SVO_FLUX_TOTAL_LOG2    50 /* all photons together have less flux, so that no sum overflows */
+#define SVO_RADIANCE_MOST_LOG2 30 /* radiance from photons and emission are at most this each */
+#define SVO_TILE_PIXELS_LOG2   3 /* photons come in square tiles of pixels, in Morton order inside */
+
+/* What photons count. */
+#define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
+#define SVO_PHOTON_HITS     1
+#define SVO_PHOTON_UNMET    2 /* leaves that should have met one */
+#define SVO_PHOTON_BITS     3 /* of the largest radiance, before it gets its unit */
+#define SVO_PHOTON_NO_LEAF  4 /* lost flux: red, green, blue, 64 bits each */
+#define SVO_PHOTON_IN_LEAF  10 /* the flux of the lit leaves, likewise */
+#define SVO_PHOTON_COUNTERS 16
+
+/* A photon's flux relative to that of a pixel in the middle of the view, 2^31 = 1; 0: none is shot. And 1 / length of
+   its direction, 2^31 = 1. 8 bytes. */
+SVO_RECORD(svo_photon_weight)
+{
+    SVO_U32 flux; /* 0 */
+    SVO_U32 inverse_length; /* 4 */
+};
+
+/* The pixels that a source sees, and photons of them. Pixel i, j is at x = (2 i + 1 - columns) half_x and
+   y = (2 j + 1 - rows) half_y. 104 bytes. */
+SVO_RECORD(svo_light_view_params)
+{
+    SVO_F32 base[3]; /* 0: world: a point source's position; of parallel light, the middle of its plane */
+    SVO_U32 columns; /* 12: pixels */
+    SVO_F32 right[3]; /* 16: unit */
+    SVO_U32 rows; /* 28 */
+    SVO_F32 up[3]; /* 32: unit */
+    SVO_U32 tile_columns; /* 44 */
+    SVO_F32 forward[3]; /* 48: direction at x = y = 0; for parallel light everywhere, unit */
+    SVO_U32 parallel; /* 60: not 0: all photons go forward */
+    SVO_F32 half_x; /* 64: half a pixel, world units; of a point source at distance 1 */
+    SVO_F32 half_y; /* 68 */
+    SVO_U32 first; /* 72: of the launch's photons, a multiple of a tile's */
+    SVO_U32 count; /* 76: photons of the launch */
+    SVO_U32 flux[6]; /* 80: of a photon of weight 1: red, green, blue, 64 bits each */
+};
+
+/* Arguments of the kernels that bring photons to leaves. 32 bytes. */
+SVO_RECORD(svo_photon_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 snap_bits; /* 4: the grid is 2^snap_bits units wide */
+    SVO_U32 leaf_begin; /* 8: first leaf */
+    SVO_U32 leaf_count; /* 12 */
+    SVO_U32 triangle_count; /* 16: of those with ids */
+    SVO_U32 count; /* 20: photons, slots or leaves of the launch */
+    SVO_U32 claims; /* 24: not 0: leaves get slots, and hits are counted */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
+SVO_RECORD(svo_unmet_params)
+{
+    SVO_F32 origin[3]; /* 0: of the grid, world */
+    SVO_F32 edge; /* 12: of a leaf, world units */
+    SVO_U32 inner_count; /* 16: nodes above the leaves */
+    SVO_U32 first; /* 20: of the launch's leaves */
+    SVO_U32 count; /* 24: leaves of the launch */
+    SVO_F32 reach; /* 28: so far before a leaf parallel light begins, world units */
+    SVO_F32 outer_cosine; /* 32: of a spot; else 0 */
+    SVO_U32 reserved[3]; /* 36 */
+};
+
+/* What the tree holds: svo_exchange_params.flags. */
+#define SVO_EXCHANGE_COLORS       1u
+#define SVO_EXCHANGE_ONE_COLOR    2u /* for all nodes */
+#define SVO_EXCHANGE_ONE_MATERIAL 4u
+#define SVO_EXCHANGE_FILLS        8u
+#define SVO_EXCHANGE_AREAS        16u
+
+/* Arguments of the kernels that make radiance of sums. 32 bytes. */
+SVO_RECORD(svo_exchange_params)
+{
+    SVO_U32 count; /* 0: lit leaves */
+    SVO_U32 leaf_begin; /* 4: the first leaf's place in the payload */
+    SVO_U32 finish_count; /* 8: of finishes that emit; 0: none */
+    SVO_U32 flags; /* 12: SVO_EXCHANGE_* */
+    SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
+    SVO_U32 factor_high; /* 20 */
+    SVO_U32 shift; /* 24 */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* What a picture of a light shows: svo_light_view of light.h. */
+#define SVO_LIT_VIEW_FULL     0u
+#define SVO_LIT_VIEW_AO       1u
+#define SVO_LIT_VIEW_DIRECT   2u
+#define SVO_LIT_VIEW_INDIRECT 3u
+#define SVO_LIT_VIEW_SPECULAR 4u
+
+/* Arguments of pictures of lights, world coordinates. 96 bytes. */
+SVO_RECORD(svo_lit_picture_params)
+{
+    SVO_F32 eye[3]; /* 0 */
+    SVO_U32 view; /* 12: SVO_LIT_VIEW_* */
+    SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
+    SVO_U32 width; /* 28: pixels */
+    SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
+    SVO_U32 height; /* 44: pixels */
+    SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
+    SVO_F32 exposure; /* 60 */
+    SVO_F32 sky[3]; /* 64: radiance from outside */
+    SVO_U32 source_count; /* 76 */
+    SVO_U32 finish_count; /* 80 */
+    SVO_U32 first_tile; /* 84: of the launch */
+    SVO_U32 reserved[2]; /* 88 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -379,6 +561,7 @@ SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 64);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
@@ -387,6 +570,14 @@ SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
+SVO_ASSERT_BYTES(svo_photon_weight, 8);
+SVO_ASSERT_BYTES(svo_light_view_params, 104);
+SVO_ASSERT_BYTES(svo_photon_params, 32);
+SVO_ASSERT_BYTES(svo_unmet_params, 48);
+SVO_ASSERT_BYTES(svo_exchange_params, 32);
+SVO_ASSERT_BYTES(svo_light_params, 32);
+SVO_ASSERT_BYTES(svo_gather_params, 32);
+SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload, from the leaves up: mean color, mean normal and fill of every node, in integers.
+ * The payload, from the leaves up: mean color, mean normal and fill of every node, and the leaves' projected areas, in
+ * integers.
  *
  *   svo_k_gather_level  per node of the deepest inner level: traverses its leaves' linked lists, sums each triangle's
  *                       contribution to the voxel, writes the leaves' payload and the node's sums. For lists of one
@@ -8,21 +9,35 @@
  *   svo_k_gather        per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
  *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
  *                       sums
+ *   svo_k_round_areas   per leaf, after all chunks: writes the leaf's projected areas from their sums
  *
  * Invariant: sums are 64-bit and are passed up unrounded; each node rounds once, half up. So the result depends neither
  * on the order of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a
  * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
  * Launch: one work-item per node or leaf, rounded up to whole groups. No atomics: one work-item writes a node's sums.
- * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node).
+ * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node); of the leaves, for
+ * lists of several chunks: areas (6 ulong a leaf).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
+#include "stages/area.clh"
 #include "stages/attribute.clh"
 
 #if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
+#define SVO_NODE_PAYLOAD
+#endif
 
-/* The sums of a node. */
+#if defined(SVO_NODE_PAYLOAD) || defined(SVO_AREAS)
+
+/* A last argument, which only kernels with projected areas have. */
+#ifdef SVO_AREAS
+#define SVO_AND_AREAS(type, name) , __global type *name
+#else
+#define SVO_AND_AREAS(type, name)
+#endif
+
+/* The sums of a node; areas are those of leaves alone. */
 typedef struct svo_sums {
     ulong weight;
 #ifdef SVO_COLOR
@@ -30,6 +45,9 @@ typedef struct svo_sums {
 #endif
 #ifdef SVO_NORMAL
     long x, y, z;
+#endif
+#ifdef SVO_AREAS
+    svo_areas areas;
 #endif
 } svo_sums;
 
@@ -43,13 +61,20 @@ SVO_FUNCTION svo_sums svo_no_sums(void)
 #ifdef SVO_NORMAL
     sums.x = sums.y = sums.z = 0;
 #endif
+#ifdef SVO_AREAS
+    sums.areas = svo_no_areas();
+#endif
     return sums;
 }
 
+/* weights: NULL where only areas are made. */
 SVO_FUNCTION svo_sums svo_load_sums(uint node, __global const ulong *weights, __global const ulong *colors,
                                     __global const long *normals)
 {
-    svo_sums sums;
+    svo_sums sums = svo_no_sums();
+    if (weights == 0) {
+        return sums;
+    }
     sums.weight = weights[node];
 #ifdef SVO_COLOR
     sums.color = vload4(node, colors);
@@ -178,6 +203,10 @@ static void svo_add_pair(svo_sums *sums, svo_surface surface, uint triangle, svo
     sums->y += (long)share.weight * normal.y;
     sums->z += (long)share.weight * normal.z;
 #endif
+#ifdef SVO_AREAS
+    svo_add_areas(&sums->areas, surface, triangle, svo_pair_doubled_area(surface, triangle, code, share, params),
+                  params.both_sides != 0u);
+#endif
 }
 
 /* The sums of a leaf's list, on top of sums. link: its first fragment plus one. */
@@ -198,7 +227,7 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
              __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
              __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
-             svo_filter_params params)
+             svo_filter_params params SVO_AND_AREAS(ulong, area_sums))
 {
     svo_make_current(&params, state);
     const uint leaf = params.first_index + (uint)get_global_id(0);
@@ -209,20 +238,25 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
     svo_sums sums = svo_no_sums();
     if (params.first_chunk == 0u) {
         sums = svo_load_sums(leaf, weights, color_sums, normal_sums);
+#ifdef SVO_AREAS
+        sums.areas = svo_load_areas(leaf, area_sums);
+#endif
     }
     sums = svo_sum_list(sums, surface, fragments, links, heads[leaf], params);
     svo_store_sums(sums, leaf, weights, color_sums, normal_sums);
+#ifdef SVO_AREAS
+    svo_keep_areas(sums.areas, leaf, area_sums);
+#endif
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_gather_level(__global const uint *fragments, __global const uint *links, __global const uint *heads,
-                   __global const int *vertices, __global const uint *indices,
-                   __global const svo_triangle_record *records, __global const uint *vertex_colors,
-                   __global const short *vertex_normals, __global const int *uvs,
-                   __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-                   __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
-                   __global const uint *first_child, __global uint *colors, __global short *normals,
-                   __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_gather_level(
+    __global const uint *fragments, __global const uint *links, __global const uint *heads,
+    __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
+    __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
+    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
+    __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
+    __global const uint *first_child, __global uint *colors, __global short *normals, __global ushort *fills,
+    __global const svo_build_state *state, svo_filter_params params SVO_AND_AREAS(ushort, areas))
 {
     svo_make_current(&params, state);
     const uint index = params.first_index + (uint)get_global_id(0);
@@ -239,6 +273,9 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
         const uint link = heads[leaf - params.leaf_begin];
         const svo_sums part = svo_sum_list(svo_no_sums(), surface, fragments, links, link, params);
         svo_store_payload(part, leaf - params.payload_begin, payload, params.fill_shift);
+#ifdef SVO_AREAS
+        svo_store_areas(part.areas, leaf - params.leaf_begin, areas);
+#endif
         sums = svo_join_sums(sums, part);
     }
     svo_store_sums(sums, index, weights, color_sums, normal_sums);
@@ -246,6 +283,23 @@ svo_k_gather_level(__global const uint *fragments, __global const uint *links, _
         svo_store_root(sums, node, payload, params.fill_shift);
     }
 }
+
+#ifdef SVO_AREAS
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_round_areas(__global const ulong *area_sums, __global ushort *areas, __global const svo_build_state *state,
+                  svo_filter_params params)
+{
+    svo_make_current(&params, state);
+    const uint leaf = params.first_index + (uint)get_global_id(0);
+    if (leaf < params.leaf_count) {
+        svo_store_areas(svo_load_areas(leaf, area_sums), leaf, areas);
+    }
+}
+
+#endif
+
+#ifdef SVO_NODE_PAYLOAD
 
 /* Sums are indexed from the first node of their level, payload from the first node that has payload. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -275,5 +329,7 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
         svo_store_root(sums, node, payload, params.fill_shift);
     }
 }
+
+#endif
 
 #endif

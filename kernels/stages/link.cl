@@ -10,7 +10,7 @@
  */
 #include "shared/state.clh"
 
-#if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL)
+#if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL) || defined(SVO_AREAS)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state,

@@ -85,6 +85,11 @@ static bool filter_runs(const svo_plan *plan)
     return plan->work.filter;
 }
 
+static bool areas_runs(const svo_plan *plan)
+{
+    return computes(plan, SVO_NEED_PROJECTED_AREA);
+}
+
 static bool constants_runs(const svo_plan *plan)
 {
     return plan->work.constant != 0;
@@ -151,6 +156,12 @@ static void filter_defines(const svo_plan *plan, char *text, size_t bytes)
     (void)snprintf(text, bytes, "%s%s%s", computes(plan, SVO_NEED_COLOR) ? " -DSVO_COLOR" : "",
                    computes(plan, SVO_NEED_NORMAL) ? " -DSVO_NORMAL" : "",
                    computes(plan, SVO_NEED_FILL) ? " -DSVO_FILL" : "");
+}
+
+static void area_defines(const svo_plan *plan, char *text, size_t bytes)
+{
+    (void)plan;
+    (void)snprintf(text, bytes, " -DSVO_AREAS");
 }
 
 /* ---- the rows ---- */
@@ -287,6 +298,13 @@ static const svo_i_stage rows[] = {
      .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_filter"},
      .buffers = {SCRATCH("weights", NODES), SCRATCH("color_sums", NODES), SCRATCH("normal_sums", NODES),
                  TREE("colors", NODES), TREE("normals", NODES), TREE("fills", NODES)}},
+    {.name = "areas", /* filter makes them with the rest */
+     .stage = SVO_STAGE_FILTER,
+     .runs = areas_runs,
+     .program = SVO_I_PROGRAM_FILTER,
+     .defines = area_defines,
+     .kernels = {"svo_k_round_areas"},
+     .buffers = {SCRATCH("area_sums", LEAVES), TREE("areas", LEAVES)}},
     {.name = "constants",
      .stage = SVO_STAGE_TRANSFER,
      .runs = constants_runs,

@@ -61,6 +61,9 @@ svo_status svo_i_work_alloc(svo_i_compact_work *work, const char *name, uint64_t
     }
     SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
     work->buffers[slot] = *out;
+    work->buffer_bytes[slot] = bytes;
+    work->live_bytes += bytes;
+    work->peak_bytes = work->live_bytes > work->peak_bytes ? work->live_bytes : work->peak_bytes;
     work->buffer_count = slot == work->buffer_count ? slot + 1 : work->buffer_count;
     return SVO_OK;
 }
@@ -71,6 +74,7 @@ void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
         if (*buffer != NULL && work->buffers[i] == *buffer) {
             clReleaseMemObject(*buffer);
             work->buffers[i] = NULL;
+            work->live_bytes -= work->buffer_bytes[i];
         }
     }
     *buffer = NULL;
@@ -78,16 +82,21 @@ void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
 
 /* ---- commands ---- */
 
+void svo_i_work_follow(svo_i_compact_work *work, cl_event event)
+{
+    if (work->last != NULL) {
+        clReleaseEvent(work->last);
+    }
+    work->last = event;
+}
+
 /* Makes event the newest command, or converts the error of its call into a status. */
 static svo_status follow(svo_i_compact_work *work, const char *call, cl_int error, cl_event event)
 {
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(work->device, work->function, call, error);
     }
-    if (work->last != NULL) {
-        clReleaseEvent(work->last);
-    }
-    work->last = event;
+    svo_i_work_follow(work, event);
     return SVO_OK;
 }
 
@@ -110,16 +119,26 @@ svo_status svo_i_work_write(svo_i_compact_work *work, cl_mem buffer, const void 
     return bytes > 0 ? follow(work, "clEnqueueWriteBuffer", error, event) : SVO_OK;
 }
 
-svo_status svo_i_work_fill_zero(svo_i_compact_work *work, cl_mem buffer, uint64_t bytes)
+/* Fills with a pattern of pattern_bytes. */
+static svo_status fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, size_t pattern_bytes, uint64_t bytes)
 {
-    const cl_uint zero = 0;
     cl_event event = NULL;
     if (bytes == 0) {
         return SVO_OK;
     }
-    const cl_int error = clEnqueueFillBuffer(work->queue, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, 0,
-                                             (size_t)bytes, wait_count(work), wait_list(work), &event);
+    const cl_int error = clEnqueueFillBuffer(work->queue, buffer, &word, pattern_bytes, 0, (size_t)bytes,
+                                             wait_count(work), wait_list(work), &event);
     return follow(work, "clEnqueueFillBuffer", error, event);
+}
+
+svo_status svo_i_work_fill_zero(svo_i_compact_work *work, cl_mem buffer, uint64_t bytes)
+{
+    return fill(work, buffer, 0, bytes % sizeof(cl_uint) == 0 ? sizeof(cl_uint) : 1, bytes);
+}
+
+svo_status svo_i_work_fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, uint64_t bytes)
+{
+    return fill(work, buffer, word, sizeof word, bytes);
 }
 
 svo_status svo_i_work_copy(svo_i_compact_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,

@@ -19,7 +19,9 @@ typedef struct svo_i_compact_work {
     cl_event last; /* the newest command; NULL at first */
     cl_mem partials; /* of scans; NULL before the first */
     cl_mem buffers[SVO_I_WORK_BUFFERS_MAX]; /* scratch, owned */
+    uint64_t buffer_bytes[SVO_I_WORK_BUFFERS_MAX];
     size_t buffer_count;
+    uint64_t live_bytes, peak_bytes; /* of scratch: now, and the most so far */
 } svo_i_compact_work;
 
 /* Begins a work. queue: NULL for the device's own. */
@@ -42,6 +44,8 @@ svo_status svo_i_work_result(svo_i_compact_work *work, const char *name, uint64_
 
 svo_status svo_i_work_write(svo_i_compact_work *work, cl_mem buffer, const void *data, uint64_t bytes);
 svo_status svo_i_work_fill_zero(svo_i_compact_work *work, cl_mem buffer, uint64_t bytes);
+/* Fills whole words. */
+svo_status svo_i_work_fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, uint64_t bytes);
 svo_status svo_i_work_copy(svo_i_compact_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
                            uint64_t bytes);
 /* Reads bytes from an offset of a buffer and waits. */
@@ -50,6 +54,8 @@ svo_status svo_i_work_read(svo_i_compact_work *work, cl_mem buffer, uint64_t off
 /* Launches a kernel of the program for so many work-items, in whole groups. Launches nothing if items is 0. */
 svo_status svo_i_work_launch(svo_i_compact_work *work, const char *name, const svo_i_argument *arguments,
                              cl_uint argument_count, uint64_t items);
+/* Takes the event of a command that the caller enqueued after work->last, which becomes the newest. */
+void svo_i_work_follow(svo_i_compact_work *work, cl_event event);
 /* Exclusive sums of count numbers, u32 each, into sums, which has an element more: the total. */
 svo_status svo_i_work_scan(svo_i_compact_work *work, cl_mem numbers, cl_mem sums, uint64_t count);
 

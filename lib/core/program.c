@@ -32,6 +32,10 @@ extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
+extern const char svo_i_source_gather[];
+extern const char svo_i_source_photons[];
+extern const char svo_i_source_light_picture[];
+extern const char svo_i_source_light[];
 
 static void release_program(svo_i_attachment *attachment)
 {
@@ -58,7 +62,11 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_SCENE_TRACE] = "scene_trace",
                                                            [SVO_I_PROGRAM_SCENE_CAST] = "scene_cast",
                                                            [SVO_I_PROGRAM_MINIMIZE] = "minimize",
-                                                           [SVO_I_PROGRAM_SOLID] = "solid"};
+                                                           [SVO_I_PROGRAM_SOLID] = "solid",
+                                                           [SVO_I_PROGRAM_GATHER] = "gather",
+                                                           [SVO_I_PROGRAM_PHOTONS] = "photons",
+                                                           [SVO_I_PROGRAM_LIGHT_PICTURE] = "light_picture",
+                                                           [SVO_I_PROGRAM_LIGHT] = "light"};
     return names[kind];
 }
 
@@ -80,7 +88,11 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_SCENE_TRACE] = svo_i_source_scene_trace,
                                                       [SVO_I_PROGRAM_SCENE_CAST] = svo_i_source_scene_cast,
                                                       [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize,
-                                                      [SVO_I_PROGRAM_SOLID] = svo_i_source_solid};
+                                                      [SVO_I_PROGRAM_SOLID] = svo_i_source_solid,
+                                                      [SVO_I_PROGRAM_GATHER] = svo_i_source_gather,
+                                                      [SVO_I_PROGRAM_PHOTONS] = svo_i_source_photons,
+                                                      [SVO_I_PROGRAM_LIGHT_PICTURE] = svo_i_source_light_picture,
+                                                      [SVO_I_PROGRAM_LIGHT] = svo_i_source_light};
     return sources[kind];
 }
 

@@ -30,6 +30,10 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_SCENE_TRACE, /* trace of scenes */
     SVO_I_PROGRAM_SCENE_CAST, /* render of scenes */
     SVO_I_PROGRAM_SOLID, /* those of kernels/solid */
+    SVO_I_PROGRAM_GATHER, /* gather of light */
+    SVO_I_PROGRAM_PHOTONS, /* scan; light_view, photons, exchange of kernels/light */
+    SVO_I_PROGRAM_LIGHT_PICTURE, /* picture of light */
+    SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 

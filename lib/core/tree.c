@@ -92,7 +92,7 @@ const char *svo_tree_buffer_name(svo_tree_buffer buffer)
 {
     static const char *const names[SVO_TREE_BUFFER_COUNT] = {"child_mask",   "first_child", "colors",   "normals",
                                                              "list_begin",   "list",        "vertices", "indices",
-                                                             "triangle_ids", "materials",   "fills"};
+                                                             "triangle_ids", "materials",   "fills",    "areas"};
     return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
@@ -120,6 +120,8 @@ bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
         return (info->need & SVO_NEED_MATERIAL) != 0;
     case SVO_TREE_FILLS:
         return (info->need & SVO_NEED_FILL) != 0;
+    case SVO_TREE_AREAS:
+        return (info->need & SVO_NEED_PROJECTED_AREA) != 0;
     default:
         return (info->need & SVO_NEED_RAYS) != 0;
     }
@@ -155,6 +157,8 @@ uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buf
     case SVO_TREE_MATERIALS:
     case SVO_TREE_FILLS:
         return svo_i_tree_is_constant(info, buffer) ? 1 : svo_i_tree_payload_count(info);
+    case SVO_TREE_AREAS:
+        return info->leaf_count;
     case SVO_TREE_LIST_BEGIN:
         return info->leaf_count + 1;
     case SVO_TREE_LIST:
@@ -178,6 +182,7 @@ size_t svo_i_tree_element_bytes(svo_tree_buffer buffer)
         return 6;
     case SVO_TREE_VERTICES:
     case SVO_TREE_INDICES:
+    case SVO_TREE_AREAS:
         return 12;
     default:
         return 4;
@@ -207,7 +212,8 @@ svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
                                   .indices = tree->host[SVO_TREE_INDICES],
                                   .triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS],
                                   .materials = tree->host[SVO_TREE_MATERIALS],
-                                  .fills = tree->host[SVO_TREE_FILLS]};
+                                  .fills = tree->host[SVO_TREE_FILLS],
+                                  .areas = tree->host[SVO_TREE_AREAS]};
     return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_arrays", "arrays", &held, arrays,
                               SVO_I_STRUCT_SIZES(svo_tree_arrays, first_child));
 }
@@ -386,6 +392,9 @@ svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[S
         hash_array(state, tree, SVO_TREE_NORMALS);
         hash_array(state, tree, SVO_TREE_MATERIALS);
         hash_array(state, tree, SVO_TREE_FILLS);
+    }
+    if (scope == SVO_HASH_ALL && svo_i_tree_holds(info, SVO_TREE_AREAS)) {
+        hash_array(state, tree, SVO_TREE_AREAS);
     }
     const XXH128_hash_t hash = XXH3_128bits_digest(state);
     (void)snprintf(text, SVO_HASH_TEXT_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,

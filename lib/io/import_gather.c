@@ -214,15 +214,36 @@ bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t mat
     return true;
 }
 
-bool svo_i_gather_material(gather *mesh, const svo_material *material)
+bool svo_i_gather_material(gather *mesh, const svo_material *material, const svo_finish *finish)
 {
+    /* Both arrays grow in step: the capacity is written by the second. */
+    size_t capacity = mesh->material_capacity;
     void *materials = mesh->materials;
-    const bool grown = reserve(&materials, mesh->material_count, &mesh->material_capacity, sizeof *material);
+    bool grown = reserve(&materials, mesh->material_count, &capacity, sizeof *material);
     mesh->materials = materials;
     if (!grown) {
         return false;
     }
+    void *finishes = mesh->finishes;
+    grown = reserve(&finishes, mesh->material_count, &mesh->material_capacity, sizeof *finish);
+    mesh->finishes = finishes;
+    if (!grown) {
+        return false;
+    }
+    mesh->finishes[mesh->material_count] = finish != NULL ? *finish : (svo_finish){.exponent = 0};
     mesh->materials[mesh->material_count++] = *material;
+    return true;
+}
+
+/* Whether all materials are diffuse and none emits. */
+static bool is_diffuse(const gather *mesh)
+{
+    static const svo_finish diffuse = {.exponent = 0};
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        if (memcmp(&mesh->finishes[i], &diffuse, sizeof diffuse) != 0) {
+            return false;
+        }
+    }
     return true;
 }
 
@@ -234,7 +255,9 @@ void svo_i_gather_drop_plain_materials(gather *mesh)
             return;
         }
     }
-    mesh->material_count = 0;
+    if (is_diffuse(mesh)) {
+        mesh->material_count = 0;
+    }
 }
 
 void svo_i_gather_free(gather *mesh)
@@ -244,6 +267,7 @@ void svo_i_gather_free(gather *mesh)
     free(mesh->indices);
     free(mesh->triangle_materials);
     free(mesh->materials);
+    free(mesh->finishes);
     memset(mesh, 0, sizeof *mesh);
 }
 
@@ -291,6 +315,10 @@ int svo_i_gather_send(const gather *mesh, int stream)
                             mesh->material_count * sizeof *mesh->materials) != 0 ||
          svo_i_stream_frame(stream, STREAM_TRIANGLE_MATERIALS, mesh->triangle_materials,
                             mesh->triangle_count * sizeof *mesh->triangle_materials) != 0)) {
+        return -1;
+    }
+    if (!is_diffuse(mesh) && svo_i_stream_frame(stream, STREAM_FINISHES, mesh->finishes,
+                                                mesh->material_count * sizeof *mesh->finishes) != 0) {
         return -1;
     }
     return svo_i_stream_frame(stream, STREAM_INDICES, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices);

@@ -39,6 +39,7 @@ typedef struct gather {
     uint16_t *triangle_materials;
     size_t triangle_count, triangle_capacity;
     svo_material *materials;
+    svo_finish *finishes; /* of the materials */
     size_t material_count, material_capacity;
 } gather;
 
@@ -50,8 +51,9 @@ bool svo_i_gather_vertex(gather *mesh, const gather_vertex *vertex, uint32_t *in
 /* Adds a vertex that is known to be new; svo_i_gather_vertex does not find it. */
 bool svo_i_gather_append(gather *mesh, const gather_vertex *vertex, uint32_t *index);
 bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t material);
-bool svo_i_gather_material(gather *mesh, const svo_material *material); /* the new one is the last */
-/* If all materials are plain white, the mesh is stored without any. */
+/* The new one is the last. finish: NULL means diffuse. */
+bool svo_i_gather_material(gather *mesh, const svo_material *material, const svo_finish *finish);
+/* If all materials are plain white and diffuse, the mesh is stored without any. */
 void svo_i_gather_drop_plain_materials(gather *mesh);
 void svo_i_gather_free(gather *mesh);
 

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Materials in the import child: the diffuse or base color, and that color's texture. Other properties are ignored.
+ * Materials in the import child: the diffuse or base color, that color's texture, emission and the specular lobe. Other
+ * properties are ignored.
  */
 #include "io/import_material.h"
 
 #include <assimp/material.h>
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "io/import_stream.h"
@@ -108,4 +111,35 @@ bool svo_i_import_material(texture_list *textures, const struct aiMaterial *sour
                                .texture_index = SVO_NO_TEXTURE};
     *use = (texture_use){.scale = {1, 1}};
     return !with_texture || add_texture(textures, source, material, use);
+}
+
+static float tame(float value, float most)
+{
+    return !isfinite(value) || value < 0 ? 0 : value > most ? most : value;
+}
+
+void svo_i_import_tame_finish(svo_finish *finish)
+{
+    bool shines = false;
+    for (int i = 0; i < 3; ++i) {
+        finish->emission[i] = tame(finish->emission[i], FLT_MAX);
+        finish->specular[i] = tame(finish->specular[i], 1);
+        shines = shines || finish->specular[i] > 0;
+    }
+    finish->exponent = shines ? tame(finish->exponent, FLT_MAX) : 0;
+}
+
+void svo_i_import_finish(const struct aiMaterial *source, svo_finish *finish)
+{
+    const struct aiColor4D black = {0, 0, 0, 1};
+    struct aiColor4D emission = black, specular = black;
+    ai_real exponent = 0;
+    /* Where there is none, the values stay. */
+    (void)aiGetMaterialColor(source, AI_MATKEY_COLOR_EMISSIVE, &emission);
+    (void)aiGetMaterialColor(source, AI_MATKEY_COLOR_SPECULAR, &specular);
+    (void)aiGetMaterialFloatArray(source, AI_MATKEY_SHININESS, &exponent, NULL);
+    *finish = (svo_finish){.emission = {emission.r, emission.g, emission.b},
+                           .specular = {specular.r, specular.g, specular.b},
+                           .exponent = exponent};
+    svo_i_import_tame_finish(finish);
 }

@@ -25,6 +25,15 @@ typedef struct texture_use {
 bool svo_i_import_material(texture_list *textures, const struct aiMaterial *source, bool with_texture,
                            svo_material *material, texture_use *use);
 
+/*
+ * What one of assimp's materials does besides its color: emission, specular color and its exponent.
+ */
+void svo_i_import_finish(const struct aiMaterial *source, svo_finish *finish);
+
+/* A finish that svo_light_set_sources takes: what is negative or not finite becomes 0, specular color is at most 1. A
+   material without specular color has no exponent. */
+void svo_i_import_tame_finish(svo_finish *finish);
+
 /* [0, 1] to 0 .. 255, rounded half up; NaN becomes 0. */
 uint8_t svo_i_import_color_byte(float value);
 

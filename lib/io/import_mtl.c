@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* MTL files: what becomes a material of the mesh. Everything else in them is about lights and reflections. */
+/* MTL files: what becomes a material of the mesh and its finish. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/import_mtl.h"
 
@@ -127,7 +127,7 @@ static void note_bad(mtl_reader *mtl)
 }
 
 /* "Kd r [g b]"; one number is for all three. Spectral curves and CIE coordinates are not read. */
-static void read_diffuse(mtl_reader *mtl, mtl_material *material)
+static void read_color(mtl_reader *mtl, float color[3])
 {
     float rgb[3];
     if (!take_number(&mtl->cursor, &rgb[0])) {
@@ -137,7 +137,14 @@ static void read_diffuse(mtl_reader *mtl, mtl_material *material)
     if (!take_number(&mtl->cursor, &rgb[1]) || !take_number(&mtl->cursor, &rgb[2])) {
         rgb[1] = rgb[2] = rgb[0];
     }
-    memcpy(material->diffuse, rgb, sizeof rgb);
+    memcpy(color, rgb, sizeof rgb);
+}
+
+static void read_exponent(mtl_reader *mtl, mtl_material *material)
+{
+    if (!take_number(&mtl->cursor, &material->finish.exponent)) {
+        note_bad(mtl);
+    }
 }
 
 static void read_opacity(mtl_reader *mtl, mtl_material *material, bool is_transparency)
@@ -230,7 +237,13 @@ static svo_status read_statement(mtl_reader *mtl)
     }
     mtl_material *material = svo_i_mtl_get(mtl->library, mtl->current);
     if (text_take_keyword(cursor, "Kd")) {
-        read_diffuse(mtl, material);
+        read_color(mtl, material->diffuse);
+    } else if (text_take_keyword(cursor, "Ke")) {
+        read_color(mtl, material->finish.emission);
+    } else if (text_take_keyword(cursor, "Ks")) {
+        read_color(mtl, material->finish.specular);
+    } else if (text_take_keyword(cursor, "Ns")) {
+        read_exponent(mtl, material);
     } else if (text_take_keyword(cursor, "map_Kd")) {
         return read_texture(mtl, material);
     } else if (text_take_keyword(cursor, "d")) {
@@ -284,11 +297,14 @@ svo_status svo_i_mtl_gather(mtl_library *library, const mesh_reader *reader, tex
     uint32_t *known = source != NULL ? &source->index[textured] : default_index;
     if (*known == MTL_NO_MATERIAL) {
         svo_material material = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+        svo_finish finish = {.exponent = 0};
         if (reader->mesh->material_count == MATERIALS_MAX) {
             return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "it has more than %d materials", MATERIALS_MAX);
         }
         if (source != NULL) {
             material = base_of(source);
+            finish = source->finish;
+            svo_i_import_tame_finish(&finish);
         }
         if (source != NULL && textured && source->texture != NULL && source->texture[0] != '\0' &&
             reader->path != NULL) {
@@ -297,7 +313,7 @@ svo_status svo_i_mtl_gather(mtl_library *library, const mesh_reader *reader, tex
                 return svo_i_read_out_of_memory(reader);
             }
         }
-        if (!svo_i_gather_material(reader->mesh, &material)) {
+        if (!svo_i_gather_material(reader->mesh, &material, &finish)) {
             return svo_i_read_out_of_memory(reader);
         }
         *known = (uint32_t)reader->mesh->material_count - 1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials of OBJ files, from their MTL files, in the import child: diffuse color, opacity and diffuse texture. */
+/* Materials of OBJ files, from their MTL files, in the import child: diffuse color, opacity, diffuse texture,
+   emission and the specular lobe. */
 #ifndef SVO_LIB_IO_IMPORT_MTL_H
 #define SVO_LIB_IO_IMPORT_MTL_H
 
@@ -14,6 +15,7 @@ typedef struct mtl_material {
     bool is_defined; /* by an MTL file, and not only used */
     uint64_t used_line; /* of the first "usemtl" */
     float diffuse[3], opacity;
+    svo_finish finish; /* as the file has it */
     char *texture; /* NULL: none */
     bool clamps;
     float uv_scale[2], uv_offset[2];

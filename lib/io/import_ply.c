@@ -410,7 +410,7 @@ static svo_status read_all(ply_reader *ply)
     if (source->format != PLY_ASCII && left_bytes > 0) {
         svo_i_read_warn(ply->reader, "%" PRIu64 " bytes follow after the elements that are declared", left_bytes);
     }
-    if (!svo_i_gather_material(ply->reader->mesh, &ply->material)) {
+    if (!svo_i_gather_material(ply->reader->mesh, &ply->material, NULL)) {
         return svo_i_read_out_of_memory(ply->reader);
     }
     svo_i_gather_drop_plain_materials(ply->reader->mesh);

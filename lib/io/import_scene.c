@@ -240,7 +240,9 @@ typedef struct material_entry {
 static bool add_material(scene_reader *reader, texture_list *textures, material_entry *entry, unsigned source_index,
                          bool textured)
 {
+    const struct aiMaterial *source = reader->scene->mMaterials[source_index];
     svo_material material;
+    svo_finish finish;
     texture_use use;
     if (entry->index[textured] != UINT32_MAX) {
         return true;
@@ -249,8 +251,9 @@ static bool add_material(scene_reader *reader, texture_list *textures, material_
         reader->failure = "it has more than 65535 materials";
         return false;
     }
-    if (!svo_i_import_material(textures, reader->scene->mMaterials[source_index], textured, &material, &use) ||
-        !svo_i_gather_material(reader->mesh, &material)) {
+    svo_i_import_finish(source, &finish);
+    if (!svo_i_import_material(textures, source, textured, &material, &use) ||
+        !svo_i_gather_material(reader->mesh, &material, &finish)) {
         return false;
     }
     entry->index[textured] = (uint32_t)(reader->mesh->material_count - 1);

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -219,7 +220,8 @@ static svo_status check_lengths(parse_state *state)
         !length_fits(state, STREAM_UVS, mesh->vertex_count, 2 * sizeof(float)) ||
         !length_fits(state, STREAM_INDICES, mesh->triangle_count, triangle_bytes) ||
         !length_fits(state, STREAM_TRIANGLE_MATERIALS, mesh->triangle_count, sizeof(uint16_t)) ||
-        !length_fits(state, STREAM_MATERIALS, mesh->material_count, sizeof(svo_material))) {
+        !length_fits(state, STREAM_MATERIALS, mesh->material_count, sizeof(svo_material)) ||
+        !length_fits(state, STREAM_FINISHES, mesh->material_count, sizeof(svo_finish))) {
         return malformed(state, "the arrays do not fit each other");
     }
     return SVO_OK;
@@ -247,9 +249,25 @@ static svo_status take_counts(const parse_state *state)
     return SVO_OK;
 }
 
+/* Whether a finish is one that svo_light_set_sources takes. */
+static bool finish_is_sound(const svo_finish *finish)
+{
+    bool sound = isfinite(finish->exponent) && finish->exponent >= 0;
+    for (int i = 0; i < 3; ++i) {
+        sound = sound && isfinite(finish->emission[i]) && finish->emission[i] >= 0;
+        sound = sound && finish->specular[i] >= 0 && finish->specular[i] <= 1;
+    }
+    return sound;
+}
+
 static svo_status check_materials(const parse_state *state)
 {
     const svo_mesh *mesh = &state->import->mesh;
+    for (size_t i = 0; mesh->finishes != NULL && i < mesh->material_count; ++i) {
+        if (!finish_is_sound(&mesh->finishes[i])) {
+            return malformed(state, "a material's finish is out of range");
+        }
+    }
     for (size_t i = 0; i < mesh->material_count; ++i) {
         const uint32_t texture_index = mesh->materials[i].texture_index;
         if (texture_index != SVO_NO_TEXTURE && texture_index >= mesh->texture_count) {
@@ -277,6 +295,7 @@ static void fill_mesh(const parse_state *state)
     mesh->triangle_materials = (const uint16_t *)(const void *)state->payload[STREAM_TRIANGLE_MATERIALS];
     mesh->materials = (const svo_material *)(const void *)state->payload[STREAM_MATERIALS];
     mesh->textures = state->import->textures;
+    mesh->finishes = (const svo_finish *)(const void *)state->payload[STREAM_FINISHES];
 }
 
 svo_status svo_i_stream_parse(svo_import *import, const char *path, bool strict, svo_log_callback log, void *log_user,

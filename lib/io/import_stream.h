@@ -14,7 +14,7 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp2\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp3\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 
@@ -23,6 +23,7 @@ typedef enum stream_kind {
     STREAM_FAILURE, /* text: why there will be no mesh */
     STREAM_TEXTURE, /* stream_texture, then its texels; the order of these frames is their index */
     STREAM_MATERIALS, /* svo_material each */
+    STREAM_FINISHES, /* svo_finish per material; absent: all zero */
     STREAM_POSITIONS, /* 3 floats per vertex */
     STREAM_NORMALS, /* 3 floats per vertex */
     STREAM_COLORS, /* 4 bytes per vertex */

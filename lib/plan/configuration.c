@@ -80,6 +80,9 @@ static void leave_out_constants(svo_i_work *work)
 static void leave_out_clipping(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
+    if ((work->made & SVO_NEED_PROJECTED_AREA) != 0) {
+        return; /* clipping is for the areas, whatever the weights */
+    }
     if (!work->positions) {
         leave_out(work, "clipping", "uniform weights do not depend on where in its voxel a triangle is");
     } else if (plan->options.weights == SVO_WEIGHTS_CENTER) {
@@ -127,9 +130,10 @@ static void configure_payload(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
-    work->filter = (work->made & SVO_I_NEED_FILTER) != 0;
+    const bool areas = (work->made & SVO_NEED_PROJECTED_AREA) != 0;
+    work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
     work->surface = work->made != 0;
-    work->positions = work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM;
+    work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && plan->colors != NULL;
     work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && plan->normals != NULL;
     work->textures = (work->made & SVO_NEED_COLOR) != 0 && plan->texels != NULL;
@@ -138,7 +142,9 @@ static void configure_payload(svo_plan *plan)
     leave_out_payload(plan, SVO_NEED_MATERIAL, "material");
     leave_out_payload(plan, SVO_NEED_FILL, "fill");
     leave_out_constants(work);
-    if (work->made != 0 && plan->options.payload_level > 0) {
+    if (work->made == SVO_NEED_PROJECTED_AREA) {
+        leave_out(work, "filtered levels", "only leaves have projected areas");
+    } else if (work->made != 0 && plan->options.payload_level > 0) {
         leave_out(work, "filtered levels", "payload begins at level %u", plan->options.payload_level);
     }
     leave_out_inputs(plan);

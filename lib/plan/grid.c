@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
 #include "plan/progress.h"
@@ -260,6 +261,13 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
     return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
 }
 
+/* Puts a triangle outside the grid at the end of the indices, behind those of all kept ones; plan/closed.c reads it. */
+static void put_outside(svo_plan *plan, const uint32_t corners[3])
+{
+    const uint64_t place = plan->info.triangles - plan->info.outside_triangles;
+    memcpy(plan->indices + (size_t)place * 3, corners, 3 * sizeof *corners);
+}
+
 /* Keeps an accepted triangle that meets the grid, or counts it. */
 static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_t *classes)
 {
@@ -267,6 +275,7 @@ static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_
     const placed p = place(plan, corners);
     if (p.outside) {
         ++plan->info.outside_triangles;
+        put_outside(plan, corners);
         return;
     }
     if (p.far) {
@@ -372,6 +381,11 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)vertices);
     SVO_I_TRY_CLEANUP(svo_i_progress_tell(plan, SVO_STAGE_GRID));
     SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, classes));
+    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
+        bool closed = false;
+        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
+        plan->work.both_sides = !closed;
+    }
     clear_unused_vertices(plan, flags);
     status = sort_items(plan, classes);
 cleanup:

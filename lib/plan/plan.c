@@ -42,6 +42,8 @@ const char *svo_need_name(svo_need bit)
         return "material";
     case SVO_NEED_FILL:
         return "fill";
+    case SVO_NEED_PROJECTED_AREA:
+        return "projected-area";
     default:
         return "none";
     }

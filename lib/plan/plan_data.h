@@ -43,9 +43,10 @@ typedef struct svo_i_work {
     bool sorted; /* SVO_BUILDER_SORTED: nodes from the sorted list */
     bool lists; /* sorted leaf lists */
     bool ranges; /* the range of each leaf's entries: for leaf lists or materials */
-    bool filter; /* color, normal or fill per node */
+    bool filter; /* color, normal or fill per node, or projected areas */
     bool surface; /* some stage reads the mesh's attributes */
-    bool positions; /* some stage reads vertex positions to weigh a triangle's part in a voxel */
+    bool positions; /* some stage reads vertex positions to weigh or clip a triangle's part in a voxel */
+    bool both_sides; /* projected areas: the mesh is open, and its triangles count from both sides */
     bool vertex_colors, vertex_normals, textures; /* inputs that vary over the mesh and are read */
     bool long_codes; /* Morton codes of more than 32 bits */
     bool tests[SVO_I_TEST_COUNT]; /* the variants of the overlap test that run */
@@ -104,9 +105,9 @@ typedef struct svo_i_chunking {
 
 #define SVO_I_BUFFERS_MAX 48
 
-/* svo_need bits of payload that stages/filter.c computes, and of all payload. */
+/* svo_need bits of payload that stages/filter.c computes for all levels, and of all payload. */
 #define SVO_I_NEED_FILTER  ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL)
-#define SVO_I_NEED_PAYLOAD (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL)
+#define SVO_I_NEED_PAYLOAD (SVO_I_NEED_FILTER | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_PROJECTED_AREA)
 
 /* Unit of fill: a node's face is 2^SVO_I_FILL_LOG2. */
 #define SVO_I_FILL_LOG2 12u

@@ -5,10 +5,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/device.h"
 #include "core/tree.h"
 
 /* The deepest level that is searched for the bounds of the occupied part. */
 #define BOUNDS_LEVEL_MAX 6u
+
+#define PICTURE_EDGE_MAX 16384u
 
 /* ---- vectors ---- */
 
@@ -55,6 +58,42 @@ bool svo_i_view_from_camera(const svo_camera *camera, svo_i_view *out)
     }
     cross(out->right, out->forward, out->up);
     return true;
+}
+
+/* ---- pictures ---- */
+
+svo_status svo_i_camera_check(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
+                              uint32_t height)
+{
+    const double fov = (double)camera->vertical_fov;
+    if (width < 1 || width > PICTURE_EDGE_MAX || height < 1 || height > PICTURE_EDGE_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %u x %u pixels are not within 1 .. %u", function,
+                                 width, height, PICTURE_EDGE_MAX);
+    }
+    return fov > 0 && fov < 3.14159265358979
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: camera.vertical_fov %g is not between 0 and pi",
+                                   function, fov);
+}
+
+svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
+                                     uint32_t height, svo_i_pinhole *out)
+{
+    const double up[3] = {(double)camera->up[0], (double)camera->up[1], (double)camera->up[2]};
+    const double tangent = tan(0.5 * (double)camera->vertical_fov);
+    *out = (svo_i_pinhole){.pixel = 2 * tangent / height};
+    if (!svo_i_view_from_camera(camera, &out->view) || !svo_i_normalize(up, out->up)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: camera.eye, target and up are not finite, or up is along the line of sight",
+                                 function);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        out->corner[axis] = (float)(out->view.forward[axis] + tangent * out->view.up[axis] -
+                                    0.5 * out->pixel * width * out->view.right[axis]);
+        out->across[axis] = (float)(out->pixel * out->view.right[axis]);
+        out->down[axis] = (float)(-out->pixel * out->view.up[axis]);
+    }
+    return SVO_OK;
 }
 
 /* ---- framing ---- */

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "svocl/device.h"
 #include "svocl/trace.h"
 
 /* An orthonormal camera frame. */
@@ -14,6 +15,22 @@ typedef struct svo_i_view {
 
 /* False for a camera without one: positions that are not finite, or up along the line of sight. */
 bool svo_i_view_from_camera(const svo_camera *camera, svo_i_view *out);
+
+/* Refuses sizes of pictures and angles of view that there are not. function: for the message. */
+svo_status svo_i_camera_check(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
+                              uint32_t height);
+
+/* The rays of a picture's pixels, from the eye: corner + column * across + row * down. */
+typedef struct svo_i_pinhole {
+    float corner[3], across[3], down[3];
+    double pixel; /* width of a pixel at distance 1 */
+    double up[3]; /* the camera's, unit */
+    svo_i_view view;
+} svo_i_pinhole;
+
+/* Refuses cameras without a frame. */
+svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
+                                     uint32_t height, svo_i_pinhole *out);
 
 /* False, and out untouched, for a vector without a direction. */
 bool svo_i_normalize(const double a[3], double out[3]);

@@ -2,7 +2,6 @@
 /* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
 #include "rays/picture.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "core/device.h"
@@ -15,9 +14,6 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                    (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
-#define PICTURE_EDGE_MAX 16384u
-/* Rays along each side of a pixel. */
-#define SAMPLES   2u
 #define TILE_EDGE 8u
 
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
@@ -25,15 +21,7 @@ svo_status svo_i_picture_options(svo_device *device, const char *function, const
 {
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_render_options, camera)));
-    if (out->width < 1 || out->width > PICTURE_EDGE_MAX || out->height < 1 || out->height > PICTURE_EDGE_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %u x %u pixels are not within 1 .. %u", function,
-                                 out->width, out->height, PICTURE_EDGE_MAX);
-    }
-    const double fov = (double)out->camera.vertical_fov;
-    if (!(fov > 0) || !(fov < 3.14159265358979)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: camera.vertical_fov %g is not between 0 and pi",
-                                 function, fov);
-    }
+    SVO_I_TRY(svo_i_camera_check(device, function, &out->camera, out->width, out->height));
     if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
@@ -57,35 +45,25 @@ static svo_status check_payload(const svo_i_picture_source *source)
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
                               svo_cast_params *params)
 {
-    svo_i_view looking = {{0}, {0}, {0}};
-    if (!svo_i_view_from_camera(&options->camera, &looking)) {
-        return svo_i_device_fail(source->device, SVO_INVALID_ARGUMENT,
-                                 "%s: camera.eye, target and up are not finite, or up is along the line of sight",
-                                 source->function);
-    }
-    const double tangent = tan(0.5 * (double)options->camera.vertical_fov);
-    const double pixel = 2 * tangent / options->height;
+    svo_i_pinhole hole;
+    SVO_I_TRY(svo_i_pinhole_from_camera(source->device, source->function, &options->camera, options->width,
+                                        options->height, &hole));
     const double voxels = (double)(1u << source->grid.depth);
     const double voxels_per_unit = source->grid.scale * voxels / (double)(1u << source->grid.snap_bits);
-    const double up[3] = {(double)options->camera.up[0], (double)options->camera.up[1], (double)options->camera.up[2]};
-    double sky[3] = {0, 1, 0};
     double sun[3];
-    (void)svo_i_normalize(up, sky);
-    svo_i_place_sun(&looking, sky, sun);
+    svo_i_place_sun(&hole.view, hole.up, sun);
     for (int axis = 0; axis < 3; ++axis) {
         params->eye[axis] = (float)(((double)options->camera.eye[axis] - source->grid.origin[axis]) * voxels_per_unit);
-        params->corner[axis] = (float)(looking.forward[axis] + tangent * looking.up[axis] -
-                                       0.5 * pixel * options->width * looking.right[axis]);
-        params->across[axis] = (float)(pixel * looking.right[axis]);
-        params->down[axis] = (float)(-pixel * looking.up[axis]);
+        params->corner[axis] = hole.corner[axis];
+        params->across[axis] = hole.across[axis];
+        params->down[axis] = hole.down[axis];
         params->sun[axis] = (float)sun[axis];
-        params->up[axis] = (float)sky[axis];
+        params->up[axis] = (float)hole.up[axis];
     }
-    params->footprint = (float)pixel;
+    params->footprint = (float)hole.pixel;
     params->width = options->width;
     params->height = options->height;
     params->depth = source->grid.depth;
-    params->samples = SAMPLES;
     params->occlusion_range = (float)(voxels / 14 + 2);
     return SVO_OK;
 }
@@ -93,6 +71,7 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
 /* Buffers and kernel of one picture. */
 typedef struct picture {
     cl_kernel kernel;
+    size_t items_per_tile;
     cl_mem params, pixels;
 } picture;
 
@@ -106,13 +85,13 @@ static const char *color_defines(const svo_i_picture_source *source)
     return source->colors == NULL ? "" : source->one_color ? " -DSVO_COLOR -DSVO_ONE_COLOR" : " -DSVO_COLOR";
 }
 
-/* Makes a kernel of a program. colors: empty for views that show none. */
-static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *colors,
+/* Makes a kernel of a program. first: defines besides those of normals and form. */
+static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *first,
                               const char *name, cl_kernel *out)
 {
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    (void)snprintf(defines, sizeof defines, "%s%s%s", colors, normal_defines(source), source->form_defines);
+    (void)snprintf(defines, sizeof defines, "%s%s%s", first, normal_defines(source), source->form_defines);
     SVO_I_TRY(svo_i_program_get(source->device, source->function, kind, defines, &program, NULL));
     return svo_i_kernel_create(source->device, source->function, program, name, out);
 }
@@ -125,6 +104,7 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
                                         SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->kernel));
+    drawn->items_per_tile = SVO_GROUP_ITEMS;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->kernel, 0));
     return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->tree.arguments, arguments, 5);
 }
@@ -134,7 +114,11 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
                                         SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, color_defines(source), "svo_k_cast", &drawn->kernel));
+    const bool tiles = source->device->is_cpu;
+    char defines[64];
+    (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->kernel));
+    drawn->items_per_tile = tiles ? 1 : SVO_GROUP_ITEMS;
     for (cl_uint i = 0; i < source->node_arguments; ++i) {
         SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->kernel, i,
                                         &(svo_i_argument){sizeof(cl_mem), &source->nodes[i], true}, 1));
@@ -158,7 +142,7 @@ static svo_status draw(const svo_i_picture_source *source, cl_command_queue queu
 {
     const size_t tiles =
         (size_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t local = SVO_GROUP_ITEMS;
+    const size_t local = drawn->items_per_tile;
     const size_t global = tiles * local;
     const size_t pixel_bytes = (size_t)params->width * params->height * 4;
     cl_event cast = NULL;
@@ -182,7 +166,7 @@ svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_rend
                               cl_command_queue queue, uint8_t *rgba)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {NULL, NULL, NULL};
+    picture drawn = {.kernel = NULL};
     svo_status status = SVO_OK;
     SVO_I_TRY(check_payload(source));
     SVO_I_TRY(fill_params(source, options, &params));

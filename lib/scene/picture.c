@@ -6,7 +6,6 @@
 #include "rays/camera.h"
 #include "scene/state.h"
 
-#define PICTURE_EDGE_MAX 16384u
 /* Rays along each side of a pixel. */
 #define SAMPLES   2u
 #define TILE_EDGE 8u
@@ -19,16 +18,7 @@ static const char function_name[] = "svo_scene_render";
 
 static svo_status check_options(const svo_scene *scene, const svo_scene_render_options *options)
 {
-    const double fov = (double)options->camera.vertical_fov;
-    if (options->width < 1 || options->width > PICTURE_EDGE_MAX || options->height < 1 ||
-        options->height > PICTURE_EDGE_MAX) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: %u x %u pixels are not within 1 .. %u",
-                                 function_name, options->width, options->height, PICTURE_EDGE_MAX);
-    }
-    if (!(fov > 0) || !(fov < 3.14159265358979)) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
-                                 "%s: camera.vertical_fov %g is not between 0 and pi", function_name, fov);
-    }
+    SVO_I_TRY(svo_i_camera_check(scene->device, function_name, &options->camera, options->width, options->height));
     if (options->light_count > SVO_SCENE_LIGHTS_MAX || (options->light_count > 0 && options->lights == NULL)) {
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
                                  "%s: options.light_count %u is above %u, or options.lights is NULL", function_name,
@@ -95,33 +85,24 @@ static float default_range(const svo_scene *scene)
 static svo_status fill_picture(const svo_scene *scene, const svo_scene_render_options *options,
                                svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
 {
-    svo_i_view looking = {{0}, {0}, {0}};
-    if (!svo_i_view_from_camera(&options->camera, &looking)) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
-                                 "%s: camera.eye, target and up are not finite, or up is along the line of sight",
-                                 function_name);
-    }
-    const double tangent = tan(0.5 * (double)options->camera.vertical_fov);
-    const double pixel = 2 * tangent / options->height;
-    const double up[3] = {(double)options->camera.up[0], (double)options->camera.up[1], (double)options->camera.up[2]};
-    double sky[3] = {0, 1, 0};
-    (void)svo_i_normalize(up, sky);
+    svo_i_pinhole hole;
+    SVO_I_TRY(svo_i_pinhole_from_camera(scene->device, function_name, &options->camera, options->width, options->height,
+                                        &hole));
     for (int axis = 0; axis < 3; ++axis) {
         picture->eye[axis] = options->camera.eye[axis];
-        picture->corner[axis] = (float)(looking.forward[axis] + tangent * looking.up[axis] -
-                                        0.5 * pixel * options->width * looking.right[axis]);
-        picture->across[axis] = (float)(pixel * looking.right[axis]);
-        picture->down[axis] = (float)(-pixel * looking.up[axis]);
-        picture->up[axis] = (float)sky[axis];
+        picture->corner[axis] = hole.corner[axis];
+        picture->across[axis] = hole.across[axis];
+        picture->down[axis] = hole.down[axis];
+        picture->up[axis] = (float)hole.up[axis];
     }
-    picture->footprint = (float)pixel;
+    picture->footprint = (float)hole.pixel;
     picture->width = options->width;
     picture->height = options->height;
     picture->samples = SAMPLES;
     picture->occlusion_range = options->occlusion_range > 0.0F ? options->occlusion_range : default_range(scene);
     picture->light_count = options->light_count;
     if (options->light_count == 0) {
-        lights[0] = default_light(&looking, sky);
+        lights[0] = default_light(&hole.view, hole.up);
         picture->light_count = 1;
     }
     return fill_lights(scene, options, lights);

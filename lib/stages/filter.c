@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Links the fragments of each leaf and sums their contributions. Then the sums go up level by level, and the color,
- * normal and fill of every node are written.
+ * normal and fill of every node are written. Projected areas are written for the leaves alone.
  *
  * Usually the list has one chunk. Its contributions are summed directly into the deepest inner level. A list of several
  * chunks is linked and summed chunk by chunk, into sums of the leaves.
@@ -25,8 +25,10 @@ typedef struct level_sums {
 
 typedef struct filterer {
     svo_i_build *build;
-    bool color, normal, fill;
+    bool color, normal, fill, areas;
+    bool levels; /* color, normal or fill: the sums go up */
     cl_mem heads;
+    cl_mem area_sums; /* of the leaves; for several chunks */
     level_sums sums[2]; /* index: distance of the level from the leaves, modulo 2 */
     cl_kernel link, gather, filter;
     bool one_chunk;
@@ -63,6 +65,17 @@ static svo_status allocate_all_sums(filterer *f)
     return allocate_sums(f, &f->sums[1], info->depth - 1, parents);
 }
 
+static svo_status allocate_areas(filterer *f)
+{
+    svo_i_commands *commands = &f->build->commands;
+    cl_mem *areas = &f->build->tree->buffers[SVO_TREE_AREAS];
+    const uint64_t leaves = f->build->tree->info.leaf_count;
+    if (!f->one_chunk) {
+        SVO_I_TRY(svo_i_commands_alloc(commands, "area_sums", leaves * 48, &f->area_sums));
+    }
+    return svo_i_commands_alloc(commands, "areas", leaves * 12, areas);
+}
+
 static svo_status allocate(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
@@ -70,7 +83,9 @@ static svo_status allocate(filterer *f)
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
     SVO_I_TRY(svo_i_commands_alloc(commands, "heads", info->leaf_count * 4, &f->heads));
-    SVO_I_TRY(allocate_all_sums(f));
+    if (f->levels) {
+        SVO_I_TRY(allocate_all_sums(f));
+    }
     if (f->color) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "colors", nodes * 4, &buffers[SVO_TREE_COLORS]));
     }
@@ -80,7 +95,7 @@ static svo_status allocate(filterer *f)
     if (f->fill) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "fills", nodes * 2, &buffers[SVO_TREE_FILLS]));
     }
-    return SVO_OK;
+    return f->areas ? allocate_areas(f) : SVO_OK;
 }
 
 static svo_status create_kernels(filterer *f)
@@ -90,7 +105,7 @@ static svo_status create_kernels(filterer *f)
     const char *gather = f->one_chunk ? "svo_k_gather_level" : "svo_k_gather";
     SVO_I_TRY(svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
     SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
-    return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
+    return f->levels ? svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter) : SVO_OK;
 }
 
 static void release(filterer *f)
@@ -101,14 +116,14 @@ static void release(filterer *f)
             clReleaseKernel(kernels[i]);
         }
     }
-    cl_mem *buffers[] = {&f->heads,           &f->sums[0].weights, &f->sums[0].colors, &f->sums[0].normals,
-                         &f->sums[1].weights, &f->sums[1].colors,  &f->sums[1].normals};
+    cl_mem *buffers[] = {&f->heads,           &f->sums[0].weights, &f->sums[0].colors,  &f->sums[0].normals,
+                         &f->sums[1].weights, &f->sums[1].colors,  &f->sums[1].normals, &f->area_sums};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&f->build->commands, buffers[i]);
     }
 }
 
-/* Launches one work-item per node, in parts. The last argument is f->params. */
+/* Launches one work-item per node, in parts. One of the arguments is f->params. */
 static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argument *arguments, cl_uint argument_count,
                                uint64_t nodes)
 {
@@ -146,7 +161,7 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
         SVO_I_ARGUMENT(sums->normals),
     };
     enum { COMMON = sizeof common / sizeof common[0] };
-    svo_i_argument arguments[COMMON + 7];
+    svo_i_argument arguments[COMMON + 8];
     cl_uint count = COMMON;
     memcpy(arguments, common, sizeof common);
     svo_i_params_of_level(&f->params, &tree->info, tree->info.depth - 1);
@@ -159,6 +174,10 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     }
     arguments[count++] = SVO_I_ARGUMENT(build->state);
     arguments[count++] = SVO_I_ARGUMENT(f->params);
+    if (f->areas) {
+        arguments[count++] =
+            f->one_chunk ? SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]) : SVO_I_ARGUMENT(f->area_sums);
+    }
     svo_i_stage_begin(&build->commands);
     const uint64_t nodes = f->one_chunk ? f->params.level_count : f->params.leaf_count;
     const double fragments = (double)build->list.chunks[chunk].needed;
@@ -178,6 +197,20 @@ static svo_status gather_leaves(filterer *f)
         f->params.first_chunk = 0;
     }
     return SVO_OK;
+}
+
+/* Writes the leaves' areas from the sums over several chunks. */
+static svo_status round_areas(filterer *f)
+{
+    svo_i_commands *commands = &f->build->commands;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->area_sums),
+                                        SVO_I_ARGUMENT(f->build->tree->buffers[SVO_TREE_AREAS]),
+                                        SVO_I_ARGUMENT(f->build->state), SVO_I_ARGUMENT(f->params)};
+    svo_i_stage_begin(commands);
+    svo_i_commands_stage(commands, SVO_STAGE_FILTER, NODE_NS);
+    SVO_I_TRY(svo_i_commands_run(commands, f->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_round_areas",
+                                 SVO_I_ARGUMENTS(arguments), f->params.leaf_count));
+    return svo_i_stage_end(commands, SVO_STAGE_FILTER);
 }
 
 /* Adds up the children's sums for the nodes of one level. */
@@ -246,7 +279,10 @@ static svo_status run(filterer *f)
     }
     SVO_I_TRY(create_kernels(f));
     SVO_I_TRY(gather_leaves(f));
-    return filter_levels(f);
+    if (f->areas && !f->one_chunk) {
+        SVO_I_TRY(round_areas(f));
+    }
+    return f->levels ? filter_levels(f) : SVO_OK;
 }
 
 svo_status svo_i_filter(svo_i_build *build)
@@ -256,6 +292,8 @@ svo_status svo_i_filter(svo_i_build *build)
                   .color = (made & SVO_NEED_COLOR) != 0,
                   .normal = (made & SVO_NEED_NORMAL) != 0,
                   .fill = (made & SVO_NEED_FILL) != 0,
+                  .areas = (made & SVO_NEED_PROJECTED_AREA) != 0,
+                  .levels = (made & SVO_I_NEED_FILTER) != 0,
                   .one_chunk = build->list.chunk_count == 1,
                   .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);

@@ -10,6 +10,7 @@ svo_filter_params svo_i_payload_params(const svo_i_build *build)
                                .leaf_count = (cl_uint)info->leaf_count,
                                .voxel_log2 = build->commands.plan->voxel_log2,
                                .weight_log2 = build->commands.plan->weight_log2,
+                               .both_sides = build->commands.plan->work.both_sides,
                                .payload_level = info->payload_level};
 }
 

@@ -11,7 +11,7 @@ static svo_status upload(svo_i_build *build, const char *name, const void *data,
     return data != NULL ? svo_i_commands_upload(&build->commands, name, data, bytes, out) : SVO_OK;
 }
 
-/* Uniform weights need no vertices: they do not depend on where in its voxel a triangle is. */
+/* Uniform weights alone need no vertices: they do not depend on where in its voxel a triangle is. */
 static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
 {
     const svo_plan *plan = build->commands.plan;

@@ -71,8 +71,8 @@ def test_callers_grid(device, cube):
 
 
 def test_arrays_are_views_of_the_right_shape(device, torus):
-    need = svocl.Need.COLOR | svocl.Need.NORMAL | svocl.Need.RAYS | svocl.Need.MATERIAL | svocl.Need.FILL
-    tree = device.build(torus, 4, need=need)
+    need = svocl.Need.COLOR | svocl.Need.NORMAL | svocl.Need.RAYS | svocl.Need.MATERIAL
+    tree = device.build(torus, 4, need=need | svocl.Need.FILL | svocl.Need.PROJECTED_AREA)
     info, arrays = tree.info, tree.download()
     assert info.node_count == info.inner_count + info.leaf_count == info.level_begin[-1]
     assert len(info.level_begin) == info.depth + 2
@@ -88,6 +88,7 @@ def test_arrays_are_views_of_the_right_shape(device, torus):
         "triangle_ids": ((info.list_triangle_count,), np.uint32),
         "materials": ((info.node_count,), np.uint16),
         "fills": ((info.node_count,), np.uint16),
+        "areas": ((info.leaf_count, 6), np.uint16),
     }
     assert set(shapes) == set(svocl.TreeArrays._fields)
     again = tree.arrays
@@ -106,6 +107,13 @@ def test_arrays_are_views_of_the_right_shape(device, torus):
 def test_payload_of_the_lower_levels_alone(device, torus):
     with device.build(torus, 4, need=svocl.Need.FILL, payload_level=4) as tree:
         assert tree.arrays.fills.shape == (tree.info.leaf_count,) and tree.arrays.colors is None
+
+
+def test_opposite_rays_see_as_much_of_a_closed_mesh(device, torus):
+    need = svocl.Need.PROJECTED_AREA
+    with device.build(torus, 4, need=need, weights=svocl.Weights.UNIFORM) as tree:
+        seen = tree.arrays.areas.sum(axis=0, dtype=np.int64)
+        assert seen.min() > 0 and np.abs(seen[0::2] - seen[1::2]).max() <= tree.info.leaf_count
 
 
 def test_voxels_hold_the_surface(device, torus):

@@ -92,6 +92,15 @@ def test_wrong_arrays_are_named_with_what_is_expected(arguments, kind, words):
     assert words in str(caught.value)
 
 
+def test_finishes_are_one_for_each_material():
+    finish = svocl.Finish((2, 0, 0.5), (0.25, 0.25, 0.25), 16)
+    mesh = svocl.Mesh(TRIANGLE, materials=[svocl.Material()], finishes=[finish])
+    assert mesh.finishes == (finish,)
+    with pytest.raises(ValueError) as caught:
+        svocl.Mesh(TRIANGLE, finishes=[finish])
+    assert "finishes: 1, expected 0, one for each material" in str(caught.value)
+
+
 def test_every_array_reaches_the_tree(device):
     """Two triangles side by side: one red by its vertices, one half as bright by its material and green texture."""
     positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [4, 0, 0], [5, 0, 0], [4, 1, 0]], np.float32)
@@ -105,6 +114,7 @@ def test_every_array_reaches_the_tree(device):
         triangle_materials=np.array([0, 1], np.uint16),
         materials=[svocl.Material(), svocl.Material((128, 128, 128, 255), 0)],
         textures=[texture],
+        finishes=[svocl.Finish(), svocl.Finish((1, 2, 3))],
     )
     need = svocl.Need.COLOR | svocl.Need.NORMAL | svocl.Need.MATERIAL
     with device.build(mesh, 4, need=need) as tree:

@@ -47,6 +47,9 @@ static void read_arrays(const svo_tree_info *info, const svo_tree_arrays *arrays
     if ((info->need & SVO_NEED_FILL) != 0) {
         read_array(arrays->fills, info->node_count * 2);
     }
+    if ((info->need & SVO_NEED_PROJECTED_AREA) != 0) {
+        read_array(arrays->areas, info->leaf_count * 12);
+    }
     if ((info->need & SVO_NEED_RAYS) != 0) {
         read_array(arrays->list_begin, (info->leaf_count + 1) * 4);
         read_array(arrays->list, info->list_count * 4);

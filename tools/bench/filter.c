@@ -21,6 +21,8 @@ static const struct {
     {"normal", SVO_NEED_NORMAL, SVO_WEIGHTS_AREA},
     {"material", SVO_NEED_MATERIAL, SVO_WEIGHTS_AREA},
     {"fill", SVO_NEED_FILL, SVO_WEIGHTS_AREA},
+    {"projected area", SVO_NEED_PROJECTED_AREA, SVO_WEIGHTS_AREA},
+    {"color,normal,projected area", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA, SVO_WEIGHTS_AREA},
     {"color", SVO_NEED_COLOR, SVO_WEIGHTS_UNIFORM},
     {"normal", SVO_NEED_NORMAL, SVO_WEIGHTS_UNIFORM},
     {"material", SVO_NEED_MATERIAL, SVO_WEIGHTS_UNIFORM},

@@ -8,7 +8,7 @@
 
 static const char table_id[] = "e6-leaving-out";
 
-#define NEED_PAYLOAD (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL | SVO_NEED_FILL)
+#define NEED_PAYLOAD (SVO_NEED_ALL & ~SVO_NEED_RAYS)
 
 /* The first is the one that the others are compared with. */
 static const struct {
@@ -22,18 +22,20 @@ static const struct {
     {"all but normal", "normal", {.need = SVO_NEED_ALL & ~SVO_NEED_NORMAL}},
     {"all but material", "material", {.need = SVO_NEED_ALL & ~SVO_NEED_MATERIAL}},
     {"all but fill", "fill", {.need = SVO_NEED_ALL & ~SVO_NEED_FILL}},
+    {"all but projected area", "projected area", {.need = SVO_NEED_ALL & ~SVO_NEED_PROJECTED_AREA}},
     {"color", "all but color", {.need = SVO_NEED_COLOR}},
     {"normal", "all but normal", {.need = SVO_NEED_NORMAL}},
     {"rays", "all but rays", {.need = SVO_NEED_RAYS}},
     {"material", "all but material", {.need = SVO_NEED_MATERIAL}},
     {"fill", "all but fill", {.need = SVO_NEED_FILL}},
+    {"projected area", "all but projected area", {.need = SVO_NEED_PROJECTED_AREA}},
     {"none", "all but occupancy", {.need = SVO_NEED_NONE}},
-    {"color,normal by area", "rays, material, fill", {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}},
+    {"color,normal by area", "rays, material, fill, projected area", {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL}},
     {"color,normal by center",
-     "rays, material, fill, areas",
+     "rays, material, fill, projected area, areas",
      {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_CENTER}},
     {"color,normal uniform",
-     "rays, material, fill, clipping",
+     "rays, material, fill, projected area, clipping",
      {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .weights = SVO_WEIGHTS_UNIFORM}},
     {"none, sorted", "all but occupancy", {.need = SVO_NEED_NONE, .builder = SVO_BUILDER_SORTED}},
     {"rays, sorted", "all but rays", {.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED}},

@@ -9,6 +9,17 @@
 #define QUICK_ROUNDS 2u
 #define FULL_ROUNDS  11u
 
+void errors_set_rounds(error_run *run, size_t rounds)
+{
+    run->rounds = rounds;
+    if (rounds > 1) {
+        (void)snprintf(run->rounds_note, sizeof run->rounds_note, "Medians of %zu rounds after a warm-up round",
+                       rounds);
+    } else {
+        (void)snprintf(run->rounds_note, sizeof run->rounds_note, "Times of one round without a warm-up round");
+    }
+}
+
 error_run errors_begin(const suite *all)
 {
     const unsigned threads = all->results->machine.cpu_threads;
@@ -17,16 +28,8 @@ error_run errors_begin(const suite *all)
                      .opened = all->opened,
                      .quick = all->quick,
                      .threads = threads < THREADS_MAX ? threads : THREADS_MAX,
-                     .rounds = asked        ? all->repeats
-                               : all->quick ? QUICK_ROUNDS
-                                            : FULL_ROUNDS,
                      .results = all->results};
-    if (run.rounds > 1) {
-        (void)snprintf(run.rounds_note, sizeof run.rounds_note, "Medians of %zu rounds after a warm-up round",
-                       run.rounds);
-    } else {
-        (void)snprintf(run.rounds_note, sizeof run.rounds_note, "Times of one round without a warm-up round");
-    }
+    errors_set_rounds(&run, asked ? all->repeats : all->quick ? QUICK_ROUNDS : FULL_ROUNDS);
     run.opened.frontend = run.opened.gl != NULL ? opengl_frontend(run.opened.gl) : run.opened.cl;
     return run;
 }

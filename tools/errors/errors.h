@@ -26,6 +26,9 @@ typedef struct error_run {
 /* For one experiment of a suite. */
 error_run errors_begin(const suite *all);
 
+/* Another number of rounds than errors_begin chose. */
+void errors_set_rounds(error_run *run, size_t rounds);
+
 /* Fails with the message of the device, or for lack of memory. Returns the exit code. */
 int errors_fail(error_run *run);
 /* A scene by its name, "statue:20000"; NULL with the failure printed. */

@@ -151,18 +151,22 @@ typedef struct ray_batch {
     svo_hit *hits;
 } ray_batch;
 
+static struct RTCRay ray_query(const svo_ray *ray)
+{
+    return (struct RTCRay){.org_x = ray->origin[0],
+                           .org_y = ray->origin[1],
+                           .org_z = ray->origin[2],
+                           .tnear = ray->t_min,
+                           .dir_x = ray->direction[0],
+                           .dir_y = ray->direction[1],
+                           .dir_z = ray->direction[2],
+                           .tfar = ray->t_max,
+                           .mask = UINT32_MAX};
+}
+
 static void trace_one(RTCScene tree, struct RTCIntersectContext *context, const svo_ray *ray, svo_hit *hit)
 {
-    struct RTCRayHit query = {.ray = {.org_x = ray->origin[0],
-                                      .org_y = ray->origin[1],
-                                      .org_z = ray->origin[2],
-                                      .tnear = ray->t_min,
-                                      .dir_x = ray->direction[0],
-                                      .dir_y = ray->direction[1],
-                                      .dir_z = ray->direction[2],
-                                      .tfar = ray->t_max,
-                                      .mask = UINT32_MAX},
-                              .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+    struct RTCRayHit query = {.ray = ray_query(ray), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
     rtcIntersect1(tree, context, &query);
     const bool met = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     hit->t = met ? query.ray.tfar : INFINITY;
@@ -182,13 +186,40 @@ static void trace_chunk(void *user, unsigned thread_index, size_t begin, size_t 
     }
 }
 
+/* rtcOccluded1 makes tfar of an occluded ray minus infinity. */
+static void occlude_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const ray_batch *batch = user;
+    struct RTCIntersectContext context;
+    (void)thread_index;
+    rtcInitIntersectContext(&context);
+    for (size_t i = begin; i < end; ++i) {
+        struct RTCRay query = ray_query(&batch->rays[i]);
+        rtcOccluded1(batch->peer->scene, &context, &query);
+        const bool met = query.tfar < 0;
+        batch->hits[i] = (svo_hit){.t = met ? 0 : INFINITY, .triangle = met ? 0 : SVO_NO_TRIANGLE};
+    }
+}
+
+/* The milliseconds, below 0 on failure. */
+static double run_batch(ray_batch *batch, size_t ray_count, unsigned thread_count, threads_work *chunk)
+{
+    const double start_ms = input_now_ms();
+    thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
+    const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, chunk, batch);
+    return took_part == thread_count ? input_now_ms() - start_ms : -1.0;
+}
+
 double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
 {
     ray_batch batch = {.peer = peer, .rays = rays, .hits = hits};
-    const double start_ms = input_now_ms();
-    thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
-    const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, trace_chunk, &batch);
-    return took_part == thread_count ? input_now_ms() - start_ms : -1.0;
+    return run_batch(&batch, ray_count, thread_count, trace_chunk);
+}
+
+double embree_occluded(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
+{
+    ray_batch batch = {.peer = peer, .rays = rays, .hits = hits};
+    return run_batch(&batch, ray_count, thread_count, occlude_chunk);
 }
 
 #else
@@ -242,6 +273,11 @@ double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size
     (void)ray_count;
     (void)thread_count;
     return -1.0;
+}
+
+double embree_occluded(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
+{
+    return embree_trace(peer, rays, hits, ray_count, thread_count);
 }
 
 #endif

@@ -28,5 +28,7 @@ const char *embree_version(const embree *peer);
 /* Fills t, triangle, u and v of the hits on that many threads, at most THREADS_MAX. Returns the milliseconds, below 0
    on failure. */
 double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count);
+/* The same through rtcOccluded1: any hit ends a ray, and a hit's triangle is 0. */
+double embree_occluded(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count);
 
 #endif

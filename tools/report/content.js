@@ -35,6 +35,22 @@ const sections = [
     lead: "Float32 methods fail on thin triangles, on coordinates far from the origin, and on large ratios of sizes."
   },
   {
+    table: "e7-cones",
+    heading: "E7: cones",
+    lead: "Ambient occlusion and light after one bounce, gathered by cones from a tree's voxels, against paths " +
+      "through the triangles. Exact rays are the alternative."
+  },
+  {
+    table: "e7-alternatives",
+    heading: "E7: cones or rays",
+    lead: "How many exact rays a point needs for the error of the cones, and what takes longer."
+  },
+  {
+    table: "e7-directions",
+    heading: "E7: few directions",
+    lead: "The error of a set of cones if each of them were exact."
+  },
+  {
     group: "Front ends and builders",
     table: "voxelize",
     heading: "Front ends",
@@ -76,6 +92,21 @@ const sections = [
     table: "thesis-2016",
     heading: "Voxel cone tracing (thesis, 2016)",
     lead: "The same grids and measures, next to the figures published in a master's thesis on voxel cone tracing."
+  },
+  {
+    table: "light-stages",
+    heading: "Light: stages (thesis, 2016)",
+    lead: "Opacity, photons and their filtering in a tree, next to the figures of the same thesis."
+  },
+  {
+    table: "light-bytes",
+    heading: "Light: bytes",
+    lead: "A tree stores light where there are nodes, a dense pyramid everywhere."
+  },
+  {
+    table: "light-frames",
+    heading: "Light: frames (thesis, 2016)",
+    lead: "Five cones for each pixel, next to the figures of the same thesis."
   },
   {
     group: "Comparison with other libraries",
@@ -254,6 +285,43 @@ const figures = [
     size: "value"
   },
   {
+    table: "e7-cones",
+    name: "e7",
+    caption: "Error of ambient occlusion against time. The points of \"cones\" have 1, 5, 6, 16 and 64 cones; those " +
+      "of exact rays 1, 4, 16, 64 and 256 rays. Rings mark the Pareto front of each scene.",
+    panels: "scene",
+    curves: "method",
+    x: "time",
+    ys: ["AO, RMSE"],
+    xLabel: "time, ms",
+    yLabel: "error of ambient occlusion, RMSE",
+    front: "all"
+  },
+  {
+    table: "e7-cones",
+    name: "e7l",
+    caption: "Error of the irradiance after one bounce, relative to its mean, against time. Rings mark the Pareto " +
+      "front of each scene.",
+    panels: "scene",
+    curves: "method",
+    x: "time with light",
+    ys: ["light, RMSE"],
+    xLabel: "time, ms",
+    yLabel: "error of irradiance, RMSE",
+    front: "all"
+  },
+  {
+    table: "light-stages",
+    name: "light",
+    caption: "Time of each stage.",
+    panels: "form",
+    curves: "stage",
+    x: "depth",
+    ys: ["time"],
+    xLabel: "depth",
+    yLabel: "time, ms"
+  },
+  {
     table: "builders",
     name: "builders",
     caption: "Time per stage: subdividing nodes level by level, packing sorted leaf lists, filtering attributes from " +
@@ -315,6 +383,15 @@ const methodStyles = {
   "area by fill, error": ["blue", "circle"],
   "area by faces, error": ["orange", "diamond"],
   "volume, error": ["green", "square"],
+  "cones": ["blue", "circle"],
+  "cones, longer steps": ["blue", "square"],
+  "cones, lower depths": ["blue", "diamond"],
+  "cones, full opacity": ["sky", "circle"],
+  "cones, bricks": ["sky", "square"],
+  "cones, voxels": ["sky", "diamond"],
+  "published march": ["vermillion", "down"],
+  "exact rays, svocl": ["green", "up"],
+  "exact rays, Embree": ["orange", "up"],
   "cl": ["blue", "circle"],
   "sorted": ["green", "square"],
   "gl-compute": ["orange", "diamond"]

@@ -25,7 +25,7 @@ text_name text_make_name(const char *text);
 /* At least three significant digits; counts in full, with separators; powers of ten for very small and large
    numbers. */
 typedef struct text_number {
-    char text[48];
+    char text[64];
 } text_number;
 text_number text_format_number(double number);
 

@@ -32,39 +32,42 @@ const method methods[METHOD_COUNT] = {
 #define ALL     0x1fffu
 #define COUNTED 0x0e1fu /* those whose calls are counted */
 
-#define NO_FILL (SVO_NEED_ALL & ~(unsigned)SVO_NEED_FILL)
-#define CLOSED  .coverage = SVO_COVERAGE_CLOSED
-#define THIN    .coverage = SVO_COVERAGE_THIN
-#define UNIFORM .weights = SVO_WEIGHTS_UNIFORM
-#define CENTER  .weights = SVO_WEIGHTS_CENTER
+/* All that cases without a name for it ask for; SVO_NEED_ALL may grow. */
+#define ALL_NEEDS (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_MATERIAL | SVO_NEED_FILL)
+#define NO_FILL   (ALL_NEEDS & ~(unsigned)SVO_NEED_FILL)
+#define AREAS     ((unsigned)SVO_NEED_PROJECTED_AREA)
+#define CLOSED    .coverage = SVO_COVERAGE_CLOSED
+#define THIN      .coverage = SVO_COVERAGE_THIN
+#define UNIFORM   .weights = SVO_WEIGHTS_UNIFORM
+#define CENTER    .weights = SVO_WEIGHTS_CENTER
 
 const request requests[] = {
     /* Every scene by every method. */
     {"atrium:3000", .depth = 6, .methods = WIDE},
-    {"atrium:3000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"atrium:3000", .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"statue:2000", .depth = 7, .methods = WIDE},
-    {"statue:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"statue:2000", .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"knot:2000", .depth = 7, .methods = WIDE},
     {"terrain:2000", .depth = 7, .methods = WIDE},
-    {"terrain:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"terrain:2000", .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"needles:200", .depth = 8, .methods = WIDE},
-    {"needles:200", .depth = 6, .need = SVO_NEED_ALL, .methods = EACH},
+    {"needles:200", .depth = 6, .need = ALL_NEEDS, .methods = EACH},
     {"dust:2000", .depth = 8, .methods = WIDE},
-    {"dust:2000", .depth = 6, .need = SVO_NEED_ALL, .methods = EACH},
+    {"dust:2000", .depth = 6, .need = ALL_NEEDS, .methods = EACH},
     {"cornell:500", .depth = 6, .methods = WIDE},
-    {"cornell:500", .depth = 4, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cornell:500", .depth = 4, .need = ALL_NEEDS, .methods = EACH},
     {"cube:12", .depth = 6, .methods = WIDE},
-    {"cube:12", .depth = 4, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cube:12", .depth = 4, .need = ALL_NEEDS, .methods = EACH},
     /* Coverages. */
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .methods = ALL},
-    {"knot:2000", .depth = 5, CLOSED, .need = SVO_NEED_ALL, .methods = ALL},
-    {"knot:2000", .depth = 5, THIN, .need = SVO_NEED_ALL, .methods = ALL},
-    {"needles:200", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
-    {"needles:200", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = EACH},
-    {"dust:2000", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
-    {"dust:2000", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = EACH},
-    {"atrium:3000", .depth = 7, CLOSED, .need = SVO_NEED_ALL, .methods = ONE},
-    {"atrium:3000", .depth = 7, THIN, .need = SVO_NEED_ALL, .methods = ONE},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .methods = ALL},
+    {"knot:2000", .depth = 5, CLOSED, .need = ALL_NEEDS, .methods = ALL},
+    {"knot:2000", .depth = 5, THIN, .need = ALL_NEEDS, .methods = ALL},
+    {"needles:200", .depth = 7, CLOSED, .need = ALL_NEEDS, .methods = EACH},
+    {"needles:200", .depth = 7, THIN, .need = ALL_NEEDS, .methods = EACH},
+    {"dust:2000", .depth = 7, CLOSED, .need = ALL_NEEDS, .methods = EACH},
+    {"dust:2000", .depth = 7, THIN, .need = ALL_NEEDS, .methods = EACH},
+    {"atrium:3000", .depth = 7, CLOSED, .need = ALL_NEEDS, .methods = ONE},
+    {"atrium:3000", .depth = 7, THIN, .need = ALL_NEEDS, .methods = ONE},
     /* Needs and weights. */
     {"statue:2000", .depth = 5, .need = SVO_NEED_NONE, .methods = EACH},
     {"statue:2000", .depth = 5, .need = SVO_NEED_COLOR, .methods = EACH},
@@ -77,7 +80,7 @@ const request requests[] = {
     {"statue:2000", .depth = 5, CENTER, .need = SVO_NEED_COLOR, .methods = EACH},
     {"statue:2000", .depth = 5, CENTER, .need = SVO_NEED_NORMAL, .methods = EACH},
     {"cornell:500", .depth = 5, .need = SVO_NEED_MATERIAL, .methods = EACH},
-    {"cornell:500", .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"cornell:500", .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"cornell:500", .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
     {"cornell:500", .depth = 5, CENTER, .need = NO_FILL, .methods = EACH},
     {"knot:2000", .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
@@ -85,68 +88,78 @@ const request requests[] = {
     {"needles:200", .depth = 7, UNIFORM, .need = NO_FILL, .methods = BY_CL},
     {"needles:200", .depth = 7, CENTER, .need = NO_FILL, .methods = BY_CL},
     /* Payload levels. */
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .payload_level = 3, .methods = EACH},
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .payload_level = 5, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .payload_level = 3, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .payload_level = 5, .methods = EACH},
     {"cornell:500", .depth = 5, UNIFORM, .need = NO_FILL, .payload_level = 5, .methods = EACH},
     /* Depths. */
-    {"cube:12", .depth = 1, .need = SVO_NEED_ALL, .methods = EACH},
-    {"knot:2000", .depth = 4, .need = SVO_NEED_ALL, .methods = ALL},
-    {"dust:2000", .depth = 11, .need = SVO_NEED_ALL, .methods = EACH},
-    {"dust:2000", .depth = 13, .need = SVO_NEED_ALL, .methods = EACH},
-    {"dust:2000", .depth = 16, .need = SVO_NEED_ALL, .methods = ONE},
+    {"cube:12", .depth = 1, .need = ALL_NEEDS, .methods = EACH},
+    {"knot:2000", .depth = 4, .need = ALL_NEEDS, .methods = ALL},
+    {"dust:2000", .depth = 11, .need = ALL_NEEDS, .methods = EACH},
+    {"dust:2000", .depth = 13, .need = ALL_NEEDS, .methods = EACH},
+    {"dust:2000", .depth = 16, .need = ALL_NEEDS, .methods = ONE},
     {"needles:20", .depth = 11, .methods = EACH},
     {"needles:20", .depth = 13, CLOSED, .methods = BY_CL},
     /* Callers' grids: around, across, and one that the mesh misses. */
-    {"knot:2000", .depth = 11, .origin = {-20, -20, -20}, .edge = 80, .need = SVO_NEED_ALL, .methods = DRAWN},
-    {"knot:2000", .depth = 5, .origin = {0, 0, -0.5}, .edge = 1, .need = SVO_NEED_ALL, .methods = EACH},
-    {"cube:12", .depth = 6, .origin = {-0.25, -0.25, -0.25}, .edge = 1, CLOSED, .need = SVO_NEED_ALL, .methods = EACH},
-    {"cube:12", .depth = 5, .origin = {3, 3, 3}, .edge = 1, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", .depth = 11, .origin = {-20, -20, -20}, .edge = 80, .need = ALL_NEEDS, .methods = DRAWN},
+    {"knot:2000", .depth = 5, .origin = {0, 0, -0.5}, .edge = 1, .need = ALL_NEEDS, .methods = EACH},
+    {"cube:12", .depth = 6, .origin = {-0.25, -0.25, -0.25}, .edge = 1, CLOSED, .need = ALL_NEEDS, .methods = EACH},
+    {"cube:12", .depth = 5, .origin = {3, 3, 3}, .edge = 1, .need = ALL_NEEDS, .methods = EACH},
     /* Meshes in other forms. */
-    {"knot:2000", MESH_BARE, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_BARE, .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"knot:2000", MESH_BARE, .depth = 5, .methods = EACH},
-    {"knot:2000", MESH_TEXTURED, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_TEXTURED, .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     {"knot:2000", MESH_TEXTURED, .depth = 5, UNIFORM, .need = NO_FILL, .methods = EACH},
     {"knot:2000", MESH_TEXTURED, .depth = 5, CENTER, .need = SVO_NEED_COLOR, .methods = EACH},
-    {"knot:2000", MESH_BROKEN, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
-    {"knot:2000", MESH_DOUBLES, .depth = 5, .need = SVO_NEED_ALL, .methods = EACH},
+    {"knot:2000", MESH_BROKEN, .depth = 5, .need = ALL_NEEDS, .methods = EACH},
+    {"knot:2000", MESH_DOUBLES, .depth = 5, .need = ALL_NEEDS, .methods = EACH},
     /* Chunks and capacities, large enough and too small. */
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .methods = ALL},
-    {"dust:2000", .depth = 12, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .methods = EACH},
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .fragment_capacity = 1000, .methods = ALL},
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .fragment_capacity = 100000, .methods = EACH},
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL, .worst_case_nodes = 1, .methods = ALL},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .chunk_bytes = 16384, .methods = ALL},
+    {"dust:2000", .depth = 12, .need = ALL_NEEDS, .chunk_bytes = 16384, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .fragment_capacity = 1000, .methods = ALL},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .fragment_capacity = 100000, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS, .worst_case_nodes = 1, .methods = ALL},
+    /* Projected areas. */
+    {"knot:2000", .depth = 5, .need = AREAS, .methods = ALL},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS | AREAS, .methods = EACH},
+    {"knot:2000", .depth = 5, CENTER, .need = NO_FILL | AREAS, .methods = EACH},
+    {"knot:2000", .depth = 5, .need = SVO_NEED_COLOR | AREAS, .chunk_bytes = 16384, .methods = ALL},
+    {"knot:2000", .depth = 5, .origin = {0, 0, -0.5}, .edge = 1, .need = AREAS, .methods = EACH},
+    {"needles:200", .depth = 7, CLOSED, UNIFORM, .need = AREAS, .methods = EACH},
+    {"dust:2000", .depth = 13, .need = AREAS, .methods = BY_CL},
 };
 const size_t request_count = sizeof requests / sizeof requests[0];
 
 const request counted_requests[] = {
     {"knot:500", .depth = 5, .methods = COUNTED},
     {"knot:500", .depth = 5, .need = SVO_NEED_NONE, .methods = COUNTED},
-    {"knot:500", .depth = 5, .need = SVO_NEED_ALL, .methods = COUNTED},
-    {"knot:500", .depth = 5, .need = SVO_NEED_ALL, .chunk_bytes = 16384, .fragment_capacity = 1000, .methods = BY_CL},
+    {"knot:500", .depth = 5, .need = ALL_NEEDS, .methods = COUNTED},
+    {"knot:500", .depth = 5, .need = ALL_NEEDS, .chunk_bytes = 16384, .fragment_capacity = 1000, .methods = BY_CL},
+    {"knot:500", .depth = 5, .need = AREAS, .methods = COUNTED},
+    {"knot:500", .depth = 5, .need = AREAS, .chunk_bytes = 16384, .fragment_capacity = 1000, .methods = BY_CL},
 };
 const size_t counted_request_count = sizeof counted_requests / sizeof counted_requests[0];
 
 const request query_requests[] = {
-    {"knot:2000", .depth = 6, .need = SVO_NEED_ALL},
-    {"atrium:3000", .depth = 7, CLOSED, .need = SVO_NEED_ALL},
+    {"knot:2000", .depth = 6, .need = ALL_NEEDS},
+    {"atrium:3000", .depth = 7, CLOSED, .need = ALL_NEEDS},
     {"dust:2000", .depth = 8, .need = SVO_NEED_RAYS},
     {"needles:200", .depth = 13, .need = SVO_NEED_RAYS | SVO_NEED_COLOR},
     {"cornell:500", .depth = 6, THIN},
-    {"statue:2000", .depth = 6, .need = SVO_NEED_ALL, .payload_level = 6},
-    {"knot:2000", .depth = 7, .origin = {0, 0, -0.5}, .edge = 1, .need = SVO_NEED_ALL},
+    {"statue:2000", .depth = 6, .need = ALL_NEEDS, .payload_level = 6},
+    {"knot:2000", .depth = 7, .origin = {0, 0, -0.5}, .edge = 1, .need = ALL_NEEDS},
 };
 const size_t query_request_count = sizeof query_requests / sizeof query_requests[0];
 
 const request instanced_requests[INSTANCED_COUNT] = {
-    {"knot:2000", .depth = 5, .need = SVO_NEED_ALL},
-    {"cornell:500", .depth = 4, CLOSED, .need = SVO_NEED_ALL},
-    {"cube:12", .depth = 6, .need = SVO_NEED_ALL},
+    {"knot:2000", .depth = 5, .need = ALL_NEEDS},
+    {"cornell:500", .depth = 4, CLOSED, .need = ALL_NEEDS},
+    {"cube:12", .depth = 6, .need = ALL_NEEDS},
 };
 
 static void add_needs(line_text *line, uint32_t need)
 {
-    static const char *const names[] = {"color", "normal", "rays", "material", "fill"};
-    if (need == SVO_NEED_DEFAULT || need == SVO_NEED_NONE || need == SVO_NEED_ALL) {
+    static const char *const names[] = {"color", "normal", "rays", "material", "fill", "areas"};
+    if (need == SVO_NEED_DEFAULT || need == SVO_NEED_NONE || need == ALL_NEEDS) {
         line_text_add(line, " %s", need == SVO_NEED_DEFAULT ? "default" : need == SVO_NEED_NONE ? "none" : "all");
         return;
     }

@@ -155,7 +155,7 @@ int job_build(program *state, uint32_t need, job *done)
     return build_repeatedly(state, &done->opened, &done->source, need, &done->result);
 }
 
-int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
+int job_open(program *state, uint32_t need, unsigned further_steps, job *done)
 {
     *done = (job){0};
     program_begin_progress(state, 1 + 2 * (unsigned)state->options.repeat + further_steps);
@@ -163,9 +163,19 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open(state, &done->opened);
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = job_build(state, need, done);
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
     }
+    return exit_code;
+}
+
+int job_run(program *state, uint32_t need, unsigned further_steps, job *done)
+{
+    int exit_code = job_open(state, need, further_steps, done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = job_build(state, need, done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }

@@ -37,6 +37,8 @@ void job_release(job *done);
 /* Plans the source by the options, with the svo_need bits of need. Returns the exit code. */
 int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out);
 
+/* The first part of job_run: reads the input and opens the session. On failure nothing is left to release. */
+int job_open(program *state, uint32_t need, unsigned further_steps, job *done);
 /* The building part of job_run, for a source and a session that are already open. On failure both stay open. */
 int job_build(program *state, uint32_t need, job *done);
 

@@ -23,7 +23,7 @@ enum option_group {
     OPTION_BUILD_COMMAND = 32, /* repeat, compress, plan */
     OPTION_HASH_COMMAND = 64,
     OPTION_SCENE_COMMAND = 128,
-    OPTION_RENDER_COMMAND = 256,
+    OPTION_RENDER_COMMAND = 256, /* view, camera */
     OPTION_METHODS = 512, /* front end, share path, context: for any kind of build */
     OPTION_STRESS_COMMAND = 1024, /* count, seed */
     OPTION_BENCH_COMMAND = 2048, /* what is measured, and compared with what */
@@ -34,7 +34,10 @@ enum option_group {
     OPTION_FORM = 65536, /* form */
     OPTION_SOLID = 131072, /* solid */
     OPTION_VOXELS = 262144, /* what is read of a voxel file */
-    OPTION_CONVERT_COMMAND = 524288 /* a second argument, the file to write */
+    OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
+    OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
+    OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
+    OPTION_GATHER_COMMAND = 4194304 /* points, reference */
 };
 
 enum option_frontend {
@@ -47,6 +50,9 @@ enum option_frontend {
 /* Next to the values of svo_builder. */
 #define OPTION_BUILDER_GL_COMPUTE (-1)
 
+/* Next to the values of svo_render_view: this plus those of svo_light_view. */
+#define OPTION_VIEW_LIGHT 100
+
 /* Next to 1 + the values of svo_form. */
 #define OPTION_FORM_ALL (-1)
 
@@ -56,6 +62,13 @@ enum option_frontend {
 
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_CONTEXT_AUTO  (-1)
+#define OPTION_SAMPLES_MAX   262144
+
+/* A point or direction of the command line. */
+typedef struct option_vector {
+    double at[3];
+    bool is_given;
+} option_vector;
 
 typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
@@ -93,10 +106,13 @@ typedef struct options {
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
+    int light; /* hash: 0 not given, else 1 + svo_light_form */
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
     uint32_t width, height; /* pixels */
-    int view; /* svo_render_view */
+    int view; /* svo_render_view, or from OPTION_VIEW_LIGHT on */
+    option_vector eye, look_at, up; /* render: the camera, world units */
+    double fov; /* render: degrees; 0: not given */
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */
@@ -105,6 +121,15 @@ typedef struct options {
     const char *from; /* report: a file of measurements; NULL: measure now */
     const char *docs; /* report: the folder whose documents are updated; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
+    const char *points_path; /* light: a file of points, or how many; NULL: not given */
+    uint64_t samples; /* light: paths for each point */
+    double range, falloff; /* light: of ambient occlusion; 0: unlimited, none */
+    const char *lights_path; /* light: NULL: not given */
+    int cones; /* light: 0: not given */
+    int light_form; /* light: svo_light_form */
+    int photons, gi; /* light: 0: off */
+    double exposure; /* light: of pictures; 0: not given */
+    uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
 } options;
 

@@ -9,28 +9,29 @@
 #include "support/suggest.h"
 #include "support/table.h"
 
-static const rule *find_rule(const char *argument, const char **attached_value)
+/* Whether an argument names the option: -L, -LVALUE, --name or --name=VALUE. */
+static bool is_named(const rule *option, const char *argument)
 {
-    *attached_value = NULL;
     if (argument[1] != '-') {
-        for (size_t i = 0; options_rule(i) != NULL; ++i) {
-            const rule *option = options_rule(i);
-            if (option->letter != '\0' && option->letter == argument[1]) {
-                *attached_value = argument[2] != '\0' ? argument + 2 : NULL;
-                return option;
-            }
-        }
-        return NULL;
+        return option->letter != '\0' && option->letter == argument[1];
     }
     const size_t length = strcspn(argument + 2, "=");
+    return strlen(option->name) == length && strncmp(option->name, argument + 2, length) == 0;
+}
+
+/* The option of that name: the command's, since commands may have different options of one name; or else another's. */
+static const rule *find_rule(const command *which, const char *argument, const char **attached_value)
+{
+    const rule *found = NULL;
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
         const rule *option = options_rule(i);
-        if (strlen(option->name) == length && strncmp(option->name, argument + 2, length) == 0) {
-            *attached_value = argument[2 + length] == '=' ? argument + 3 + length : NULL;
-            return option;
+        if (is_named(option, argument) && (found == NULL || !options_apply(found, which))) {
+            found = option;
         }
     }
-    return NULL;
+    const char *behind = argument[1] != '-' ? argument + 2 : argument + 2 + strcspn(argument + 2, "=");
+    *attached_value = argument[1] != '-' ? (*behind != '\0' ? behind : NULL) : (*behind == '=' ? behind + 1 : NULL);
+    return found;
 }
 
 static int fail_unknown(program *state, const command *which, const char *argument)
@@ -51,7 +52,7 @@ static int parse_option(program *state, const command *which, int argument_count
 {
     const char *argument = arguments[*index];
     const char *value = NULL;
-    const rule *option = find_rule(argument, &value);
+    const rule *option = find_rule(which, argument, &value);
     if (option == NULL) {
         return fail_unknown(state, which, argument);
     }
@@ -143,7 +144,10 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .width = 1024,
                                .height = 768,
                                .count = 8,
-                               .ray_count = 1000000};
+                               .photons = 1,
+                               .gi = 1,
+                               .ray_count = 1000000,
+                               .samples = 16384};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

@@ -12,8 +12,13 @@
 #include "scenes/scenes.h"
 #include "support/suggest.h"
 #include "svocl/compact.h"
+#include "svocl/light.h"
 #include "svocl/solid.h"
 #include "svocl/trace.h"
+
+#define OPTION_VECTOR_MAX 1e18
+#define OPTION_FOV_MIN    0.01
+#define OPTION_FOV_MAX    179.0
 
 static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
                                    {"cl", OPTION_FRONTEND_CL},
@@ -43,7 +48,16 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {"steps", SVO_VIEW_STEPS},
                                {"level", SVO_VIEW_LEVEL},
                                {"triangles", SVO_VIEW_TRIANGLES},
+                               {"ao", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_AO},
+                               {"direct", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_DIRECT},
+                               {"gi", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_INDIRECT},
+                               {"specular", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_SPECULAR},
+                               {"full", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_FULL},
                                {NULL, 0}};
+static const choice light_forms[] = {
+    {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
+static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
+static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
                                 {"embree", OPTION_VERSUS_EMBREE},
                                 {"openvdb", OPTION_VERSUS_OPENVDB},
@@ -55,11 +69,14 @@ static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {"all", OPTION_FORM_ALL},
                                {NULL, 0}};
+static const choice lights[] = {
+    {"faces", 1 + SVO_LIGHT_FACES}, {"bricks", 1 + SVO_LIGHT_BRICKS}, {"voxels", 1 + SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"normal", SVO_NEED_NORMAL},
                                {"rays", SVO_NEED_RAYS},
                                {"material", SVO_NEED_MATERIAL},
                                {"fill", SVO_NEED_FILL},
+                               {"projected-area", SVO_NEED_PROJECTED_AREA},
                                {"none", 0},
                                {NULL, 0}};
 
@@ -143,18 +160,48 @@ static bool parse_number(const char *text, char **end, double *number)
     return *end != text && isfinite(*number);
 }
 
-static int read_origin(program *state, const rule *option, const char *value)
+/* "x,y,z" */
+static bool parse_vector(const char *text, double out[3])
 {
-    double *origin = field(state, option);
-    const char *rest = value;
+    const char *rest = text;
     for (int axis = 0; axis < 3; ++axis) {
         char *end = NULL;
-        if (!parse_number(rest, &end, &origin[axis]) || *end != (axis < 2 ? ',' : '\0')) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "origin '%s' is not of the form x,y,z", value);
+        if (!parse_number(rest, &end, &out[axis]) || *end != (axis < 2 ? ',' : '\0')) {
+            return false;
         }
         rest = end + 1;
     }
+    return true;
+}
+
+static int read_origin(program *state, const rule *option, const char *value)
+{
+    if (!parse_vector(value, field(state, option))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "origin '%s' is not of the form x,y,z", value);
+    }
     state->options.has_origin = true;
+    return PROGRAM_DONE;
+}
+
+/* A vector of the camera, which floats must hold. */
+static int read_vector(program *state, const rule *option, const char *value)
+{
+    option_vector *vector = field(state, option);
+    vector->is_given = parse_vector(value, vector->at) && fabs(vector->at[0]) <= OPTION_VECTOR_MAX &&
+                       fabs(vector->at[1]) <= OPTION_VECTOR_MAX && fabs(vector->at[2]) <= OPTION_VECTOR_MAX;
+    return vector->is_given ? PROGRAM_DONE
+                            : program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not X,Y,Z, each within %g",
+                                           option->name, value, OPTION_VECTOR_MAX);
+}
+
+static int read_fov(program *state, const rule *option, const char *value)
+{
+    double *degrees = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, degrees) || *end != '\0' || *degrees < OPTION_FOV_MIN || *degrees > OPTION_FOV_MAX) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of degrees within %g .. %g",
+                            option->name, value, OPTION_FOV_MIN, OPTION_FOV_MAX);
+    }
     return PROGRAM_DONE;
 }
 
@@ -164,6 +211,16 @@ static int read_edge(program *state, const rule *option, const char *value)
     char *end = NULL;
     if (!parse_number(value, &end, edge) || *end != '\0' || *edge <= 0.0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "edge '%s' is not a number above 0", value);
+    }
+    return PROGRAM_DONE;
+}
+
+static int read_amount(program *state, const rule *option, const char *value)
+{
+    double *amount = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, amount) || *end != '\0' || *amount < 0.0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of at least 0", option->name, value);
     }
     return PROGRAM_DONE;
 }
@@ -189,7 +246,8 @@ static int read_need(program *state, const rule *option, const char *value)
             suggestion near = suggestion_begin(name, length);
             offer_choices(&near, option->choices);
             return program_fail(state, PROGRAM_WRONG_USAGE,
-                                "--need '%s' is neither none nor a list of color, normal, rays, material, fill%s",
+                                "--need '%s' is neither none nor a list of color, normal, rays, material, fill, "
+                                "projected-area%s",
                                 value, suggestion_end(&near).text);
         }
         need |= (uint32_t)one->value;
@@ -244,7 +302,7 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8; voxels: the least that holds them)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, needs,
-     "color,normal,rays,material,fill or none (colors and normals of the mesh)"},
+     "color,normal,rays,material,fill,projected-area or none (colors and normals of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, requires --edge (fitted to the mesh)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL,
@@ -277,8 +335,8 @@ static const rule rules[] = {
      "file to write; - is standard output"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_count, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
      "approximate number of triangles (the default of the scene)"},
-    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND, "S", read_count, FIELD(seed), 0, UINT32_MAX, NULL,
-     "random seed (1)"},
+    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND | OPTION_REFERENCE_COMMAND | OPTION_GATHER_COMMAND, "S",
+     read_count, FIELD(seed), 0, UINT32_MAX, NULL, "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
      "amount of work, 0 to 1000: triangles per case grow with it (8)"},
     {"size", '\0', OPTION_PICTURE_SIZE, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
@@ -287,8 +345,38 @@ static const rule rules[] = {
      "CSV file with one ray per line: ox,oy,oz,dx,dy,dz; - is standard input"},
     {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
      "one ray per pixel: auto, or eye, target, up, degrees as 6, 9 or 10 numbers"},
+    {"points", '\0', OPTION_REFERENCE_COMMAND | OPTION_GATHER_COMMAND, "FILE", read_text, FIELD(points_path), 0, 0,
+     NULL, "CSV file with one point per line: x,y,z,nx,ny,nz; or a number of points, spread over the mesh by area"},
+    {"samples", '\0', OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(samples), 1, OPTION_SAMPLES_MAX, NULL,
+     "paths for each point, rounded down to 16 squares (16384)"},
+    {"range", '\0', OPTION_REFERENCE_COMMAND | OPTION_LIGHT, "R", read_amount, FIELD(range), 0, 0, NULL,
+     "farthest that ambient occlusion reaches, in the mesh's units (0: any distance)"},
+    {"lambda", '\0', OPTION_REFERENCE_COMMAND | OPTION_LIGHT, "L", read_amount, FIELD(falloff), 0, 0, NULL,
+     "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
-     "shaded, normal, depth, steps, level, triangles (shaded)"},
+     "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
+    {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
+     "JSON file with lights, sky and camera (pictures: a sun behind the camera and a sky; points: none)"},
+    {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
+     "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
+    {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
+     "how light is stored: faces, bricks, voxels (faces)"},
+    {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
+     "whether surfaces that the lights reach light others: on, off (on)"},
+    {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,
+     "whether --view full shows what cones gather: on, off (on)"},
+    {"exposure", '\0', OPTION_RENDER_COMMAND, "E", read_amount, FIELD(exposure), 0, 0, NULL,
+     "light is multiplied by it before the tone curve, in views by cones (1)"},
+    {"reference", '\0', OPTION_GATHER_COMMAND, "N", read_count, FIELD(reference), 1, OPTION_SAMPLES_MAX, NULL,
+     "also path-trace each point by N paths, rounded down to 16 squares (none)"},
+    {"eye", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,
+     "where the camera stands, world units (where all of INPUT is in view)"},
+    {"at", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(look_at), 0, 0, NULL,
+     "the point that the camera looks at (the middle of INPUT)"},
+    {"up", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(up), 0, 0, NULL,
+     "direction that is up in the picture (0,1,0)"},
+    {"fov", '\0', OPTION_RENDER_COMMAND, "DEG", read_fov, FIELD(fov), 0, 0, NULL,
+     "angle of view from the picture's bottom to its top, degrees (32; with --eye 60)"},
     {"repeat", '\0', OPTION_BUILD_COMMAND | OPTION_MEASURE, "N", read_repeat, FIELD(repeat), 1, 10000, NULL,
      "repeat N times and report medians; builds leave out the first (1; measurements: 11 after a warm-up)"},
     {"scenes", '\0', OPTION_MEASURE, "LIST", read_text, FIELD(scenes), 0, 0, NULL,
@@ -321,6 +409,8 @@ static const rule rules[] = {
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
+    {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_choice, FIELD(light), 0, 0, lights,
+     "hash the light of a sun and a lamp, stored as faces, bricks or voxels (the tree)"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
      "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,

@@ -1,10 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes PNG through stb. */
+/* Chooses payload, and writes PNG through stb. */
 #include "support/picture.h"
 
 #include <stb/stb_image_write.h>
 
 #include "support/output.h"
+
+uint32_t picture_need(const input *source, uint32_t asked)
+{
+    const svo_mesh *mesh = source->mesh;
+    if (mesh == NULL) {
+        return asked;
+    }
+    const uint32_t color = mesh->colors != NULL || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0;
+    const uint32_t need =
+        asked == SVO_NEED_DEFAULT ? (uint32_t)SVO_NEED_NORMAL | color : asked & ~((uint32_t)SVO_NEED_COLOR ^ color);
+    return need == 0 ? (uint32_t)SVO_NEED_NONE : need;
+}
 
 static void write_bytes(void *user, void *bytes, int byte_count)
 {

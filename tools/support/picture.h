@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures as PNG files. */
+/* Pictures: what they need of a tree, and PNG files. */
 #ifndef SVOCL_TOOLS_SUPPORT_PICTURE_H
 #define SVOCL_TOOLS_SUPPORT_PICTURE_H
 
-#include "support/program.h"
+#include "support/input.h"
+
+/* The svo_need bits that a picture of the source takes, from what is asked for: by default normals, and the colors that
+   it has. A mesh without colors gets none, not white ones: it is shown as clay. */
+uint32_t picture_need(const input *source, uint32_t asked);
 
 /* Writes a picture of --size to the path after -o; one step of the progress bar. Returns the exit code. */
 int picture_write(program *state, const uint8_t *rgba);

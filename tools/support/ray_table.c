@@ -2,56 +2,14 @@
 /* Rays and hits as files for `svocl trace`. */
 #include "support/ray_table.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define LINE_BYTES     1024
+#include "support/number_table.h"
+
 #define FIELDS         6
 #define CAMERA_NUMBERS 10
-
-/* A number with optional white space around it; false if there is none. */
-static bool read_number(const char **text, float *out)
-{
-    char *end = NULL;
-    const double number = strtod(*text, &end);
-    if (end == *text) {
-        return false;
-    }
-    while (*end == ' ' || *end == '\t' || *end == '\r' || *end == '\n') {
-        ++end;
-    }
-    *text = end;
-    *out = (float)number;
-    return true;
-}
-
-/* Comma-separated numbers, at most limit; returns how many, 0 if anything else is among them. */
-static size_t read_numbers(const char *text, float *numbers, size_t limit)
-{
-    size_t count = 0;
-    while (count < limit && read_number(&text, &numbers[count])) {
-        ++count;
-        if (*text == '\0') {
-            return count;
-        }
-        if (*text != ',') {
-            return 0;
-        }
-        ++text;
-    }
-    return 0;
-}
-
-static bool is_blank(const char *text)
-{
-    while (isspace((unsigned char)*text)) {
-        ++text;
-    }
-    return *text == '\0';
-}
 
 static svo_ray make_ray(const float numbers[FIELDS])
 {
@@ -61,61 +19,23 @@ static svo_ray make_ray(const float numbers[FIELDS])
     return ray;
 }
 
-static bool append(ray_table *list, size_t *capacity, const svo_ray *ray)
-{
-    if (list->count == *capacity) {
-        const size_t larger = *capacity * 2 + 1024;
-        svo_ray *rays = realloc(list->rays, larger * sizeof *rays);
-        if (rays == NULL) {
-            return false;
-        }
-        list->rays = rays;
-        *capacity = larger;
-    }
-    list->rays[list->count++] = *ray;
-    return true;
-}
-
-static int read_lines(program *state, const char *path, FILE *file, ray_table *out)
-{
-    char line[LINE_BYTES];
-    size_t capacity = 0;
-    for (size_t number = 1; fgets(line, sizeof line, file) != NULL; ++number) {
-        float numbers[FIELDS];
-        const char *first = line;
-        if (is_blank(line) || (number == 1 && !read_number(&first, numbers))) {
-            continue;
-        }
-        if (read_numbers(line, numbers, FIELDS) != FIELDS) {
-            return program_fail(state, PROGRAM_FAILED, "%s:%zu: not ox,oy,oz,dx,dy,dz", path, number);
-        }
-        const svo_ray ray = make_ray(numbers);
-        if (!append(out, &capacity, &ray)) {
-            return program_fail(state, PROGRAM_FAILED, "%s: out of memory for %zu rays", path, out->count);
-        }
-    }
-    return ferror(file) == 0 ? PROGRAM_DONE : program_fail(state, PROGRAM_FAILED, "%s: %s", path, strerror(errno));
-}
-
 int ray_table_read(program *state, const char *path, ray_table *out)
 {
+    static const number_form form = {.fields = FIELDS, .line = "ox,oy,oz,dx,dy,dz", .noun = "ray"};
+    number_table read;
     *out = (ray_table){0};
-    const bool standard = piped_is_standard_input(path);
-    const char *name = standard ? "standard input" : path;
-    FILE *file = standard ? stdin : fopen(path, "r");
-    if (file == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "%s: %s", name, strerror(errno));
-    }
-    int exit_code = read_lines(state, name, file, out);
-    if (!standard) {
-        fclose(file);
-    }
-    if (exit_code == PROGRAM_DONE && out->count == 0) {
-        exit_code = program_fail(state, PROGRAM_FAILED, "%s: no ray; a line is ox,oy,oz,dx,dy,dz", name);
-    }
+    int exit_code = number_table_read(state, path, &form, &read);
     if (exit_code != PROGRAM_DONE) {
-        ray_table_free(out);
+        return exit_code;
     }
+    out->rays = calloc(read.row_count, sizeof *out->rays);
+    for (size_t i = 0; i < read.row_count && out->rays != NULL; ++i) {
+        out->rays[out->count++] = make_ray(read.numbers + FIELDS * i);
+    }
+    if (out->rays == NULL) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%s: out of memory for %zu rays", path, read.row_count);
+    }
+    number_table_free(&read);
     return exit_code;
 }
 
@@ -132,7 +52,7 @@ bool ray_table_parse_camera(const char *text, const svo_camera *framed, svo_came
         *out = *framed;
         return true;
     }
-    const size_t count = read_numbers(text, numbers, CAMERA_NUMBERS);
+    const size_t count = number_table_parse(text, numbers, CAMERA_NUMBERS);
     if (count != 6 && count != 9 && count != 10) {
         return false;
     }

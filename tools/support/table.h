@@ -32,7 +32,7 @@ void table_gap(void);
 void table_heading(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void table_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-#define FIGURE_BYTES 40
+#define FIGURE_BYTES 56
 typedef struct figure {
     char text[FIGURE_BYTES];
 } figure;

@@ -62,10 +62,11 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "edge");
     table_cell(rows, "%.9g, snapped to %u bits, snap error %.3g", info->edge, info->snap_bits, info->snap_error);
     table_cell(rows, "holds");
-    table_cell(rows, "nodes%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colors" : "",
+    table_cell(rows, "nodes%s%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colors" : "",
                (info->need & SVO_NEED_NORMAL) != 0 ? ", normals" : "",
                (info->need & SVO_NEED_MATERIAL) != 0 ? ", materials" : "",
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
+               (info->need & SVO_NEED_PROJECTED_AREA) != 0 ? ", projected areas" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
     if (info->constant != 0) {
         table_cell(rows, "stored once");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl render: renders a tree with a camera that frames it, or a scene of trees. */
+/* svocl render: renders a tree or a scene of trees, framed or as a camera sees it. */
 #include <stdlib.h>
 
 #include "support/job.h"
@@ -7,7 +7,9 @@
 #include "support/picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
+#include "support/viewpoint.h"
 #include "svocl/commands.h"
+#include "svocl/render_light.h"
 #include "svocl/render_scene.h"
 
 static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
@@ -43,13 +45,16 @@ static int render(program *state, const session *opened, svo_tree *tree)
                                          .height = given->height,
                                          .view = (svo_render_view)given->view};
     svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
+    int exit_code = viewpoint_apply(state, true, &render_options.camera);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
     uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
     if (rgba == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
     }
     progress_step(state->progress, "casting rays");
     const double started_ms = input_now_ms();
-    int exit_code = PROGRAM_DONE;
     if (svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
     }
@@ -61,16 +66,34 @@ static int render(program *state, const session *opened, svo_tree *tree)
     return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
 }
 
-static int make_tree(program *state, job *done)
+static int build_tree(program *state, job *done)
 {
-    if (input_is_tree(state)) {
-        return job_load(state, 2, done);
+    const int exit_code = job_open(state, state->options.need, 2, done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    uint32_t need = state->options.need;
+    uint32_t need = picture_need(&done->source, state->options.need);
     if (state->options.view == SVO_VIEW_TRIANGLES) {
-        need = need == SVO_NEED_NONE ? SVO_NEED_RAYS : need | SVO_NEED_RAYS;
+        need = (need & ~(uint32_t)SVO_NEED_NONE) | (uint32_t)SVO_NEED_RAYS;
     }
-    return job_run(state, need, 2, done);
+    const int built = job_build(state, need, done);
+    if (built != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return built;
+}
+
+/* Options that the view does not take. */
+static int check_view(program *state)
+{
+    const bool by_cones = render_light_is_asked(&state->options);
+    if (by_cones && scene_file_is_input(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --view does not apply to a scene");
+    }
+    return by_cones || (state->options.given_groups & (unsigned)OPTION_LIGHT) == 0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE,
+                              "options of lights and cones require --view ao, direct, gi, specular or full");
 }
 
 int command_render(program *state)
@@ -79,12 +102,18 @@ int command_render(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     job done;
+    if (check_view(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE && render_light_is_asked(&state->options)) {
+        return render_light(state);
+    }
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
         return render_scene(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = make_tree(state, &done);
+        exit_code = input_is_tree(state) ? job_load(state, 2, &done) : build_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(state, &done.opened, done.result.tree);

@@ -15,6 +15,8 @@ int command_convert(program *state);
 int command_verify(program *state);
 int command_render(program *state);
 int command_trace(program *state);
+int command_gather(program *state);
+int command_reference(program *state);
 int command_stress(program *state);
 int command_bench(program *state);
 int command_report(program *state);

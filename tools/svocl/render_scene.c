@@ -10,6 +10,7 @@
 #include "support/picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
+#include "support/viewpoint.h"
 
 /* The directory of compact trees in SVO_FORM_IMPLIED, which must be the same in all of a scene. */
 #define DIRECTORY_STEP_LOG2 5u
@@ -45,7 +46,7 @@ static int build_tree(scene_render *work, size_t index)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(work->state, work->state->options.need, &one);
+    exit_code = job_build(work->state, picture_need(&one.source, work->state->options.need), &one);
     work->opened = one.opened; /* the front end is chosen by the first build */
     work->trees[index] = one.result.tree;
     free(one.result.buffers);
@@ -184,6 +185,10 @@ static int draw(scene_render *work)
     if (!work->file.has_camera) {
         svo_scene_camera_frame(work->scene, (float)given->width / (float)given->height, &asked.camera);
     }
+    int exit_code = viewpoint_apply(work->state, !work->file.has_camera, &asked.camera);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
     work->camera = asked.camera;
     uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
     if (rgba == NULL) {
@@ -191,7 +196,6 @@ static int draw(scene_render *work)
     }
     progress_step(work->state->progress, "casting rays");
     const double started_ms = input_now_ms();
-    int exit_code = PROGRAM_DONE;
     if (svo_scene_render(work->scene, &asked, work->opened.queue, rgba) != SVO_OK) {
         exit_code = scene_file_fail_library(&work->file, svo_device_message(work->opened.device));
     }

@@ -51,7 +51,7 @@ ivec3 svo_equal_weights()
     return ivec3(SVO_WEIGHT_ONE - 2 * (SVO_WEIGHT_ONE / 3), SVO_WEIGHT_ONE / 3, SVO_WEIGHT_ONE / 3);
 }
 
-#if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTER)
+#if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTER) || defined(SVO_AREAS)
 
 /* A triangle's corners u, v, t relative to the voxel's minimum corner, in grid units. t is along the triangle's axis.
    */
@@ -125,18 +125,28 @@ ivec3 svo_voxel_corner(svo_code code, uint voxel_log2)
 
 #endif
 
+#if defined(SVO_WEIGHTS_AREA) || defined(SVO_AREAS)
+
+/* The part of a triangle inside a voxel. corners: the triangle's, relative to the voxel's minimum corner. */
+svo_part svo_pair_part(int corners[9])
+{
+    svo_i64 polygons[2 * SVO_PART_WORDS];
+    for (int i = 0; i < 9; ++i) {
+        polygons[i] = int64_t(corners[i]) * int64_t(1 << (SVO_SUB_LOG2 - int(params.voxel_log2)));
+    }
+    return svo_clip(polygons);
+}
+
+#endif
+
 svo_share svo_pair_share(uint triangle, svo_code code)
 {
     svo_share share = svo_share(1u, svo_equal_weights());
 #if defined(SVO_WEIGHTS_AREA)
     svo_triangle_record record = records[triangle];
     int corners[9];
-    svo_i64 polygons[2 * SVO_PART_WORDS];
     svo_load_corners(triangle, svo_triangle_axis(record), svo_voxel_corner(code, params.voxel_log2), corners);
-    for (int i = 0; i < 9; ++i) {
-        polygons[i] = int64_t(corners[i]) * int64_t(1 << (SVO_SUB_LOG2 - int(params.voxel_log2)));
-    }
-    svo_part part = svo_clip(polygons);
+    svo_part part = svo_pair_part(corners);
     share.weight = svo_part_weight(part.doubled_area, record.stretch, params.weight_log2);
     if (!svo_triangle_is_flat(record)) {
         share.corners = svo_corner_weights(corners, part.u, part.v, params.voxel_log2);

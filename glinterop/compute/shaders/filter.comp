@@ -14,6 +14,8 @@
  * (three), 64 bits each, as far as the variant has them. Normals and fills are 16-bit numbers, two per word: their
  * arrays start at zero, and an atomicOr writes each number.
  */
+#include "leaf_sums.glsl"
+
 #ifdef SVO_K_FILTER
 uniform svo_filter_params params; /* attribute.glsl declares it for the other entry points */
 #endif
@@ -234,21 +236,6 @@ layout(std430, binding = 1) readonly buffer Cursors
 {
     uint cursors[];
 };
-/* The leaves' sums, low word first. */
-layout(std430, binding = 9) buffer Sums
-{
-    uint sum_words[];
-};
-
-void svo_add_sum(uint at, uint64_t number)
-{
-    uint low = uint(number & uint64_t(0xffffffffu));
-    uint before = atomicAdd(sum_words[2u * at], low);
-    uint high = uint(number >> 32) + (before + low < before ? 1u : 0u);
-    if (high != 0u) {
-        atomicAdd(sum_words[2u * at + 1u], high);
-    }
-}
 
 void main()
 {

@@ -71,7 +71,7 @@ from ._errors import (
     UnsupportedError,
     text as _text,
 )
-from ._mesh import Material, Mesh, Texture, has_io, read_mesh
+from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._plan import Plan
 from ._scene import Scene, SceneLight, make_instances
 from ._structs import (
@@ -118,6 +118,7 @@ __all__ = [
     "Error",
     "FileDamagedError",
     "FileError",
+    "Finish",
     "Form",
     "GLError",
     "ImportFailedError",

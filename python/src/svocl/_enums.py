@@ -42,6 +42,8 @@ class Need(IntFlag):
     """The material with the largest weight per node."""
     FILL = lib.SVO_NEED_FILL
     """The surface area inside each node, 4096 = a face of the node."""
+    PROJECTED_AREA = lib.SVO_NEED_PROJECTED_AREA
+    """The surface that rays along each of the six axis directions see in each leaf, 4096 = a face of the leaf."""
     NONE = lib.SVO_NEED_NONE
     """Occupancy alone."""
 
@@ -121,6 +123,7 @@ class TreeBuffer(IntEnum):
     TRIANGLE_IDS = lib.SVO_TREE_TRIANGLE_IDS
     MATERIALS = lib.SVO_TREE_MATERIALS
     FILLS = lib.SVO_TREE_FILLS
+    AREAS = lib.SVO_TREE_AREAS
 
 
 class Form(IntEnum):

@@ -36,6 +36,17 @@ class Material(NamedTuple):
     """Into Mesh.textures; None: no texture."""
 
 
+class Finish(NamedTuple):
+    """What a material does besides its color."""
+
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Radiance that it emits, linear red, green, blue, not negative."""
+    specular: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Specular color, linear, 0 .. 1."""
+    exponent: float = 0.0
+    """Of the Phong lobe, not negative."""
+
+
 class Mesh:
     """A triangle mesh in host memory.
 
@@ -53,6 +64,7 @@ class Mesh:
         triangle_materials: (triangle_count,) uint16: into materials.
         materials: at most 65535; none: white.
         textures: of the materials.
+        finishes: one for each material; none: all are diffuse. Builds do not read them.
 
     Attributes: the arguments, as arrays and tuples; import_info, of a mesh from read_mesh.
     """
@@ -65,6 +77,7 @@ class Mesh:
     triangle_materials: Optional[npt.NDArray[np.uint16]]
     materials: tuple[Material, ...]
     textures: tuple[Texture, ...]
+    finishes: tuple[Finish, ...]
     import_info: Optional[_structs.ImportInfo] = None
 
     def __init__(
@@ -78,6 +91,7 @@ class Mesh:
         triangle_materials: Optional[npt.ArrayLike] = None,
         materials: Sequence[Material] = (),
         textures: Sequence[Texture] = (),
+        finishes: Sequence[Finish] = (),
     ) -> None:
         self.positions = _arrays.floats("positions", positions, ("vertex_count", 3), double=True)
         vertices = self.vertex_count
@@ -95,6 +109,9 @@ class Mesh:
             self.triangle_materials = _arrays.integers("triangle_materials", triangle_materials, np.uint16, shape)
         self.materials = tuple(materials)
         self.textures = tuple(_texture(f"textures[{i}]", texture) for i, texture in enumerate(textures))
+        self.finishes = tuple(finishes)
+        if self.finishes and len(self.finishes) != len(self.materials):
+            raise ValueError(f"finishes: {len(self.finishes)}, expected {len(self.materials)}, one for each material")
 
     @property
     def vertex_count(self) -> int:
@@ -130,6 +147,8 @@ class Mesh:
         if self.materials:
             mesh.materials = keep(ffi.new("svo_material[]", [_material(material) for material in self.materials]))
             mesh.material_count = len(self.materials)
+        if self.finishes:
+            mesh.finishes = keep(ffi.new("svo_finish[]", [_finish(finish) for finish in self.finishes]))
         if self.textures:
             mesh.textures = keep(ffi.new("svo_texture[]", len(self.textures)))
             mesh.texture_count = len(self.textures)
@@ -149,6 +168,12 @@ def _material(material: Material) -> tuple[list[int], int]:
     rgba = _arrays.integers("Material.rgba", material.rgba, np.uint8, (4,))
     index = material.texture_index
     return rgba.tolist(), lib.SVO_NO_TEXTURE if index is None else _arrays.integer("Material.texture_index", index)
+
+
+def _finish(finish: Finish) -> tuple[list[float], list[float], float]:
+    emission = _arrays.floats("Finish.emission", finish.emission, (3,))
+    specular = _arrays.floats("Finish.specular", finish.specular, (3,))
+    return emission.tolist(), specular.tolist(), float(finish.exponent)
 
 
 has_io: bool = hasattr(lib, "svo_import_file")
@@ -223,6 +248,8 @@ def _imported(native: Native) -> Mesh:
             mesh.triangle_materials = view(native, struct.triangle_materials, np.uint16, (triangles,))
             mesh.materials = tuple(_read_material(struct.materials[i]) for i in range(struct.material_count))
             mesh.textures = tuple(_read_texture(native, struct.textures[i]) for i in range(struct.texture_count))
+            finish_count = 0 if struct.finishes == ffi.NULL else struct.material_count
+            mesh.finishes = tuple(_read_finish(struct.finishes[i]) for i in range(finish_count))
             info = _structs.new("svo_import_info")
             lib.svo_import_get_info(pointer, info)
             mesh.import_info = _structs.read(info, _structs.ImportInfo)
@@ -235,6 +262,10 @@ def _read_material(struct: Any) -> Material:
     red, green, blue, alpha = struct.rgba
     index = struct.texture_index
     return Material((red, green, blue, alpha), None if index == lib.SVO_NO_TEXTURE else index)
+
+
+def _read_finish(struct: Any) -> Finish:
+    return Finish(tuple(struct.emission), tuple(struct.specular), struct.exponent)
 
 
 def _read_texture(native: Native, struct: Any) -> Texture:

@@ -47,6 +47,8 @@ class TreeArrays(NamedTuple):
     """(payload_count,): into the mesh's materials."""
     fills: Optional[npt.NDArray[np.uint16]]
     """(payload_count,): surface area inside, 4096 = a face of the node; 65535 = that or more."""
+    areas: Optional[npt.NDArray[np.uint16]]
+    """(leaf_count, 6): the surface that rays along +x, -x, +y, -y, +z and -z see in a leaf, 4096 = a face of it."""
 
 
 class Camera(NamedTuple):
@@ -180,6 +182,7 @@ class Tree(Resident):
             "triangle_ids": (np.uint32, (info.list_triangle_count,)),
             "materials": (np.uint16, (payload,)),
             "fills": (np.uint16, (payload,)),
+            "areas": (np.uint16, (info.leaf_count, 6)),
         }
         with self._downloaded(queue) as pointer:
             status = call(lib.svo_tree_get_arrays, pointer, struct)

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The leaves' projected areas. kernels/stages/area.clh in GLSL, which describes them.
+ *
+ *   SVO_K_AREA         per fragment of a chunk: adds what the triangle shows inside the voxel to the sums of its leaf,
+ *                      which start at zero
+ *   SVO_K_ROUND_AREAS  per leaf, after all chunks: writes its six numbers, which are three words
+ *
+ * Launch: one invocation per fragment or leaf. A leaf has six sums of 64 bits.
+ */
+#include "leaf_sums.glsl"
+
+#ifdef SVO_K_AREA
+
+layout(std430, binding = 1) readonly buffer Cursors
+{
+    uint cursors[];
+};
+
+/* The triangle's normal: the cross product of two edges. */
+i64vec3 svo_triangle_normal(uint triangle)
+{
+    ivec3 corners[3];
+    for (uint i = 0u; i < 3u; ++i) {
+        uint at = indices[triangle * 3u + i] * 3u;
+        corners[i] = ivec3(vertices[at], vertices[at + 1u], vertices[at + 2u]);
+    }
+    i64vec3 p = i64vec3(corners[1] - corners[0]);
+    i64vec3 q = i64vec3(corners[2] - corners[0]);
+    return i64vec3(p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x);
+}
+
+void main()
+{
+    uint index = svo_item();
+    if (index >= params.fragment_count) {
+        return;
+    }
+    uint triangle = svo_fragment_triangle(index);
+    uint axis = svo_triangle_axis(records[triangle]);
+    i64vec3 normal = svo_triangle_normal(triangle);
+    int64_t largest = axis == 0u ? normal.x : axis == 1u ? normal.y : normal.z;
+    if (largest == int64_t(0)) {
+        return; /* a segment or a point */
+    }
+    int corners[9];
+    svo_load_corners(triangle, axis, svo_voxel_corner(svo_fragment_code(index), params.voxel_log2), corners);
+    svo_part part = svo_pair_part(corners);
+    uint at = (cursors[index] - params.leaf_begin) * 6u;
+    for (uint i = 0u; i < 3u; ++i) {
+        int64_t n = i == 0u ? normal.x : i == 1u ? normal.y : normal.z;
+        uint64_t seen = uint64_t(svo_part_seen(part.doubled_area, n, largest));
+        if (params.both_sides != 0u || n < int64_t(0)) {
+            svo_add_sum(at + 2u * i, seen);
+        }
+        if (params.both_sides != 0u || n > int64_t(0)) {
+            svo_add_sum(at + 2u * i + 1u, seen);
+        }
+    }
+}
+
+#endif
+
+#ifdef SVO_K_ROUND_AREAS
+
+layout(std430, binding = 9) readonly buffer AreaSums
+{
+    uint64_t area_sums[];
+};
+layout(std430, binding = 10) writeonly buffer Areas
+{
+    uint areas[]; /* two numbers per word */
+};
+
+void main()
+{
+    uint leaf = svo_item();
+    if (leaf >= params.leaf_count) {
+        return;
+    }
+    for (uint word = 3u * leaf; word < 3u * leaf + 3u; ++word) {
+        uint low = svo_projected_area(area_sums[2u * word]);
+        uint high = svo_projected_area(area_sums[2u * word + 1u]);
+        areas[word] = low | high << 16;
+    }
+}
+
+#endif

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: MIT */
+/** \file
+ * Light in a tree, by voxel cone tracing (after Crassin et al., "Interactive Indirect Illumination Using Voxel Cone
+ * Tracing", 2011): opacity on all levels, photons from light sources into the leaves, filtered upwards, and cones that
+ * gather both: ambient occlusion, one bounce of indirect light, and specular reflections.
+ *
+ * A light is made of a built tree and refers to it; the tree must outlive it and stay as it is. Opacity is made once;
+ * svo_light_set_sources reruns the stages of the sources alone. What is stored is integers, the same bytes on every
+ * device and run. Cones are single-precision: the same on every run, and within 1e-4 between devices.
+ *
+ * Forms. SVO_LIGHT_FACES: six opacities and radiances a node, for rays along +x, -x, +y, -y, +z, -z, interpolated
+ * between the eight nodes around a point; walls let little light through, whatever the width of the cone.
+ * SVO_LIGHT_BRICKS: 27 samples for an inner node, at the corners of its children, without direction; the quickest.
+ * SVO_LIGHT_VOXELS: one opacity and radiance a node, without interpolation; the smallest.
+ *
+ * Thread-safety: several threads may call functions that take a const svo_light. All others need exclusive use of it
+ * and of its device handle.
+ */
+#ifndef SVOCL_LIGHT_H
+#define SVOCL_LIGHT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/device.h"
+#include "svocl/light_types.h"
+#include "svocl/trace.h"
+#include "svocl/tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The light of a tree. */
+typedef struct svo_light svo_light;
+
+/** How a light stores opacity and radiance. */
+typedef enum svo_light_form {
+    SVO_LIGHT_FACES = 0, /**< "faces": six directions a node */
+    SVO_LIGHT_BRICKS = 1, /**< "bricks": 27 samples an inner node */
+    SVO_LIGHT_VOXELS = 2, /**< "voxels": one value a node */
+    SVO_LIGHT_FORM_COUNT /**< number of forms */
+} svo_light_form;
+
+/** Name of a form.
+ *
+ * \param form any value
+ * \returns "faces", "bricks", "voxels"; else "unknown form". Static string. */
+SVO_API const char *svo_light_form_name(svo_light_form form);
+
+/** How opaque a leaf is. */
+typedef enum svo_opacity {
+    SVO_OPACITY_AREA = 0, /**< alpha times min(1, projected area), by direction; full for trees without areas */
+    SVO_OPACITY_FULL = 1 /**< alpha */
+} svo_opacity;
+
+/** Options of a light. */
+typedef struct svo_light_options {
+    size_t struct_size; /**< sizeof(svo_light_options) */
+    svo_light_form form; /**< how to store it */
+    svo_opacity opacity; /**< how opaque leaves are */
+} svo_light_options;
+
+/** All defaults. */
+#define SVO_LIGHT_OPTIONS_INIT SVO_STRUCT_INIT(svo_light_options)
+
+/** The buffers of a light. */
+typedef enum svo_light_buffer {
+    SVO_LIGHT_OPACITY = 0, /**< "opacity": as the form has it */
+    SVO_LIGHT_COVER, /**< "cover": projected areas of nodes; SVO_LIGHT_FACES */
+    SVO_LIGHT_LIT, /**< "lit": the place of each node's radiance, or SVO_NO_NODE */
+    SVO_LIGHT_RADIANCE, /**< "radiance": as the form has it */
+    SVO_LIGHT_FLUX, /**< "flux": sums of photons of the lit leaves */
+    SVO_LIGHT_BUFFER_COUNT /**< number of buffers */
+} svo_light_buffer;
+
+/** Name of a buffer.
+ *
+ * \param buffer any value
+ * \returns "opacity", ...; else "unknown buffer". Static string. */
+SVO_API const char *svo_light_buffer_name(svo_light_buffer buffer);
+
+/** The stages of a light, for times. */
+typedef enum svo_light_stage {
+    SVO_LIGHT_STAGE_OPACITY = 0, /**< "opacity": of the leaves and up to the deepest filtered level */
+    SVO_LIGHT_STAGE_OPACITY_FILTER, /**< "opacity filter": the levels above */
+    SVO_LIGHT_STAGE_VIEW, /**< "light view": rays from the sources */
+    SVO_LIGHT_STAGE_PHOTONS, /**< "photons": from hits to the sums of leaves */
+    SVO_LIGHT_STAGE_EXCHANGE, /**< "exchange": from sums to the radiance of leaves */
+    SVO_LIGHT_STAGE_FILTER, /**< "radiance filter": the levels above */
+    SVO_LIGHT_STAGE_COUNT /**< number of stages */
+} svo_light_stage;
+
+/** Name of a stage.
+ *
+ * \param stage any value
+ * \returns "opacity", ...; else "unknown stage". Static string. */
+SVO_API const char *svo_light_stage_name(svo_light_stage stage);
+
+/** What a light holds. */
+typedef struct svo_light_info {
+    size_t struct_size; /**< sizeof(svo_light_info) */
+    svo_light_form form; /**< how it is stored */
+    svo_opacity opacity; /**< SVO_OPACITY_FULL where the tree holds no areas */
+    uint64_t photons; /**< rays from the sources */
+    uint64_t photon_hits; /**< of those, that met the tree */
+    uint64_t lit_leaves; /**< leaves with light: photons or emission */
+    uint64_t lit_nodes; /**< of all levels */
+    uint64_t missed_leaves; /**< leaves without a photon, although they are what a ray from a source to their center
+                                 meets first; 0 without svo_light_setup.diagnose */
+    double flux[3]; /**< of all photons that hit: red, green, blue, world units */
+    double lost_flux; /**< share of it that found no leaf */
+    uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
+    uint64_t total_bytes; /**< of all buffers */
+    uint64_t scratch_bytes; /**< the most that making it took besides; it is released */
+    double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
+    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
+     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
+     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
+    uint64_t node_map_items;
+} svo_light_info;
+
+/** An empty output. */
+#define SVO_LIGHT_INFO_INIT SVO_STRUCT_INIT(svo_light_info)
+
+/** Says what svo_light_create would make, before anything is compiled or allocated. Buffers of sources are 0: their
+ *  sizes follow from the photons; at most scratch and radiance of all leaves being lit, which lit_leaves then counts.
+ *
+ * \param tree complete
+ * \param options NULL means all defaults
+ * \param info receives form, opacity and bytes
+ * \returns SVO_INVALID_ARGUMENT when an option is out of its range. */
+SVO_API svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options, svo_light_info *info);
+
+/** Makes the opacity of a tree and waits for it. There is no light yet but the sky's, which is 0.
+ *
+ * \param tree on a device; must outlive the light. Colors give alpha and albedo (absent: opaque, albedo 0.6), normals
+ *        and areas (SVO_NEED_PROJECTED_AREA) make cones exact; payload from level 0
+ * \param options NULL means all defaults
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \param out receives the light
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (too many nodes for the form), SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue,
+                                    svo_light **out);
+
+/** Destroys a light.
+ *
+ * \param light set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_light_destroy(svo_light **light);
+
+/** Describes a light.
+ *
+ * \param light not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_light_get_info(const svo_light *light, svo_light_info *info);
+
+/** A device buffer of the light.
+ *
+ * \param light not NULL
+ * \param buffer which one
+ * \returns the buffer, which belongs to the light; NULL where it is not held. */
+SVO_API cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer);
+
+/** Hashes what a light stores with XXH3-128: u32 form, opacity, depth; f32 radiance of a
+ *  unit of SVO_LIGHT_RADIANCE, 0 without light; then each buffer in the order of
+ *  svo_light_buffer, its length in bytes as u64 before its elements; length 0 where it is not held. Little-endian, seed
+ *  0. The hash does not depend on device or time.
+ *
+ * \param light not NULL
+ * \param queue on the context of its device; NULL: the device's own
+ * \param text receives 32 lowercase hexadecimal digits, the high half first
+ * \returns SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_light_hash(const svo_light *light, cl_command_queue queue, char text[SVO_HASH_TEXT_BYTES]);
+
+/** What lights a tree. Arrays are borrowed for the call. */
+typedef struct svo_light_setup {
+    size_t struct_size; /**< sizeof(svo_light_setup) */
+    const svo_light_source *sources; /**< source_count; NULL when that is 0 */
+    size_t source_count; /**< at most 1024 */
+    const svo_finish *finishes; /**< finish_count: by material index, for trees with materials; NULL when that is 0 */
+    size_t finish_count; /**< at most 65535; materials beyond are diffuse and do not emit */
+    float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
+    uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
+    uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
+    uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
+} svo_light_setup;
+
+/** No light. */
+#define SVO_LIGHT_SETUP_INIT SVO_STRUCT_INIT(svo_light_setup)
+
+/** Lights a tree: shoots photons by the tree's exact rays (voxels' rays where it holds no triangles), sums them in the
+ *  leaves, and filters radiance upwards, where it is lit. Replaces the light of earlier calls; a failed call leaves it
+ *  dark.
+ *
+ * \param light not NULL
+ * \param setup sources, finishes and sky
+ * \param queue on the context of its device; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT (a value that is not finite or negative, a zero direction, angles, counts),
+ *          SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on
+ *          failure. */
+SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue);
+
+/* ---- cones ---- */
+
+/** How cones march. */
+typedef enum svo_march {
+    SVO_MARCH_STEPS = 0, /**< steps in proportion to the cone's width, blended between two levels */
+    SVO_MARCH_PUBLISHED = 1 /**< node to node as published in 2011 systems, for comparison; needs SVO_LIGHT_BRICKS */
+} svo_march;
+
+/** Options of gathering. */
+typedef struct svo_gather_options {
+    size_t struct_size; /**< sizeof(svo_gather_options) */
+    uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16. SVO_MARCH_PUBLISHED: 5 */
+    svo_march march; /**< how they march */
+    float step; /**< of a cone, in its widths: 0.25 .. 1; 0 means 0.5 */
+    float range; /**< world units that cones reach, above 0; 0: to the end of the grid */
+    float falloff; /**< lambda of the occlusion's weight 1 / (1 + lambda t), per world unit, not negative */
+    uint32_t no_light; /**< not 0: ambient occlusion alone; irradiance and specular are 0 */
+} svo_gather_options;
+
+/** All defaults. */
+#define SVO_GATHER_OPTIONS_INIT SVO_STRUCT_INIT(svo_gather_options)
+
+/** Gathers ambient occlusion, irradiance and specular radiance at points. The direct light of the sources is not part
+ *  of it: irradiance is what surfaces reflect and emit, and the sky.
+ *
+ * Points outside the grid and points whose normal is zero or not finite get openness 1 and no light.
+ *
+ * \param light not NULL
+ * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
+ *        is 0
+ * \param results such a buffer, which receives point_count records of svo_gather_result, in the order of the points
+ * \param point_count at most SVO_TRACE_RAYS_MAX
+ * \param options NULL means all defaults
+ * \param queue of the context and the device of the tree's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the batch; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED or
+ *          SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, size_t point_count,
+                                      const svo_gather_options *options, cl_command_queue queue, cl_uint num_wait,
+                                      const cl_event *wait, cl_event *event);
+
+/** svo_gather_enqueue for host arrays; waits for the result.
+ *
+ * \param light not NULL
+ * \param points point_count records; NULL allowed when that is 0
+ * \param results receives point_count records, in the order of the points
+ * \param point_count at most SVO_TRACE_RAYS_MAX
+ * \param options NULL means all defaults
+ * \param queue on the context of its device; NULL: the device's own
+ * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_gather_enqueue returns, on failure. */
+SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gather_result *results,
+                              size_t point_count, const svo_gather_options *options, cl_command_queue queue);
+
+/** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
+#define SVO_LIGHT_ARGUMENTS 9u
+
+/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
+ *
+ * It declares
+ *
+ *     SVO_LIGHT_PARAMETERS    among a kernel's parameters, SVO_LIGHT_ARGUMENTS of them
+ *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters
+ *     svo_gather_point, svo_gather_result    as in light_types.h
+ *     svo_cone    origin and unit direction in world coordinates, tangent of the half angle, start and range in world
+ *                 units, step in widths, falloff, and the unit normal of the surface that it leaves (zero: none)
+ *     svo_cone_result svo_trace_cone(const svo_light *, const svo_cone *)    occlusion, transmittance, radiance, steps
+ *     svo_gather_result svo_gather(const svo_light *, const svo_gather_point *, uint cones, float step, float range,
+ *                                  float falloff)
+ *
+ * \returns a static string. */
+SVO_API const char *svo_light_kernel_source(void);
+
+/** Compiler options for svo_light_kernel_source: they select the light's form.
+ *
+ * \param light not NULL
+ * \returns a string that lives as long as the light. */
+SVO_API const char *svo_light_kernel_options(const svo_light *light);
+
+/** Sets the kernel arguments that SVO_LIGHT_PARAMETERS declares. They hold until svo_light_set_sources.
+ *
+ * \param light must outlive the kernel's launches
+ * \param kernel of the caller's, of the context of the light's device
+ * \param first_index of SVO_LIGHT_ARGUMENTS consecutive arguments
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_light_set_args(svo_light *light, cl_kernel kernel, cl_uint first_index);
+
+/* ---- pictures ---- */
+
+/** What a picture of a light shows. */
+typedef enum svo_light_view {
+    SVO_LIGHT_VIEW_FULL = 0, /**< direct, indirect and specular light and emission on the surfaces' colors */
+    SVO_LIGHT_VIEW_AO = 1, /**< ambient occlusion: open is white */
+    SVO_LIGHT_VIEW_DIRECT = 2, /**< the sources alone, with exact shadows */
+    SVO_LIGHT_VIEW_INDIRECT = 3, /**< what cones bring alone, on the surfaces' colors */
+    SVO_LIGHT_VIEW_SPECULAR = 4 /**< specular cones alone */
+} svo_light_view;
+
+/** Options of a picture. */
+typedef struct svo_light_picture {
+    size_t struct_size; /**< sizeof(svo_light_picture) */
+    uint32_t width; /**< pixels, 1 .. 16384 */
+    uint32_t height; /**< pixels, 1 .. 16384 */
+    svo_camera camera; /**< the view */
+    svo_light_view view; /**< what to show */
+    svo_gather_options gather; /**< its struct_size must be set */
+    float exposure; /**< radiance is multiplied by it before the tone curve, above 0; 0 means 1 */
+} svo_light_picture;
+
+/** Everything zero but the sizes; width, height and camera have to be set. */
+#define SVO_LIGHT_PICTURE_INIT                                                      \
+    {                                                                               \
+        .struct_size = sizeof(svo_light_picture), .gather = SVO_GATHER_OPTIONS_INIT \
+    }
+
+/** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones.
+ *
+ * \param light not NULL
+ * \param picture size, camera, view
+ * \param queue on the context of its device; NULL: the device's own
+ * \param rgba receives height rows of width * 4 bytes, top to bottom
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on
+ *          failure. */
+SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,
+                                    uint8_t *rgba);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * From the flux of leaves to their radiance. Lambertian surfaces reflect albedo / pi of their irradiance, so the
+ * premultiplied radiance of a leaf of edge h for rays along e is the sum of albedo flux max(0, -m e) over pi h^2, where
+ * m is the normal on the photon's side. Without directions it is albedo flux over pi times the surface's area in the
+ * leaf. Leaves whose material emits add its radiance, times their opacity where radiance is premultiplied.
+ *
+ *   svo_k_emission_claim    per leaf: a slot if its material emits
+ *   svo_k_lit_flags         per leaf: whether it has a slot; a scan makes places of that
+ *   svo_k_lit_leaves        per leaf: the leaves that have one, in ascending order
+ *   svo_k_radiance_bits     per lit leaf: the size of the largest radiance, from which the host finds a unit
+ *   svo_k_radiance          per lit leaf: radiance in that unit, and its sums of flux
+ *
+ * Launch: as above, rounded up to whole groups. Integers alone. Atomics claim slots (photons.cl) and find a maximum; no
+ * local memory.
+ */
+#include "light/albedo.clh"
+#include "light/slots.clh"
+#include "light/sums.clh"
+
+/* Full coverage in SVO_NEED_FILL's and SVO_NEED_PROJECTED_AREA's units. */
+#define SVO_FACE_AREA 4096u
+/* An opacity of 1: alpha times coverage. */
+#define SVO_OPAQUE (255u * SVO_FACE_AREA)
+
+#ifdef SVO_LIGHT_FACES
+#define SVO_LEAF_DIRECTIONS 6u
+#else
+#define SVO_LEAF_DIRECTIONS 1u
+#endif
+
+/* ---- which leaves are lit ---- */
+
+/* The finish of a leaf; finish_count: its material has none. */
+static uint svo_leaf_finish(__global const ushort *materials, uint leaf, const svo_exchange_params *params)
+{
+    const uint place = (params->flags & SVO_EXCHANGE_ONE_MATERIAL) != 0u ? 0u : params->leaf_begin + leaf;
+    return min((uint)materials[place], params->finish_count);
+}
+
+/* used: of each finish, whether a leaf has it. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_emission_claim(__global const ushort *materials, __global const uint *emits, volatile __global uint *used,
+                     volatile __global uint *slots, volatile __global uint *counters, svo_exchange_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf >= params.count) {
+        return;
+    }
+    const uint finish = svo_leaf_finish(materials, leaf, &params);
+    if (finish < params.finish_count && emits[finish] != 0u) {
+        atomic_or(used + finish, 1u);
+        svo_claim_slot(slots, counters, leaf);
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_lit_flags(__global const uint *slots, __global uint *flags, svo_exchange_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf < params.count) {
+        flags[leaf] = slots[leaf] != SVO_SLOT_NONE ? 1u : 0u;
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_lit_leaves(__global const uint *slots,
+                                                                                            __global const uint *places,
+                                                                                            __global uint *leaves,
+                                                                                            svo_exchange_params params)
+{
+    const uint leaf = (uint)get_global_id(0);
+    if (leaf < params.count && slots[leaf] != SVO_SLOT_NONE) {
+        leaves[places[leaf]] = leaf;
+    }
+}
+
+/* ---- radiance ---- */
+
+/* What a leaf's radiance depends on. */
+typedef struct svo_leaf_surface {
+    uint albedo[3]; /* 2^SVO_ALBEDO_UNIT_LOG2 = 1 */
+    uint alpha; /* 255 = 1 */
+    uint fill; /* surface area inside, SVO_FACE_AREA = a face; at least 1 */
+} svo_leaf_surface;
+
+static void svo_read_surface(__global const uchar4 *colors, __global const ushort *fills, uint leaf,
+                             const svo_exchange_params *params, svo_leaf_surface *out)
+{
+    const uint place = params->leaf_begin + leaf;
+    out->albedo[0] = out->albedo[1] = out->albedo[2] = SVO_ALBEDO_UNKNOWN;
+    out->alpha = 255u;
+    out->fill = SVO_FACE_AREA;
+    if ((params->flags & SVO_EXCHANGE_COLORS) != 0u) {
+        const uchar4 color = colors[(params->flags & SVO_EXCHANGE_ONE_COLOR) != 0u ? 0u : place];
+        out->albedo[0] = svo_albedo_of_byte(color.x);
+        out->albedo[1] = svo_albedo_of_byte(color.y);
+        out->albedo[2] = svo_albedo_of_byte(color.z);
+        out->alpha = color.w;
+    }
+    if ((params->flags & SVO_EXCHANGE_FILLS) != 0u) {
+        out->fill = max((uint)fills[place], 1u);
+    }
+}
+
+/* albedo * flux of a slot, over the share of the leaf's face where there are no directions. Sums are below
+   2^SVO_FLUX_TOTAL_LOG2, so this is below 2^62. */
+static ulong svo_reflected(__global const uint *sums, uint slot, uint direction, uint channel,
+                           const svo_leaf_surface *surface)
+{
+    __global const uint *of_slot = sums + (size_t)slot * SVO_LEAF_SUMS * 2;
+    const uint albedo = surface->albedo[channel];
+#ifdef SVO_LIGHT_FACES
+    const ulong sum = svo_read_wide(of_slot + 2u * (SVO_FLUX_SUMS + 3u * direction + channel));
+    return (ulong)svo_scale_wide(sum, (int)albedo, SVO_ALBEDO_UNIT_LOG2);
+#else
+    (void)direction;
+    const ulong sum = svo_read_wide(of_slot + 2u * channel);
+    return (ulong)svo_scale_wide(sum, (int)albedo, SVO_ALBEDO_UNIT_LOG2) * SVO_FACE_AREA / surface->fill;
+#endif
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_radiance_bits(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
+                    __global const uchar4 *colors, __global const ushort *fills, volatile __global uint *counters,
+                    svo_exchange_params params)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= params.count) {
+        return;
+    }
+    svo_leaf_surface surface;
+    svo_read_surface(colors, fills, leaves[item], &params, &surface);
+    ulong most = 0ul;
+    for (uint k = 0; k < 3u * SVO_LEAF_DIRECTIONS; ++k) {
+        most = max(most, svo_reflected(sums, slots[leaves[item]], k / 3u, k % 3u, &surface));
+    }
+    atomic_max(counters + SVO_PHOTON_BITS, 64u - (uint)clz(most));
+}
+
+/* reflected in the unit of radiance, rounded half up. */
+static uint svo_to_unit(ulong reflected, const svo_exchange_params *params)
+{
+    const ulong factor = (ulong)params->factor_high << 32 | params->factor_low;
+    const ulong scaled = mul_hi(reflected << 1, factor);
+    return (uint)((scaled + (1ul << params->shift >> 1)) >> params->shift);
+}
+
+#ifdef SVO_LIGHT_FACES
+
+/* How opaque a leaf is along a direction, SVO_OPAQUE = 1. */
+static uint svo_leaf_opacity(__global const ushort *areas, uint leaf, uint direction, const svo_leaf_surface *surface,
+                             const svo_exchange_params *params)
+{
+    const bool has_areas = (params->flags & SVO_EXCHANGE_AREAS) != 0u;
+    return surface->alpha * (has_areas ? min((uint)areas[6u * leaf + direction], SVO_FACE_AREA) : SVO_FACE_AREA);
+}
+
+#endif
+
+/* emission: radiance of each finish, red, green, blue. flux: six sums of a lit leaf. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
+               __global const uchar4 *colors, __global const ushort *fills, __global const ushort *areas,
+               __global const ushort *materials, __global const uint *emission, __global uint *radiance,
+               __global uint *flux, svo_exchange_params params)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= params.count) {
+        return;
+    }
+    const uint leaf = leaves[item];
+    const uint slot = slots[leaf];
+    const uint finish = params.finish_count > 0u ? svo_leaf_finish(materials, leaf, &params) : 0u;
+    svo_leaf_surface surface;
+    svo_read_surface(colors, fills, leaf, &params, &surface);
+    for (uint direction = 0; direction < SVO_LEAF_DIRECTIONS; ++direction) {
+#ifdef SVO_LIGHT_FACES
+        const uint opacity = svo_leaf_opacity(areas, leaf, direction, &surface, &params);
+#else
+        const uint opacity = SVO_OPAQUE; /* the filter multiplies by it */
+        (void)areas;
+#endif
+        for (uint channel = 0; channel < 3u; ++channel) {
+            const ulong emitted = finish < params.finish_count ? emission[3u * finish + channel] : 0u;
+            const uint own = (uint)((emitted * opacity + SVO_OPAQUE / 2u) / SVO_OPAQUE);
+            const ulong reflected = svo_reflected(sums, slot, direction, channel, &surface);
+            radiance[(item * SVO_LEAF_DIRECTIONS + direction) * 3u + channel] = own + svo_to_unit(reflected, &params);
+        }
+    }
+    for (uint k = 0; k < 2u * SVO_FLUX_SUMS; ++k) {
+        flux[(size_t)item * 2u * SVO_FLUX_SUMS + k] = sums[(size_t)slot * SVO_LEAF_SUMS * 2 + k];
+    }
+}

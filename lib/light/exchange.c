@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+/* The host's part of the exchange: which leaves are lit, and the unit of their radiance. */
+#include "light/exchange.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "svocl/nodes.h"
+#include "svocl/plan.h"
+
+#define PI 3.14159265358979323846
+/* The exponents that the unit of radiance may have, with room for the largest radiance in a float. */
+#define UNIT_EXPONENT_MIN (-120)
+#define UNIT_EXPONENT_MAX 90
+
+/* What the steps share. */
+typedef struct exchange {
+    svo_i_photons *photons;
+    svo_i_compact_work *work;
+    svo_light *light;
+    const svo_finish *finishes;
+    uint32_t finish_count; /* 0: nothing emits, or the tree has no materials */
+    svo_exchange_params params;
+    cl_mem emission; /* 3 u32 a finish; NULL: none */
+    double brightest; /* emission of a leaf */
+    double radiance_of_one; /* of a sum of 1, on a surface of albedo 1 */
+} exchange;
+
+/* What the kernels need to know of the tree. */
+static void describe_tree(exchange *e)
+{
+    const svo_tree_info *info = &e->light->tree->info;
+    const bool areas = e->light->info.opacity == SVO_OPACITY_AREA;
+    const double edge = ldexp(1.0 / info->scale, (int)(info->snap_bits - info->depth));
+    e->params.leaf_begin = (cl_uint)(info->inner_count - info->level_begin[info->payload_level]);
+    e->params.flags = ((info->need & SVO_NEED_COLOR) != 0 ? SVO_EXCHANGE_COLORS : 0) |
+                      (svo_i_tree_is_constant(info, SVO_TREE_COLORS) ? SVO_EXCHANGE_ONE_COLOR : 0) |
+                      (svo_i_tree_is_constant(info, SVO_TREE_MATERIALS) ? SVO_EXCHANGE_ONE_MATERIAL : 0) |
+                      ((info->need & SVO_NEED_FILL) != 0 ? SVO_EXCHANGE_FILLS : 0) | (areas ? SVO_EXCHANGE_AREAS : 0);
+    e->radiance_of_one = e->photons->unit / (PI * edge * edge);
+}
+
+/* ---- emission ---- */
+
+static float largest_of(const float values[3])
+{
+    const float two = values[0] > values[1] ? values[0] : values[1];
+    return two > values[2] ? two : values[2];
+}
+
+/* Claims slots for the leaves of emitting materials, and finds the brightest of those materials. emits: a word a
+   finish, whether it emits; becomes whether a leaf has it. */
+static svo_status claim_emitting(exchange *e, uint32_t *emits)
+{
+    const size_t bytes = e->finish_count * sizeof *emits;
+    const svo_tree *tree = e->light->tree;
+    cl_mem given = NULL;
+    cl_mem used = NULL;
+    SVO_I_TRY(svo_i_work_alloc(e->work, "light_emits", bytes, &given));
+    SVO_I_TRY(svo_i_work_alloc(e->work, "light_emits_used", bytes, &used));
+    SVO_I_TRY(svo_i_work_write(e->work, given, emits, bytes));
+    SVO_I_TRY(svo_i_work_fill_zero(e->work, used, bytes));
+    e->params.count = (cl_uint)tree->info.leaf_count;
+    e->params.finish_count = e->finish_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
+                                        SVO_I_ARGUMENT(given),
+                                        SVO_I_ARGUMENT(used),
+                                        SVO_I_ARGUMENT(e->photons->slots),
+                                        SVO_I_ARGUMENT(e->photons->counters),
+                                        SVO_I_ARGUMENT(e->params)};
+    SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_emission_claim", SVO_I_ARGUMENTS(arguments), e->params.count));
+    SVO_I_TRY(svo_i_work_read(e->work, used, 0, emits, bytes));
+    svo_i_work_free(e->work, &given);
+    svo_i_work_free(e->work, &used);
+    return svo_i_photons_make_room(e->photons);
+}
+
+static svo_status find_emitting(exchange *e)
+{
+    if (e->finish_count == 0) {
+        return SVO_OK;
+    }
+    uint32_t *emits = svo_i_alloc_zeroed(&e->light->device->memory, e->finish_count, sizeof *emits);
+    if (emits == NULL) {
+        return svo_i_device_fail(e->light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u finishes",
+                                 e->work->function, e->finish_count);
+    }
+    for (uint32_t i = 0; i < e->finish_count; ++i) {
+        emits[i] = largest_of(e->finishes[i].emission) > 0.0F ? 1 : 0;
+    }
+    const svo_status status = claim_emitting(e, emits);
+    for (uint32_t i = 0; status == SVO_OK && i < e->finish_count; ++i) {
+        const double emission = largest_of(e->finishes[i].emission);
+        e->brightest = emits[i] != 0 && emission > e->brightest ? emission : e->brightest;
+    }
+    svo_i_free(emits);
+    return status;
+}
+
+/* The emission of finishes in units of radiance. Those that no leaf has may be brighter than all that can be stored. */
+static svo_status upload_emission(exchange *e, double unit)
+{
+    const double most = (double)(UINT32_C(1) << SVO_RADIANCE_MOST_LOG2);
+    const size_t count = (size_t)e->finish_count * 3;
+    if (count == 0) {
+        return SVO_OK;
+    }
+    uint32_t *values = svo_i_alloc(&e->light->device->memory, count * sizeof *values);
+    if (values == NULL) {
+        return svo_i_device_fail(e->light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u finishes",
+                                 e->work->function, e->finish_count);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const double value = (double)e->finishes[i / 3].emission[i % 3] / unit + 0.5;
+        values[i] = (uint32_t)(value < most ? value : most);
+    }
+    svo_status status = svo_i_work_alloc(e->work, "light_emission", count * sizeof *values, &e->emission);
+    if (status == SVO_OK) {
+        status = svo_i_work_write(e->work, e->emission, values, count * sizeof *values);
+    }
+    svo_i_free(values);
+    return status;
+}
+
+/* ---- lit leaves ---- */
+
+/* The leaves that have slots, in ascending order. */
+static svo_status list_leaves(exchange *e, svo_i_lit_leaves *lit)
+{
+    const uint64_t leaf_count = e->light->tree->info.leaf_count;
+    cl_mem flags = NULL;
+    cl_mem places = NULL;
+    e->params.count = (cl_uint)leaf_count;
+    SVO_I_TRY(svo_i_work_alloc(e->work, "lit_flags", leaf_count * sizeof(cl_uint), &flags));
+    SVO_I_TRY(svo_i_work_alloc(e->work, "lit_places", (leaf_count + 1) * sizeof(cl_uint), &places));
+    SVO_I_TRY(svo_i_work_alloc(e->work, "lit_leaves", lit->lit_count * sizeof(cl_uint), &lit->leaves));
+    const svo_i_argument mark[] = {SVO_I_ARGUMENT(e->photons->slots), SVO_I_ARGUMENT(flags), SVO_I_ARGUMENT(e->params)};
+    const svo_i_argument list[] = {SVO_I_ARGUMENT(e->photons->slots), SVO_I_ARGUMENT(places),
+                                   SVO_I_ARGUMENT(lit->leaves), SVO_I_ARGUMENT(e->params)};
+    SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_lit_flags", SVO_I_ARGUMENTS(mark), leaf_count));
+    SVO_I_TRY(svo_i_work_scan(e->work, flags, places, leaf_count));
+    SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_lit_leaves", SVO_I_ARGUMENTS(list), leaf_count));
+    svo_i_work_free(e->work, &flags);
+    svo_i_work_free(e->work, &places);
+    return SVO_OK;
+}
+
+/* ---- radiance ---- */
+
+/* Bits of the largest radiance of photons, before it has a unit. */
+static svo_status find_bits(exchange *e, const svo_i_lit_leaves *lit, uint32_t *bits)
+{
+    const svo_tree *tree = e->light->tree;
+    e->params.count = (cl_uint)lit->lit_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
+                                        SVO_I_ARGUMENT(e->photons->slots),
+                                        SVO_I_ARGUMENT(e->photons->sums),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
+                                        SVO_I_ARGUMENT(e->photons->counters),
+                                        SVO_I_ARGUMENT(e->params)};
+    SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_radiance_bits", SVO_I_ARGUMENTS(arguments), lit->lit_count));
+    return svo_i_work_read(e->work, e->photons->counters, SVO_PHOTON_BITS * sizeof *bits, bits, sizeof *bits);
+}
+
+/* The least power of two that is not below value; 0 for a value of 0. */
+static double power_above(double value)
+{
+    int exponent = 0;
+    const double fraction = frexp(value, &exponent);
+    return value > 0 ? ldexp(1.0, fraction > 0.5 ? exponent : exponent - 1) : 0;
+}
+
+/* The unit in which the largest radiance has SVO_RADIANCE_MOST_LOG2 bits, and the factor of sums. */
+static svo_status choose_unit(exchange *e, uint32_t bits, double *unit)
+{
+    const double most = ldexp(1.0, SVO_RADIANCE_MOST_LOG2);
+    const double of_photons = bits > 0 ? ldexp(e->radiance_of_one, (int)bits) / most : 0;
+    /* A unit finer than that of sums would say no more. */
+    const double finest = bits > 0 ? e->radiance_of_one : 0;
+    const double of_emission = e->brightest / most;
+    *unit = power_above(fmax(of_photons, fmax(finest, of_emission)));
+    *unit = *unit > 0 ? *unit : 1;
+    if (*unit < ldexp(1.0, UNIT_EXPONENT_MIN) || *unit > ldexp(1.0, UNIT_EXPONENT_MAX)) {
+        return svo_i_device_fail(e->light->device, SVO_UNSUPPORTED,
+                                 "%s: radiance up to %g is beyond the range of floats", e->work->function,
+                                 *unit * most);
+    }
+    int exponent = 0;
+    const double fraction = frexp(e->radiance_of_one / *unit, &exponent); /* at most 1, where there is any flux */
+    const bool too_small = bits == 0 || exponent < -62;
+    const uint64_t factor = too_small ? 0 : (uint64_t)ldexp(fraction, exponent > 0 ? 64 : 63);
+    e->params.factor_low = (cl_uint)factor;
+    e->params.factor_high = (cl_uint)(factor >> 32);
+    e->params.shift = too_small || exponent > 0 ? 0 : (cl_uint)-exponent;
+    return SVO_OK;
+}
+
+static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
+{
+    const svo_tree *tree = e->light->tree;
+    const uint64_t values = e->photons->has_directions ? SVO_FACE_SUMS : 3;
+    svo_light_info *info = &e->light->info;
+    info->bytes[SVO_LIGHT_FLUX] = lit->lit_count * SVO_FLUX_SUMS * sizeof(cl_ulong);
+    SVO_I_TRY(svo_i_light_buffer(e->work, e->light, SVO_LIGHT_FLUX));
+    SVO_I_TRY(svo_i_work_alloc(e->work, "lit_radiance", lit->lit_count * values * sizeof(cl_uint), &lit->radiance));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
+                                        SVO_I_ARGUMENT(e->photons->slots),
+                                        SVO_I_ARGUMENT(e->photons->sums),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
+                                        SVO_I_ARGUMENT(e->emission),
+                                        SVO_I_ARGUMENT(lit->radiance),
+                                        SVO_I_ARGUMENT(e->light->buffers[SVO_LIGHT_FLUX]),
+                                        SVO_I_ARGUMENT(e->params)};
+    return svo_i_work_launch(e->work, "svo_k_radiance", SVO_I_ARGUMENTS(arguments), lit->lit_count);
+}
+
+svo_status svo_i_light_exchange(svo_i_photons *photons, svo_light *light, const svo_finish *finishes,
+                                size_t finish_count, svo_i_lit_leaves *lit)
+{
+    const bool has_materials = (light->tree->info.need & SVO_NEED_MATERIAL) != 0;
+    exchange e = {.photons = photons,
+                  .work = photons->work,
+                  .light = light,
+                  .finishes = finishes,
+                  .finish_count = has_materials ? (uint32_t)finish_count : 0};
+    uint32_t bits = 0;
+    double unit = 0;
+    *lit = (svo_i_lit_leaves){.unit = 1};
+    SVO_I_TRY(svo_i_photons_use(photons));
+    describe_tree(&e);
+    SVO_I_TRY(find_emitting(&e));
+    lit->lit_count = photons->slot_count;
+    if (lit->lit_count == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(list_leaves(&e, lit));
+    SVO_I_TRY(find_bits(&e, lit, &bits));
+    SVO_I_TRY(choose_unit(&e, bits, &unit));
+    SVO_I_TRY(upload_emission(&e, unit));
+    lit->unit = (float)unit;
+    e.params.finish_count = e.brightest > 0 ? e.finish_count : 0;
+    SVO_I_TRY(make_radiance(&e, lit));
+    svo_i_work_free(e.work, &e.emission);
+    return SVO_OK;
+}

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Photons into leaves, in bands of a view: weights from the host, rays, hits by the batches of lib/rays, the leaf of
+ * each hit, and sums. Which leaves get light is not known before, so they claim slots among the sums, which grow.
+ */
+#include "light/photons.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "svocl/plan.h"
+#include "svocl/trace.h"
+
+/* Photons of a work-item of those that find and add. */
+#define ITEM_PHOTONS 4
+/* The first room for slots. */
+#define FIRST_SLOTS (UINT32_C(1) << 16)
+
+/* ---- buffers ---- */
+
+uint64_t svo_i_photons_sums_of_slot(const svo_i_photons *photons)
+{
+    return photons->has_directions ? SVO_FLUX_SUMS + SVO_FACE_SUMS : SVO_FLUX_SUMS;
+}
+
+static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
+{
+    return slots * svo_i_photons_sums_of_slot(photons) * sizeof(cl_ulong);
+}
+
+svo_status svo_i_photons_use(const svo_i_photons *photons)
+{
+    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS,
+                          photons->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
+}
+
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
+                               svo_i_photons *out)
+{
+    const svo_tree_info *info = &tree->info;
+    const uint64_t slot_bytes = info->leaf_count * sizeof(cl_uint);
+    *out = (svo_i_photons){.work = work,
+                           .tree = tree,
+                           .has_directions = has_directions,
+                           .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
+                           .unit = unit,
+                           .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_sums", sum_bytes(out, out->slot_room), &out->sums));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_counters", SVO_PHOTON_COUNTERS * sizeof(cl_uint), &out->counters));
+    SVO_I_TRY(svo_i_work_fill(work, out->slots, SVO_SLOT_NONE, slot_bytes));
+    SVO_I_TRY(svo_i_work_fill_zero(work, out->sums, sum_bytes(out, out->slot_room)));
+    return svo_i_work_fill_zero(work, out->counters, SVO_PHOTON_COUNTERS * sizeof(cl_uint));
+}
+
+svo_status svo_i_photons_make_bands(svo_i_photons *photons)
+{
+    if (photons->leaves != NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_weights", SVO_I_BAND_PHOTONS * sizeof(svo_photon_weight),
+                               &photons->weights));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", SVO_I_BAND_PHOTONS * sizeof(svo_hit), &photons->met));
+    return svo_i_work_alloc(photons->work, "photon_leaves", SVO_I_BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
+}
+
+void svo_i_photons_release_bands(svo_i_photons *photons)
+{
+    svo_i_work_free(photons->work, &photons->weights);
+    svo_i_work_free(photons->work, &photons->rays);
+    svo_i_work_free(photons->work, &photons->met);
+    svo_i_work_free(photons->work, &photons->leaves);
+}
+
+void svo_i_photons_release(svo_i_photons *photons)
+{
+    svo_i_photons_release_bands(photons);
+    svo_i_work_free(photons->work, &photons->slots);
+    svo_i_work_free(photons->work, &photons->sums);
+    svo_i_work_free(photons->work, &photons->counters);
+}
+
+static svo_status grow_sums(svo_i_photons *photons, uint64_t least)
+{
+    const uint64_t most = photons->tree->info.leaf_count;
+    const uint64_t room = 2 * least < most ? 2 * least : most;
+    cl_mem larger = NULL;
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
+    SVO_I_TRY(svo_i_work_fill_zero(photons->work, larger, sum_bytes(photons, room)));
+    SVO_I_TRY(svo_i_work_copy(photons->work, photons->sums, 0, larger, 0, sum_bytes(photons, photons->slot_room)));
+    svo_i_work_free(photons->work, &photons->sums);
+    photons->sums = larger;
+    photons->slot_room = room;
+    return SVO_OK;
+}
+
+svo_status svo_i_photons_make_room(svo_i_photons *photons)
+{
+    cl_uint counted[2] = {0, 0};
+    SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, 0, counted, sizeof counted));
+    photons->slot_count = counted[SVO_PHOTON_SLOTS];
+    /* The counter of hits may wrap between many views; a band has fewer. */
+    photons->hits += (cl_uint)(counted[SVO_PHOTON_HITS] - (cl_uint)photons->hits);
+    return photons->slot_count > photons->slot_room ? grow_sums(photons, photons->slot_count) : SVO_OK;
+}
+
+/* ---- a band ---- */
+
+static svo_status upload_weights(svo_i_photons *photons, const svo_i_light_view *view, uint32_t first, uint32_t count)
+{
+    svo_photon_weight *weights = svo_i_alloc(&photons->tree->device->memory, count * sizeof *weights);
+    if (weights == NULL) {
+        return svo_i_device_fail(photons->tree->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "%s: no memory for the weights of %u photons", photons->work->function, count);
+    }
+    photons->shot += svo_i_view_weights(view, first, count, weights);
+    const svo_status status = svo_i_work_write(photons->work, photons->weights, weights, count * sizeof *weights);
+    svo_i_free(weights);
+    return status;
+}
+
+svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
+{
+    svo_i_compact_work *work = photons->work;
+    cl_event done = NULL;
+    const svo_status status = photons->of_triangles
+                                  ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count,
+                                                           SVO_TRACE_CLOSEST, work->queue, 1, &work->last, &done)
+                                  : svo_tree_trace_voxels_enqueue(photons->tree, photons->rays, photons->met, count,
+                                                                  0.0F, work->queue, 1, &work->last, &done);
+    if (status != SVO_OK) {
+        svo_i_message_rename(svo_i_device_message(work->device), work->function);
+        return status;
+    }
+    svo_i_work_follow(work, done);
+    return SVO_OK;
+}
+
+svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims)
+{
+    const svo_tree *tree = photons->tree;
+    const svo_photon_params params = {.depth = tree->info.depth,
+                                      .snap_bits = tree->info.snap_bits,
+                                      .leaf_begin = (cl_uint)tree->info.inner_count,
+                                      .leaf_count = (cl_uint)tree->info.leaf_count,
+                                      .triangle_count = (cl_uint)tree->info.list_triangle_count,
+                                      .count = count,
+                                      .claims = claims};
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    const uint64_t items = (count + ITEM_PHOTONS - 1) / ITEM_PHOTONS;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
+                                        SVO_I_ARGUMENT(photons->met),
+                                        SVO_I_ARGUMENT(photons->leaves),
+                                        SVO_I_ARGUMENT(photons->slots),
+                                        SVO_I_ARGUMENT(photons->counters),
+                                        scratch,
+                                        SVO_I_ARGUMENT(params)};
+    const svo_i_argument *of_voxels = &arguments[7]; /* without lists */
+    const cl_uint argument_count = (cl_uint)(sizeof arguments / sizeof arguments[0]);
+    return photons->of_triangles
+               ? svo_i_work_launch(photons->work, "svo_k_photon_find", arguments, argument_count, items)
+               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 7, items);
+}
+
+static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
+{
+    svo_i_compact_work *work = photons->work;
+    const double start = svo_i_now_ms();
+    const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
+                                   SVO_I_ARGUMENT(*params)};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),
+                                  SVO_I_ARGUMENT(photons->leaves),  SVO_I_ARGUMENT(photons->slots),
+                                  SVO_I_ARGUMENT(photons->sums),    SVO_I_ARGUMENT(photons->counters),
+                                  SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
+    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
+    SVO_I_TRY(svo_i_work_wait(work));
+    const double traced = svo_i_now_ms();
+    SVO_I_TRY(svo_i_photons_find(photons, params->count, 1));
+    SVO_I_TRY(svo_i_photons_make_room(photons));
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
+                                (params->count + ITEM_PHOTONS - 1) / ITEM_PHOTONS));
+    SVO_I_TRY(svo_i_work_wait(work));
+    photons->view_ms += traced - start;
+    photons->sum_ms += svo_i_now_ms() - traced;
+    return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
+}
+
+/* All bands of a view. */
+static svo_status shoot_bands(svo_i_photons *photons, const svo_i_light_view *view, svo_light_view_params *params)
+{
+    for (uint32_t first = 0; first < view->photon_count; first += SVO_I_BAND_PHOTONS) {
+        params->first = first;
+        params->count =
+            view->photon_count - first < SVO_I_BAND_PHOTONS ? view->photon_count - first : SVO_I_BAND_PHOTONS;
+        SVO_I_TRY(shoot_band(photons, view, params));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3])
+{
+    svo_light_view_params params = view->params;
+    SVO_I_TRY(svo_i_photons_make_bands(photons));
+    SVO_I_TRY(svo_i_photons_use(photons));
+    for (int channel = 0; channel < 3; ++channel) {
+        const uint64_t flux = (uint64_t)((double)value[channel] * view->pixel / photons->unit + 0.5);
+        params.flux[2 * channel] = (cl_uint)flux;
+        params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
+    }
+    if (photons->map == NULL) {
+        return shoot_bands(photons, view, &params);
+    }
+    SVO_I_TRY(svo_i_node_map_begin(photons->map, photons->work, &params));
+    const svo_status status = shoot_bands(photons, view, &params);
+    svo_i_node_map_end(photons->map, &params);
+    return status;
+}
+
+/* ---- totals ---- */
+
+svo_status svo_i_photons_total(svo_i_photons *photons, svo_i_flux_totals *totals)
+{
+    const svo_photon_params params = {.count = (cl_uint)photons->slot_count};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(photons->sums), SVO_I_ARGUMENT(photons->counters),
+                                        SVO_I_ARGUMENT(params)};
+    cl_uint counters[SVO_PHOTON_COUNTERS] = {0};
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_total", SVO_I_ARGUMENTS(arguments),
+                                (photons->slot_count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
+    SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, 0, counters, sizeof counters));
+    for (int channel = 0; channel < 3; ++channel) {
+        const cl_uint *in_leaves = &counters[SVO_PHOTON_IN_LEAF + 2 * channel];
+        const cl_uint *lost = &counters[SVO_PHOTON_NO_LEAF + 2 * channel];
+        totals->in_leaves[channel] = (uint64_t)in_leaves[1] << 32 | in_leaves[0];
+        totals->lost[channel] = (uint64_t)lost[1] << 32 | lost[0];
+    }
+    return SVO_OK;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* Photons from light views into the sums of leaves: kernels/light/light_view.cl and photons.cl. */
+#ifndef SVO_LIB_LIGHT_PHOTONS_H
+#define SVO_LIB_LIGHT_PHOTONS_H
+
+#include "compact/work.h"
+#include "core/tree.h"
+#include "light/light_view.h"
+#include "light/node_map.h"
+
+/* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
+#define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)
+
+/* What photons leave behind. Buffers belong to the work. */
+typedef struct svo_i_photons {
+    svo_i_compact_work *work;
+    svo_tree *tree;
+    bool has_directions; /* of radiance */
+    bool of_triangles; /* that photons meet; else voxels */
+    double unit; /* world flux of one */
+    cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */
+    cl_mem sums; /* of the slots */
+    cl_mem counters; /* SVO_PHOTON_COUNTERS */
+    uint64_t slot_room, slot_count;
+    uint64_t shot; /* photons with flux */
+    uint64_t hits; /* 64 bits of what the counter has 32 of */
+    cl_mem weights, rays, met, leaves; /* of a band */
+    svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
+    double view_ms, sum_ms; /* rays; leaves and sums */
+} svo_i_photons;
+
+/* Begins: no leaf has a slot. unit: a power of two; all photons together have less flux than
+   2^SVO_FLUX_TOTAL_LOG2 of it. */
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
+                               svo_i_photons *out);
+/* Shoots all photons of a view. value: red, green, blue of its source. */
+svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
+/* Buffers for a band, kept from view to view. */
+svo_status svo_i_photons_make_bands(svo_i_photons *photons);
+/* What the band's rays meet, and the leaves of that. claims: not 0: the leaves get slots, and hits are counted. */
+svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count);
+svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims);
+/* Releases the buffers of bands, which only shooting needs; and the rest. The work does so otherwise. */
+void svo_i_photons_release_bands(svo_i_photons *photons);
+void svo_i_photons_release(svo_i_photons *photons);
+
+/* Selects the program of photons and of their exchange. */
+svo_status svo_i_photons_use(const svo_i_photons *photons);
+/* Makes room for the slots that have been claimed, and reads how many there are. */
+svo_status svo_i_photons_make_room(svo_i_photons *photons);
+/* 64-bit numbers of one slot. */
+uint64_t svo_i_photons_sums_of_slot(const svo_i_photons *photons);
+
+/* The flux of all lit leaves, and the flux that hit the tree without a leaf: red, green, blue in units. */
+typedef struct svo_i_flux_totals {
+    uint64_t in_leaves[3], lost[3];
+} svo_i_flux_totals;
+svo_status svo_i_photons_total(svo_i_photons *photons, svo_i_flux_totals *totals);
+
+#endif

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/* The truth is traced once for each scene; methods are compared with it afterwards. */
+#include "errors/cone_truth.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "measure/spread.h"
+#include "measure/surface_points.h"
+
+#define SEED            1u
+#define TREE_DEPTH      6u /* rays do not depend on it */
+#define RANGE           0.25 /* of ambient occlusion, in widths of the grid */
+#define BURIED_RANGE    0x1p-6 /* in widths of the grid */
+#define BURIED_OPENNESS 0.1
+#define BURIED_SAMPLES  64u
+#define CANDIDATE_SHARE 2u /* points that are tried for each one that is kept */
+
+static bool build_tree(error_run *run, cone_truth *truth)
+{
+    const session *opened = &run->opened;
+    const svo_plan_options plan_options = {.struct_size = sizeof plan_options, .need = SVO_NEED_RAYS};
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_plan *plan = NULL;
+    const bool built =
+        svo_plan_create(opened->device, scene_mesh(truth->made), TREE_DEPTH, &plan_options, &plan) == SVO_OK &&
+        svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &truth->tree, NULL) ==
+            SVO_OK;
+    svo_plan_destroy(&plan);
+    if (built) {
+        svo_tree_get_info(truth->tree, &info);
+        truth->edge = info.edge;
+        truth->range = RANGE * info.edge;
+    }
+    return built;
+}
+
+/* Of ambient occlusion within a range, or with light. */
+static svo_status trace(const error_run *run, const cone_truth *truth, double range, const svo_gather_point *points,
+                        size_t count, unsigned samples, path_result *results)
+{
+    const svo_light_setup dark = SVO_LIGHT_SETUP_INIT;
+    const path_scene paths = {.tree = truth->tree,
+                              .mesh = scene_mesh(truth->made),
+                              .queue = run->opened.queue,
+                              .setup = samples == BURIED_SAMPLES ? &dark : &truth->setup,
+                              .range = range,
+                              .threads = run->threads};
+    return path_trace(&paths, points, count, samples, SEED, results);
+}
+
+/* Keeps point_count of the candidates that are not buried, evenly spread among them; fewer where there are fewer. */
+static void keep_points(const svo_gather_point *candidates, const path_result *seen, size_t candidate_count,
+                        size_t point_count, cone_truth *truth)
+{
+    size_t visible = 0;
+    size_t passed = 0;
+    for (size_t i = 0; i < candidate_count; ++i) {
+        visible += seen[i].openness >= BURIED_OPENNESS;
+    }
+    const size_t wanted = visible < point_count ? visible : point_count;
+    for (size_t i = 0; i < candidate_count && truth->count < wanted; ++i) {
+        if (seen[i].openness >= BURIED_OPENNESS && passed++ * wanted / visible == truth->count) {
+            truth->points[truth->count++] = candidates[i];
+        }
+    }
+}
+
+static bool make_points(const error_run *run, size_t point_count, cone_truth *truth)
+{
+    const size_t candidate_count = CANDIDATE_SHARE * point_count;
+    svo_gather_point *candidates = calloc(candidate_count, sizeof *candidates);
+    path_result *seen = calloc(candidate_count, sizeof *seen);
+    truth->points = calloc(point_count, sizeof *truth->points);
+    truth->results = calloc(point_count, sizeof *truth->results);
+    const bool worked =
+        candidates != NULL && seen != NULL && truth->points != NULL && truth->results != NULL &&
+        surface_points(scene_mesh(truth->made), candidate_count, SEED, candidates) &&
+        trace(run, truth, BURIED_RANGE * truth->edge, candidates, candidate_count, BURIED_SAMPLES, seen) == SVO_OK;
+    if (worked) {
+        keep_points(candidates, seen, candidate_count, point_count, truth);
+    }
+    free(candidates);
+    free(seen);
+    return worked && truth->count > 0;
+}
+
+static void sum_up(cone_truth *truth)
+{
+    for (size_t i = 0; i < truth->count; ++i) {
+        const path_result *one = &truth->results[i];
+        truth->largest_error = fmax(truth->largest_error, one->openness_error);
+        for (int channel = 0; channel < 3; ++channel) {
+            truth->mean_irradiance += one->irradiance[channel] / (3.0 * (double)truth->count);
+        }
+    }
+}
+
+int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count, unsigned samples, cone_truth *out)
+{
+    *out = (cone_truth){.name = given->name, .source = given->source, .setup = SVO_LIGHT_SETUP_INIT};
+    out->made = errors_scene(run, given->spec);
+    if (out->made == NULL) {
+        return PROGRAM_FAILED;
+    }
+    out->setup.sources = &out->source;
+    out->setup.source_count = 1;
+    for (int channel = 0; channel < 3; ++channel) {
+        out->setup.sky[channel] = given->sky[channel];
+    }
+    out->samples = path_sample_count(samples);
+    if (!build_tree(run, out) || !make_points(run, point_count, out) ||
+        trace(run, out, out->range, out->points, out->count, samples, out->results) != SVO_OK) {
+        cone_truth_free(out);
+        return errors_fail(run);
+    }
+    sum_up(out);
+    return PROGRAM_DONE;
+}
+
+void cone_truth_free(cone_truth *truth)
+{
+    svo_tree_destroy(&truth->tree);
+    scene_destroy(&truth->made);
+    free(truth->points);
+    free(truth->results);
+    *truth = (cone_truth){.count = 0};
+}
+
+/* ---- errors ---- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double left = *(const double *)a;
+    const double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+/* Takes the signed differences and replaces them by sorted sizes. */
+static truth_error summarize(double *differences, size_t count)
+{
+    truth_error error = {0};
+    for (size_t i = 0; i < count; ++i) {
+        error.bias += differences[i] / (double)count;
+        error.rmse += differences[i] * differences[i] / (double)count;
+        differences[i] = fabs(differences[i]);
+    }
+    qsort(differences, count, sizeof *differences, compare_doubles);
+    error.rmse = sqrt(error.rmse);
+    error.p99 = spread_quantile(differences, count, 0.99);
+    error.largest = differences[count - 1];
+    return error;
+}
+
+truth_error cone_truth_openness_error(const cone_truth *truth, const double *openness)
+{
+    double *differences = calloc(truth->count, sizeof *differences);
+    truth_error error = {NAN, NAN, NAN, NAN};
+    for (size_t i = 0; i < truth->count && differences != NULL; ++i) {
+        differences[i] = openness[i] - truth->results[i].openness;
+    }
+    if (differences != NULL) {
+        error = summarize(differences, truth->count);
+    }
+    free(differences);
+    return error;
+}
+
+truth_error cone_truth_irradiance_error(const cone_truth *truth, const double *irradiance)
+{
+    double *differences = calloc(3 * truth->count, sizeof *differences);
+    truth_error error = {NAN, NAN, NAN, NAN};
+    for (size_t i = 0; i < 3 * truth->count && differences != NULL; ++i) {
+        differences[i] = (irradiance[i] - truth->results[i / 3].irradiance[i % 3]) / truth->mean_irradiance;
+    }
+    if (differences != NULL) {
+        error = summarize(differences, 3 * truth->count);
+    }
+    free(differences);
+    return error;
+}
