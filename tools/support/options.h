@@ -34,7 +34,8 @@ enum option_group {
     OPTION_FORM = 65536, /* form */
     OPTION_SOLID = 131072, /* solid */
     OPTION_VOXELS = 262144, /* what is read of a voxel file */
-    OPTION_CONVERT_COMMAND = 524288 /* a second argument, the file to write */
+    OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
+    OPTION_WEB_COMMAND = 1048576 /* max-bytes */
 };
 
 enum option_frontend {
@@ -55,6 +56,7 @@ enum option_frontend {
 #define OPTION_VERSUS_GRID    3
 
 #define OPTION_DEFAULT_DEPTH 8
+#define OPTION_DEFAULT_PAGE  ((uint64_t)32 << 20) /* bytes */
 #define OPTION_CONTEXT_AUTO  (-1)
 
 typedef struct options {
@@ -106,6 +108,7 @@ typedef struct options {
     const char *docs; /* report: the folder whose documents are updated; NULL: none */
     const char *rays_path, *camera; /* trace: NULL: not given */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
+    uint64_t max_bytes; /* export-web: of the page */
 } options;
 
 enum option_output {

@@ -143,7 +143,8 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .width = 1024,
                                .height = 768,
                                .count = 8,
-                               .ray_count = 1000000};
+                               .ray_count = 1000000,
+                               .max_bytes = OPTION_DEFAULT_PAGE};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;
