@@ -13,13 +13,13 @@ source "${BASH_SOURCE[0]%/*}/complain.sh"
 
 # --- pages ---
 
-mapfile -t commands < <("$program" --help | sed -n 's/^  \([a-z]\{1,\}\)  .*/\1/p')
-((${#commands[@]} >= 13)) || complain "only ${#commands[@]} commands in the help"
+mapfile -t commands < <("$program" --help | sed -n 's/^  \([a-z-]\{1,\}\)  .*/\1/p')
+((${#commands[@]} >= 16)) || complain "only ${#commands[@]} commands in the help"
 "$program" man -o "$work/pages"
 for command in "${commands[@]}"; do
     page=$work/pages/svocl-$command.1
     [[ -s $page ]] || complain "no page of $command"
-    grep -q "svocl.-$command" "$work/pages/svocl.1" || complain "svocl.1 lacks $command"
+    grep -q -F -e "svocl\\-${command//-/\\-}\\fR" "$work/pages/svocl.1" || complain "svocl.1 lacks $command"
     cmp -s <("$program" man "$command") "$page" || complain "svocl man $command prints another page than it writes"
     while read -r option; do
         grep -q -F -e "\\-\\-${option//-/\\-}\\fR" "$page" || complain "svocl-$command.1 lacks --$option"
@@ -62,6 +62,7 @@ touch model.obj 'my model.ply'
 mkdir folder
 expect_completion 'build bench' svocl b
 expect_completion '--frontend' svocl build --fro
+expect_completion '--max-bytes' svocl export-web --max
 expect_completion 'model.obj' svocl convert mo
 expect_completion '--depth --device' svocl build --de
 expect_completion 'cl' svocl build scene : cube --frontend c

@@ -63,13 +63,32 @@ static void expect_narrow(const char *text)
 static void help_goes_to_standard_output(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"--help",        "help",           "devices --help",    "scene --help",
-                                        "help build",    "info --help",    "hash --help",       "verify --help",
-                                        "render --help", "trace --help",   "reference --help",  "stress --help",
-                                        "report --help", "kernels --help", "man --help",        "--version",
-                                        "scene",         "scene --json",   "build -h",          "bench --help",
-                                        "man",           "man build",      "completion --help", "completion bash",
-                                        "completion zsh"};
+    static const char *const lines[] = {"--help",
+                                        "help",
+                                        "devices --help",
+                                        "scene --help",
+                                        "help build",
+                                        "info --help",
+                                        "hash --help",
+                                        "verify --help",
+                                        "render --help",
+                                        "trace --help",
+                                        "reference --help",
+                                        "stress --help",
+                                        "report --help",
+                                        "kernels --help",
+                                        "man --help",
+                                        "--version",
+                                        "scene",
+                                        "scene --json",
+                                        "build -h",
+                                        "bench --help",
+                                        "man",
+                                        "man build",
+                                        "completion --help",
+                                        "completion bash",
+                                        "completion zsh",
+                                        "export-web -h"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[64];
         snprintf(line, sizeof line, "$SVOCL %s", lines[i]);

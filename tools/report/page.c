@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fills the template of the page. page.html names its style sheet and scripts, so that it opens in a browser as it is;
- * here each reference gives way to the embedded file. The scripts make tables and charts from a block of JSON:
+ * Fills the template of the page, page.html, which opens in a browser as it is too. The scripts make tables and charts
+ * from a block of JSON:
  *
  *   {"results": what results.json holds, "origin": "full",
  *    "pictures": [{"name": "atrium", "caption": "...", "width": 1120, "height": 700, "source": "data:image/png;..."}]}
@@ -9,10 +9,9 @@
 #include "report/page.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "measure/result_json.h"
-#include "report/text.h"
+#include "support/page_template.h"
 
 #define DATA_OPEN "<script id=\"data\" type=\"application/json\">"
 
@@ -31,7 +30,7 @@ static cJSON *make_source(const picture *one)
         return NULL;
     }
     fputs("data:image/png;base64,", stream);
-    text_base64(one->png, one->png_bytes, stream);
+    page_template_base64(one->png, one->png_bytes, stream);
     cJSON *source = fclose(stream) == 0 ? cJSON_CreateString(text) : NULL;
     free(text);
     return source;
@@ -67,29 +66,12 @@ static char *make_data(const page_content *content)
     return text;
 }
 
-/* ---- the template ---- */
-
-/* What stands in the template, and what takes its place. */
-typedef struct replacement {
-    const char *reference, *open, *text, *close;
-    bool is_json;
-} replacement;
-
-static void write_replacement(const replacement *part, FILE *page)
-{
-    fputs(part->open, page);
-    if (part->is_json) {
-        text_write_script_json(part->text, page);
-    } else {
-        fputs(part->text, page);
-    }
-    fputs(part->close, page);
-}
+/* ---- the page ---- */
 
 int page_write(program *state, const page_content *content, FILE *page)
 {
     char *data = make_data(content);
-    const replacement parts[] = {
+    const page_part parts[] = {
         {"<link rel=\"stylesheet\" href=\"page.css\">", "<style>", page_style, "</style>", false},
         {DATA_OPEN "null</script>", DATA_OPEN, data, "</script>", true},
         {"<script src=\"text.js\"></script>", "<script>", page_script_text, "</script>", false},
@@ -97,21 +79,10 @@ int page_write(program *state, const page_content *content, FILE *page)
         {"<script src=\"charts.js\"></script>", "<script>", page_script_charts, "</script>", false},
         {"<script src=\"page.js\"></script>", "<script>", page_script_page, "</script>", false},
     };
-    const char *rest = page_template + strspn(page_template, "\n");
     if (data == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory for the page");
     }
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
-        const char *found = strstr(rest, parts[i].reference);
-        if (found == NULL) {
-            free(data);
-            return program_fail(state, PROGRAM_FAILED, "the page's template lacks %s", parts[i].reference);
-        }
-        fwrite(rest, 1, (size_t)(found - rest), page);
-        write_replacement(&parts[i], page);
-        rest = found + strlen(parts[i].reference);
-    }
-    fputs(rest, page);
+    const int exit_code = page_template_write(state, page_template, parts, sizeof parts / sizeof parts[0], page);
     free(data);
-    return PROGRAM_DONE;
+    return exit_code;
 }

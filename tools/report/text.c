@@ -1,41 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Text in the forms that pages, summaries and file names need. */
+/* Text in the forms that summaries and file names need. */
 #include "report/text.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "support/table.h"
-
-void text_write_script_json(const char *json, FILE *page)
-{
-    for (const char *c = json; *c != '\0'; ++c) {
-        if (*c == '<') {
-            fputs("\\u003c", page);
-        } else if (strncmp(c, "\xe2\x80\xa8", 3) == 0 || strncmp(c, "\xe2\x80\xa9", 3) == 0) {
-            fputs(c[2] == '\xa8' ? "\\u2028" : "\\u2029", page);
-            c += 2;
-        } else {
-            fputc(*c, page);
-        }
-    }
-}
-
-void text_base64(const unsigned char *bytes, size_t byte_count, FILE *page)
-{
-    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < byte_count; i += 3) {
-        const size_t left = byte_count - i;
-        const unsigned group = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0u) |
-                               (left > 2 ? (unsigned)bytes[i + 2] : 0u);
-        fputc(letters[group >> 18], page);
-        fputc(letters[group >> 12 & 63u], page);
-        fputc(left > 1 ? letters[group >> 6 & 63u] : '=', page);
-        fputc(left > 2 ? letters[group & 63u] : '=', page);
-    }
-}
 
 text_name text_make_name(const char *text)
 {

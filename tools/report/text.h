@@ -1,20 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Text of a report: JSON inside a page, bytes as letters, and numbers as people read them. text.js has the same rules
-   for numbers and units. */
+/* Text of a report: names of files, and numbers as people read them. text.js has the same rules for numbers and
+   units. */
 #ifndef SVOCL_TOOLS_REPORT_TEXT_H
 #define SVOCL_TOOLS_REPORT_TEXT_H
 
 #include <stddef.h>
-#include <stdio.h>
 
 #include "measure/result.h"
-
-/* JSON for the inside of a script element: '<' escaped, so that no text ends the element, and U+2028 and U+2029, which
-   end lines in older JavaScript. */
-void text_write_script_json(const char *json, FILE *page);
-
-/* RFC 4648. */
-void text_base64(const unsigned char *bytes, size_t byte_count, FILE *page);
 
 /* Letters and digits of the text, anything else as '-': for names of files. */
 typedef struct text_name {

@@ -10,7 +10,6 @@
 #include <strings.h>
 
 #include "support/session.h"
-#include "svocl/compact.h"
 #include "svocl/io.h"
 
 typedef struct byte_list {
@@ -58,22 +57,24 @@ static int expand(program *state, const session *opened, svo_compact *compact, b
     return exit_code;
 }
 
-int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_tree **out)
+int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out)
+{
+    svo_message message = {""};
+    const svo_status loaded = bytes != NULL ? svo_compact_load_memory(bytes, byte_count, name, NULL, out, &message)
+                                            : svo_compact_load(name, NULL, out, &message);
+    return loaded == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+}
+
+int compact_input_expand(program *state, const char *name, svo_compact **compact, svo_tree **out)
 {
     session opened = {0};
-    svo_compact *compact = NULL;
     byte_list list = {NULL, 0, 0};
     svo_message message = {""};
-    const svo_status loaded = bytes != NULL ? svo_compact_load_memory(bytes, byte_count, name, NULL, &compact, &message)
-                                            : svo_compact_load(name, NULL, &compact, &message);
-    if (loaded != SVO_OK) {
-        return program_fail_library(state, message.text);
-    }
     int exit_code = session_open_device(state, &opened);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = expand(state, &opened, compact, &list);
+        exit_code = expand(state, &opened, *compact, &list);
     }
-    svo_compact_destroy(&compact);
+    svo_compact_destroy(compact);
     session_close(&opened);
     if (exit_code == PROGRAM_DONE && svo_tree_load_memory(list.bytes, list.count, name, out, &message) != SVO_OK) {
         exit_code = program_fail_library(state, message.text);

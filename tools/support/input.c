@@ -44,11 +44,22 @@ int input_begin(program *state)
     return reason == NULL ? PROGRAM_DONE : program_fail(state, PROGRAM_FAILED, "%s: %s", piped->name, reason);
 }
 
+/* The name that tells the format. */
+static const char *name_of_format(const program *state)
+{
+    return is_piped(state) ? state->piped.suffix : state->options.input;
+}
+
+bool input_is_compact(const program *state)
+{
+    return compact_input_is_name(name_of_format(state));
+}
+
 bool input_is_tree(const program *state)
 {
-    const char *name = is_piped(state) ? state->piped.suffix : state->options.input;
+    const char *name = name_of_format(state);
     const size_t length = strlen(name);
-    return compact_input_is_name(name) ||
+    return input_is_compact(state) ||
            (strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0);
 }
 
@@ -243,14 +254,22 @@ void input_close(input *opened)
     *opened = (input){0};
 }
 
+int input_load_compact(program *state, svo_compact **out)
+{
+    const piped_input *piped = &state->piped;
+    return compact_input_load(state, state->options.input, is_piped(state) ? piped->bytes : NULL, piped->byte_count,
+                              out);
+}
+
 int input_load_tree(program *state, svo_tree **out)
 {
     svo_message message = {""};
     progress_step(state->progress, "reading the tree");
     const piped_input *piped = &state->piped;
-    if (compact_input_is_name(is_piped(state) ? piped->suffix : state->options.input)) {
-        return compact_input_load(state, state->options.input, is_piped(state) ? piped->bytes : NULL, piped->byte_count,
-                                  out);
+    if (input_is_compact(state)) {
+        svo_compact *compact = NULL;
+        const int exit_code = input_load_compact(state, &compact);
+        return exit_code == PROGRAM_DONE ? compact_input_expand(state, state->options.input, &compact, out) : exit_code;
     }
     const svo_status status = is_piped(state)
                                   ? svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, &message)

@@ -8,6 +8,7 @@
 #include "scenes/scenes.h"
 #include "support/program.h"
 #include "support/voxel_input.h"
+#include "svocl/compact.h"
 #include "svocl/io.h"
 
 /* Triangles that the library refuses, and why. */
@@ -34,6 +35,8 @@ int input_begin(program *state);
 /* Whether INPUT is a finished tree, judged by its suffix .svo or .svc or, from a pipe, by its bytes. Build options are
    then wrong usage. */
 bool input_is_tree(const program *state);
+/* Whether that tree is a compact one. */
+bool input_is_compact(const program *state);
 int input_refuse_build_options(program *state);
 
 /* Reads or generates the mesh; one step of the progress bar. Returns the exit code; on failure nothing stays open. */
@@ -44,6 +47,9 @@ void input_close(input *opened);
 
 /* Loads the tree that input names; a compact one is expanded. Returns the exit code. */
 int input_load_tree(program *state, svo_tree **out);
+
+/* Loads the compact tree that input names, as it is. Returns the exit code. */
+int input_load_compact(program *state, svo_compact **out);
 
 /* The length of INPUT, a file or a pipe that was read. Returns the exit code. */
 int input_measure(program *state, uint64_t *byte_count);

@@ -37,7 +37,8 @@ enum option_group {
     OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
     OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
-    OPTION_GATHER_COMMAND = 4194304 /* points, reference */
+    OPTION_GATHER_COMMAND = 4194304, /* points, reference */
+    OPTION_WEB_COMMAND = 8388608 /* max-bytes */
 };
 
 enum option_frontend {
@@ -61,6 +62,7 @@ enum option_frontend {
 #define OPTION_VERSUS_GRID    3
 
 #define OPTION_DEFAULT_DEPTH 8
+#define OPTION_DEFAULT_PAGE  ((uint64_t)32 << 20) /* bytes */
 #define OPTION_CONTEXT_AUTO  (-1)
 #define OPTION_SAMPLES_MAX   262144
 
@@ -131,6 +133,7 @@ typedef struct options {
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
+    uint64_t max_bytes; /* export-web: of the page */
 } options;
 
 enum option_output {

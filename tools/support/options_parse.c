@@ -147,7 +147,8 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .photons = 1,
                                .gi = 1,
                                .ray_count = 1000000,
-                               .samples = 16384};
+                               .samples = 16384,
+                               .max_bytes = OPTION_DEFAULT_PAGE};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

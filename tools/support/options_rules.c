@@ -403,6 +403,8 @@ static const rule rules[] = {
      "voxel files: also read what hidden layers and nodes hold"},
     {"frame", '\0', OPTION_VOXELS, "N", read_count, FIELD(frame), 0, INT32_MAX, NULL,
      "voxel files: the frame, or the model where there is no scene (0)"},
+    {"max-bytes", '\0', OPTION_WEB_COMMAND, "N", read_count, FIELD(max_bytes), 1, (uint64_t)256 << 20, NULL,
+     "most bytes of the page, up to 268435456; a larger tree is cut at the deepest level that fits (33554432)"},
     {"compress", '\0', OPTION_BUILD_COMMAND | OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,

@@ -39,7 +39,8 @@ static void put_text(FILE *page, const char *text)
 static void put_upper(FILE *page, const char *text)
 {
     for (const char *c = text; *c != '\0'; ++c) {
-        fputc(toupper((unsigned char)*c), page);
+        const char upper[2] = {(char)toupper((unsigned char)*c), '\0'};
+        put_text(page, upper);
     }
 }
 
@@ -60,8 +61,10 @@ static void put_head(FILE *page, const char *name, const char *summary)
     fputs(".TH SVOCL", page);
     fputs(name[0] != '\0' ? "\\-" : "", page);
     put_upper(page, name);
-    fprintf(page, " 1 \"\" \"svocl %s\" \"User Commands\"\n.SH NAME\nsvocl%s%s \\- ", svo_version_string(),
-            name[0] != '\0' ? "\\-" : "", name);
+    fprintf(page, " 1 \"\" \"svocl %s\" \"User Commands\"\n.SH NAME\nsvocl%s", svo_version_string(),
+            name[0] != '\0' ? "\\-" : "");
+    put_text(page, name);
+    fputs(" \\- ", page);
     put_paragraph(page, summary);
 }
 
@@ -156,7 +159,9 @@ static void put_program(FILE *page, const program *state)
     put_section(page, "COMMANDS");
     for (size_t i = 0; i < state->command_count; ++i) {
         fputs(".TP\n", page);
-        fprintf(page, "\\fBsvocl\\-%s\\fR(1)\n", state->commands[i].name);
+        fputs("\\fBsvocl\\-", page);
+        put_text(page, state->commands[i].name);
+        fputs("\\fR(1)\n", page);
         put_paragraph(page, state->commands[i].summary);
     }
     put_section(page, "INPUT");
@@ -179,7 +184,9 @@ static void put_command(FILE *page, const command *which)
 {
     put_head(page, which->name, which->summary);
     put_section(page, "SYNOPSIS");
-    fprintf(page, "\\fBsvocl %s\\fR", which->name);
+    fputs("\\fBsvocl ", page);
+    put_text(page, which->name);
+    fputs("\\fR", page);
     if (which->input_name != NULL) {
         fprintf(page, options_may_lack_input(which) ? " [\\fI%s\\fR]" : " \\fI%s\\fR", which->input_name);
     }

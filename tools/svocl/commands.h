@@ -14,6 +14,7 @@ int command_hash(program *state);
 int command_convert(program *state);
 int command_verify(program *state);
 int command_render(program *state);
+int command_export_web(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
 int command_reference(program *state);

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT */
+/* Controls, words and the camera of the page, and the order in which it comes to life. */
+"use strict";
+
+const backgrounds = {
+  light: {skyAbove: [0.80, 0.86, 0.93], skyBelow: [0.93, 0.92, 0.90], blank: [1, 1, 1]},
+  dark: {skyAbove: [0.010, 0.013, 0.018], skyBelow: [0.028, 0.028, 0.030], blank: [0.08, 0.09, 0.10]}
+};
+const turnPerHeight = 3.2; /* radians, for a drag over the picture's height */
+const keyTurn = 0.09; /* radians */
+const keyMove = 0.05; /* of the picture's height */
+const pixelsMost = 1 << 22; /* of a picture: beyond, fewer than the screen has */
+
+const get = id => document.getElementById(id);
+const canvas = get("picture");
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+/* ---- words ---- */
+
+function say(words) {
+  get("words").textContent = words;
+  get("words").hidden = words === "";
+}
+
+/* "117,010 leaves at depth 8, a grid of 256³, with colors. 154,867 nodes: 0.4 MiB of this page, 0.9 MiB unpacked." */
+function describeSize(tree, packedBytes) {
+  const payload = [tree.colors && "colors", tree.normals && "normals"].filter(Boolean).join(" and ");
+  const held = `${formatCount(tree.leaves)} leaves at depth ${tree.level}, a grid of ${formatCount(2 ** tree.level)}³` +
+    `${payload !== "" ? `, with ${payload}` : ""}.`;
+  const cut = tree.level < tree.depth
+    ? ` The whole tree has depth ${tree.depth} and ${formatCount(tree.voxels)} voxels; its deeper levels are not here.`
+    : "";
+  return `${held}${cut} ${formatCount(tree.nodes)} nodes: ${formatBytes(packedBytes)} of this page, ` +
+    `${formatBytes(tree.bytes)} unpacked.`;
+}
+
+/* What a ray found, and where that is in the world. */
+function describeHit(tree, look, {met, node, level, steps, direction, distance}) {
+  if (!met) {
+    return `Nothing here: the ray left the grid after ${formatCount(steps)} steps.`;
+  }
+  const world = direction.map((along, axis) =>
+    (tree.origin[axis] + tree.edge * (look.eye[axis] + distance * along)).toPrecision(6));
+  return `Level ${level}, node ${formatCount(node)}, after ${formatCount(steps)} steps, at ${world.join(", ")}.`;
+}
+
+/* ---- the page ---- */
+
+class Viewer {
+  constructor(tree, drawing) {
+    this.tree = tree;
+    this.drawing = drawing;
+    this.scheduled = false;
+    this.camera = null;
+    this.sun = null;
+    this.touched = false; /* whether the camera was moved; until then it frames the tree in any window */
+    this.pointers = new Map();
+    get("deepest").max = tree.level;
+    get("deepest").value = tree.level;
+    this.listen();
+    this.resize();
+  }
+
+  /* The values of uniforms that make the present picture. */
+  look() {
+    const rays = raysOf(this.camera, canvas.width, canvas.height);
+    return {
+      ...rays,
+      ...backgrounds[dark.matches ? "dark" : "light"],
+      footprint: get("pixels").checked ? rays.footprint : 0,
+      sun: this.sun,
+      view: Number(document.forms.controls.view.value),
+      deepest: Number(get("deepest").value)
+    };
+  }
+
+  draw() {
+    get("deepest").nextElementSibling.value = get("deepest").value;
+    this.drawing.show(this.look());
+    if (!this.scheduled) {
+      this.scheduled = true;
+      requestAnimationFrame(now => this.step(now));
+    }
+  }
+
+  step(now) {
+    this.scheduled = this.drawing.step(now);
+    get("refined").style.width = `${100 * this.drawing.progress()}%`;
+    get("refined").hidden = !this.scheduled;
+    if (this.scheduled) {
+      requestAnimationFrame(next => this.step(next));
+    }
+  }
+
+  resize() {
+    const {clientWidth, clientHeight} = canvas;
+    const pixels = Math.min(devicePixelRatio, Math.sqrt(pixelsMost / Math.max(clientWidth * clientHeight, 1)));
+    canvas.width = Math.max(1, Math.round(clientWidth * pixels));
+    canvas.height = Math.max(1, Math.round(clientHeight * pixels));
+    this.drawing.present(); /* setting its size has cleared the canvas */
+    if (!this.touched) {
+      this.goHome();
+    }
+    this.draw();
+  }
+
+  goHome() {
+    this.camera = frameBox(this.tree.low, this.tree.high, canvas.width / canvas.height);
+    this.sun = sunOf(this.camera);
+    this.touched = false;
+    this.draw();
+  }
+
+  moveSun() {
+    this.sun = sunOf(this.camera);
+    this.draw();
+  }
+
+  change(camera) {
+    this.camera = camera;
+    this.touched = true;
+    this.draw();
+  }
+
+  approach(factor) {
+    this.change(approach(this.camera, factor, 2 ** this.tree.level));
+  }
+
+  /* The rays of columns x rows pixels spread over the picture. */
+  probe(columns, rows) {
+    const stride = [canvas.width / columns, canvas.height / rows];
+    return this.drawing.probe(this.look(), stride.map(pixels => (pixels - 1) / 2), stride, columns, rows);
+  }
+
+  pick(event) {
+    const look = this.look();
+    const bounds = canvas.getBoundingClientRect();
+    const place = [(event.clientX - bounds.left) * canvas.width / bounds.width,
+      (event.clientY - bounds.top) * canvas.height / bounds.height];
+    const [hit] = this.drawing.probe(look, place.map(pixels => pixels - 0.5), [1, 1], 1, 1);
+    get("picked").textContent = describeHit(this.tree, look, hit);
+  }
+
+  /* ---- mouse and touch ---- */
+
+  hold(event) {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({preventScroll: true});
+    this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    this.clicking = this.pointers.size === 1 && event.button === 0 && !event.shiftKey;
+  }
+
+  release(event) {
+    if (this.pointers.delete(event.pointerId) && this.clicking && event.type === "pointerup") {
+      this.pick(event);
+    }
+    this.clicking = false;
+  }
+
+  /* Where the fingers are on average, and how far from there. */
+  spread() {
+    const points = [...this.pointers.values()];
+    const x = points.reduce((sum, point) => sum + point.x, 0) / points.length;
+    const y = points.reduce((sum, point) => sum + point.y, 0) / points.length;
+    return {x, y, radius: Math.max(...points.map(point => Math.hypot(point.x - x, point.y - y)))};
+  }
+
+  drag(event) {
+    if (!this.pointers.has(event.pointerId)) {
+      return;
+    }
+    const before = this.spread();
+    this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    const after = this.spread();
+    const right = (after.x - before.x) / canvas.clientHeight;
+    const down = (after.y - before.y) / canvas.clientHeight;
+    this.clicking = this.clicking && Math.hypot(right, down) * canvas.clientHeight < 2;
+    if (this.clicking) {
+      return;
+    }
+    if (this.pointers.size > 1) {
+      this.change(move(this.camera, -right, down));
+      this.approach(after.radius > 0 ? before.radius / after.radius : 1);
+    } else if (event.shiftKey || (event.buttons & 6) !== 0) {
+      this.change(move(this.camera, -right, down));
+    } else {
+      this.change(turn(this.camera, turnPerHeight * right, turnPerHeight * down));
+    }
+  }
+
+  /* ---- keys ---- */
+
+  press(event) {
+    const inControl = event.target.matches?.("input") && /^(Arrow|Home)/.test(event.key);
+    if (inControl || event.ctrlKey || event.altKey || event.metaKey) {
+      return;
+    }
+    const arrow = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
+    if (arrow !== undefined) {
+      this.change(event.shiftKey ? move(this.camera, keyMove * arrow[0], keyMove * arrow[1])
+        : turn(this.camera, keyTurn * arrow[0], keyTurn * arrow[1]));
+    } else if (!this.pressLetter(event.key)) {
+      return;
+    }
+    event.preventDefault();
+  }
+
+  /* Returns whether the key has a meaning. */
+  pressLetter(key) {
+    const deepest = get("deepest");
+    const actions = {
+      "+": () => this.approach(0.9),
+      "=": () => this.approach(0.9),
+      "-": () => this.approach(1 / 0.9),
+      "[": () => deepest.stepDown(),
+      "]": () => deepest.stepUp(),
+      p: () => get("pixels").click(),
+      l: () => this.moveSun(),
+      Home: () => this.goHome()
+    };
+    const view = document.querySelector(`#views input[value="${Number(key) - 1}"]`);
+    if (view !== null) {
+      view.checked = true;
+    } else if (actions[key] === undefined) {
+      return false;
+    } else {
+      actions[key]();
+    }
+    this.draw();
+    return true;
+  }
+
+  listen() {
+    canvas.addEventListener("pointerdown", event => this.hold(event));
+    canvas.addEventListener("pointermove", event => this.drag(event));
+    canvas.addEventListener("pointerup", event => this.release(event));
+    canvas.addEventListener("pointercancel", event => this.release(event));
+    canvas.addEventListener("contextmenu", event => event.preventDefault());
+    canvas.addEventListener("wheel", event => {
+      event.preventDefault();
+      this.approach(Math.exp(clamp(event.deltaY, -120, 120) / 600));
+    }, {passive: false});
+    addEventListener("keydown", event => this.press(event));
+    get("controls").addEventListener("input", () => this.draw());
+    get("home").addEventListener("click", () => this.goHome());
+    get("sun").addEventListener("click", () => this.moveSun());
+    dark.addEventListener("change", () => this.draw());
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+}
+
+async function begin() {
+  const tree = JSON.parse(get("tree").textContent);
+  const letters = get("data").textContent;
+  get("data").remove();
+  document.title = `${tree.name} – svocl`;
+  get("name").textContent = tree.name;
+  get("size").textContent = describeSize(tree, Math.floor(letters.length / 4) * 3);
+  canvas.setAttribute("aria-label", `Picture of ${tree.name}`);
+  say("Unpacking the nodes …");
+  canvas.addEventListener("webglcontextlost", () => say("The graphics device was lost. Load the page again to go on."));
+  const arrays = splitData(tree, await unpackData(tree, letters));
+  const viewer = new Viewer(tree, new Drawing(canvas, tree, arrays));
+  say("");
+  return viewer;
+}
+
+/* What is missing is said where the picture would be. */
+function refuse(error) {
+  document.body.classList.add("refused");
+  if (error instanceof Refusal) {
+    say(error.message);
+  } else {
+    say(`The page failed: ${error.message}`);
+    console.error(error);
+  }
+}
+
+const viewer = begin();
+viewer.catch(refuse);
