@@ -104,7 +104,8 @@ static void project(const exact *expected, bool both_sides, double voxel_units, 
         }
         payload_pair_normal(corners, normal);
         for (unsigned k = 0; k < 6; ++k) {
-            const double n = (double)normal[k / 2];
+            const unsigned axis = k / 2;
+            const double n = (double)normal[axis];
             if (both_sides || (k % 2 == 0 ? n < 0.0 : n > 0.0)) {
                 seen[k] += fabs(n) / 2.0 / (voxel_units * voxel_units);
             }
@@ -362,11 +363,12 @@ static void vertices_that_snap_to_one_position(void **state)
         uint32_t indices[4][3];
         static const uint32_t faces[4][3] = {LOWER, {1, 2, 3}};
         for (uint32_t i = 0; i < 12; ++i) {
+            const uint32_t face = i / 3;
             const double step = apart != 0 ? 1e-4 : 1e-7; /* a unit is 8e-6 */
             for (unsigned axis = 0; axis < 3; ++axis) {
-                moved[i][axis] = corners[faces[i / 3][i % 3]][axis] + step * (i / 3);
+                moved[i][axis] = corners[faces[face][i % 3]][axis] + step * face;
             }
-            indices[i / 3][i % 3] = i;
+            indices[face][i % 3] = i;
         }
         const svo_mesh mesh = {.struct_size = sizeof mesh,
                                .positions_double = moved[0],
@@ -445,6 +447,28 @@ static void all_builds_have_the_same_areas(void **state)
     }
 }
 
+/* A compact tree has the payload of nodes alone, and so has the tree that it expands to. */
+static void compact_trees_have_none(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_plan_options options = {.need = SVO_NEED_PROJECTED_AREA | SVO_NEED_COLOR};
+    scene *made = fixture_scene("knot:600");
+    svo_compact *compact = NULL;
+    svo_tree *expanded = NULL;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    built tree;
+    fixture_build(&opened, scene_mesh(made), 4, &options, &tree);
+    assert_int_equal(svo_compact_create(opened.device, tree.tree, NULL, opened.queue, &compact), SVO_OK);
+    assert_int_equal(svo_compact_expand(compact, opened.queue, &expanded), SVO_OK);
+    assert_int_equal(svo_tree_get_info(expanded, &info), SVO_OK);
+    assert_int_equal(info.need, SVO_NEED_COLOR);
+    assert_null(svo_tree_get_buffer(expanded, SVO_TREE_AREAS));
+    svo_tree_destroy(&expanded);
+    svo_compact_destroy(&compact);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -458,6 +482,7 @@ int main(void)
         cmocka_unit_test(a_grid_that_cuts_a_mesh),
         cmocka_unit_test(vertices_that_snap_to_one_position),
         cmocka_unit_test(all_builds_have_the_same_areas),
+        cmocka_unit_test(compact_trees_have_none),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }
