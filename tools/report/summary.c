@@ -150,7 +150,7 @@ static const summary_extract extracts[] = {
      .table_id = "light-frames",
      .title = "Frames of five cones a pixel",
      .picks = {{"depth", NULL}},
-     .columns = {"scene", "depth", "form", "points", "first hits", "cones", "frames", "published"}},
+     .columns = {"scene", "depth", "form", "pixels", "points", "first hits", "cones", "frames", "published"}},
     /* docs/accuracy.md */
     {.id = "e1",
      .table_id = "e1-voxelization",
