@@ -401,8 +401,7 @@ SVO_RECORD(svo_light_step)
     SVO_U32 count; /* 12: nodes of the launch */
     SVO_U32 level; /* 16: of those nodes */
     SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
-    SVO_U32 payload_begin; /* 24: the first node that has colors */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
 /* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
