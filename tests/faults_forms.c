@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenarios of test_faults: compact trees, solids, scenes of placed trees. */
+/* Scenarios of test_faults: compact trees, solids, scenes of placed trees, lights. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -175,11 +175,40 @@ static svo_status run_scene(subject *of)
     return status;
 }
 
+/* Opacity and light in each form. */
+static svo_status run_light(subject *of)
+{
+    for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
+        const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
+        char hash[SVO_HASH_TEXT_BYTES];
+        const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 2, 3}};
+        const svo_finish finish = {.emission = {1, 1, 1}};
+        const svo_light_setup setup = {.struct_size = sizeof setup,
+                                       .sources = &lamp,
+                                       .source_count = 1,
+                                       .finishes = &finish,
+                                       .finish_count = 1,
+                                       .view_resolution = 16,
+                                       .diagnose = 1};
+        svo_light *light = NULL;
+        TRY_TOLD(svo_light_create(of->tree, &options, world.queue, &light));
+        svo_status status = svo_light_set_sources(light, &setup, world.queue);
+        if (status == SVO_OK) {
+            status = svo_light_hash(light, world.queue, hash);
+        }
+        svo_light_destroy(&light);
+        TRY_TOLD(status);
+        digest(of, hash, sizeof hash);
+    }
+    return SVO_OK;
+}
+
 static const scenario rows[] = {
     {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
     {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
     {"compact_files", false, false, prepare_tree, run_compact_files, NULL, destroy_all},
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
+    {"light", false, false, prepare_tree, run_light, NULL, destroy_all},
 };
 const scenario_list form_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -23,7 +23,7 @@
 #include "shared/layout.h"
 #include "solid_meshes.h"
 
-#define KERNELS_MAX   96
+#define KERNELS_MAX   128
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64
@@ -48,6 +48,7 @@ extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
 extern const char svo_i_source_light[];
+extern const char svo_i_source_photons[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -91,7 +92,12 @@ static size_t bytes_of_type(const char *type)
                  {"svo_ray_params", sizeof(svo_ray_params)},
                  {"svo_scene_params", sizeof(svo_scene_params)},
                  {"svo_solid_params", sizeof(svo_solid_params)},
-                 {"svo_light_step", sizeof(svo_light_step)}};
+                 {"svo_light_step", sizeof(svo_light_step)},
+                 {"svo_light_source", sizeof(svo_light_source)},
+                 {"svo_light_view_params", sizeof(svo_light_view_params)},
+                 {"svo_photon_params", sizeof(svo_photon_params)},
+                 {"svo_unmet_params", sizeof(svo_unmet_params)},
+                 {"svo_exchange_params", sizeof(svo_exchange_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -438,6 +444,32 @@ static void light_all(const fixture *opened, svo_tree *tree)
     }
 }
 
+/* A lamp on triangles and on voxels, and materials that emit; all that it counts. */
+static void shine_all(const fixture *opened, const svo_mesh *mesh)
+{
+    const svo_finish finishes[2] = {{.emission = {1, 1, 1}}, {.emission = {0, 0, 0}}};
+    const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
+    const uint32_t needs[2] = {PAYLOAD | (uint32_t)SVO_NEED_RAYS, PAYLOAD};
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.sources = &lamp;
+    setup.source_count = 1;
+    setup.finishes = finishes;
+    setup.finish_count = 2;
+    setup.view_resolution = 16;
+    setup.diagnose = 1;
+    for (int i = 0; i < 2; ++i) {
+        const svo_plan_options options = {.need = needs[i], .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
+        const svo_light_options faces = SVO_LIGHT_OPTIONS_INIT;
+        svo_light *light = NULL;
+        built made;
+        fixture_build(opened, mesh, DEPTH, &options, &made);
+        succeed(opened, svo_light_create(made.tree, &faces, opened->queue, &light));
+        succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+        svo_light_destroy(&light);
+        built_destroy(&made);
+    }
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -461,12 +493,12 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_subdivide,   svo_i_source_sort,         svo_i_source_pack,
-                                   svo_i_source_filter,      svo_i_source_voxelize,     svo_i_source_cast,
-                                   svo_i_source_trace,       svo_i_source_view,         svo_i_source_trace_voxels,
-                                   svo_i_source_compact,     svo_i_source_expand,       svo_i_source_minimize,
-                                   svo_i_source_scene_build, svo_i_source_scene_bounds, svo_i_source_scene_trace,
-                                   svo_i_source_scene_cast,  svo_i_source_solid,        svo_i_source_light};
+    const char *const sources[] = {
+        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
+        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
+        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
+        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
+        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -482,6 +514,7 @@ static void every_launch_matches_its_kernel(void **state)
     place_all(&opened, tree.tree);
     fill_all(&opened);
     light_all(&opened, tree.tree);
+    shine_all(&opened, &painted.mesh);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -20,6 +20,7 @@
 #include "meshes.h"
 #include "photon_reference.h"
 #include "scenes.h"
+#include "wall_mesh.h"
 
 #define PI 3.14159265358979323846
 
@@ -238,24 +239,6 @@ static void test_sums_of_a_scene(void **state)
 
 /* ---- closed forms ---- */
 
-/* A square in the plane y = 0.5 of the unit cube, and a point that makes the grid a cube. */
-static const float wall_positions[] = {0, 0.5F, 0, 1, 0.5F, 0, 1, 0.5F, 1, 0, 0.5F, 1, 0, 0, 0, 0, 1, 0};
-static const uint32_t wall_indices[] = {0, 1, 2, 0, 2, 3, 4, 4, 4, 5, 5, 5};
-static const svo_plan_options wall_grid = {.need = SVO_NEED_COLOR | SVO_NEED_RAYS | SVO_NEED_MATERIAL | SVO_NEED_FILL,
-                                           .edge = 1};
-#define WALL_DEPTH 5
-#define WALL_EDGE  (1.0 / 32)
-
-static svo_mesh wall_mesh(void)
-{
-    svo_mesh mesh = SVO_MESH_INIT;
-    mesh.positions = wall_positions;
-    mesh.vertex_count = 6;
-    mesh.indices = wall_indices;
-    mesh.triangle_count = 4;
-    return mesh;
-}
-
 /* The middle of a leaf. */
 static void leaf_middle(const built *made, uint32_t leaf, double middle[3])
 {
@@ -279,9 +262,10 @@ static void test_parallel_light_obeys_lambert(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     const svo_mesh mesh = wall_mesh();
+    const svo_plan_options grid = wall_grid();
     const double irradiance[3] = {4, 2, 0.5};
     built made;
-    fixture_build(&opened, &mesh, WALL_DEPTH, &wall_grid, &made);
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
     const float directions[][3] = {{0, -1, 0}, {0.5F, -1, 0}, {1, -0.3F, 2}, {0, 2, 0.7F}};
     for (size_t n = 0; n < sizeof directions / sizeof directions[0]; ++n) {
@@ -329,6 +313,7 @@ static void test_point_light_obeys_inverse_squares(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     const svo_mesh mesh = wall_mesh();
+    const svo_plan_options grid = wall_grid();
     const svo_light_source source = {
         .kind = SVO_SOURCE_POINT, .position = {0.4F, 0.8F, 0.7F}, .value = {1.0F, 2.0F, 0.0F}};
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
@@ -340,7 +325,7 @@ static void test_point_light_obeys_inverse_squares(void **state)
     setup.sources = &source;
     setup.source_count = 1;
     setup.view_resolution = 600;
-    fixture_build(&opened, &mesh, WALL_DEPTH, &wall_grid, &made);
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
     shine(&opened, light, &setup, &lit);
     for (uint64_t i = 0; i < lit.count; ++i) {
@@ -373,6 +358,7 @@ static void test_radiance_without_directions(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     const svo_mesh mesh = wall_mesh();
+    const svo_plan_options grid = wall_grid();
     const svo_light_source source = {
         .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1.0F, 0.5F, 0.25F}};
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
@@ -380,7 +366,7 @@ static void test_radiance_without_directions(void **state)
     setup.sources = &source;
     setup.source_count = 1;
     setup.view_resolution = 1024;
-    fixture_build(&opened, &mesh, WALL_DEPTH, &wall_grid, &made);
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     for (int form = SVO_LIGHT_BRICKS; form <= SVO_LIGHT_VOXELS; ++form) {
         unsigned checked = 0;
         lit_leaves lit;
@@ -405,6 +391,41 @@ static void test_radiance_without_directions(void **state)
 
 /* ---- emission ---- */
 
+/* A wall that covers a face along y, and none along x and z. */
+static void test_emission_is_premultiplied_by_area(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_finish finish = {.emission = {3, 2, 1}};
+    const svo_material white = {{255, 255, 255, 255}, SVO_NO_TEXTURE};
+    svo_plan_options grid = wall_grid();
+    svo_mesh mesh = wall_mesh();
+    mesh.materials = &white;
+    mesh.material_count = 1;
+    grid.need |= SVO_NEED_PROJECTED_AREA;
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.finishes = &finish;
+    setup.finish_count = 1;
+    unsigned checked = 0;
+    built made;
+    lit_leaves lit;
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
+    svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
+    shine(&opened, light, &setup, &lit);
+    for (uint64_t i = 0; i < lit.count; ++i) {
+        double middle[3];
+        leaf_middle(&made, lit.leaves[i], middle);
+        for (unsigned k = 0; k < 18 && is_inner(middle); ++k) {
+            const double expected = k / 3 == 2 || k / 3 == 3 ? 3.0 - k % 3 : 0;
+            assert_near(radiance_at(&lit, i, k / 3, k % 3), expected, 2e-3, "emission");
+            ++checked;
+        }
+    }
+    assert_int_equal(checked, 30 * 30 * 18);
+    free_lit(&lit);
+    svo_light_destroy(&light);
+    built_destroy(&made);
+}
+
 static void test_emitting_materials_are_lit(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -413,6 +434,7 @@ static void test_emitting_materials_are_lit(void **state)
                                       {{255, 255, 255, 127}, SVO_NO_TEXTURE},
                                       {{255, 255, 255, 255}, SVO_NO_TEXTURE}};
     const svo_finish finishes[] = {{.emission = {0, 0, 0}}, {.emission = {10, 0.125F, 2000}}};
+    const svo_plan_options grid = wall_grid();
     svo_mesh mesh = wall_mesh();
     mesh.triangle_materials = triangle_materials;
     mesh.materials = materials;
@@ -421,7 +443,7 @@ static void test_emitting_materials_are_lit(void **state)
     setup.finishes = finishes;
     setup.finish_count = 2;
     built made;
-    fixture_build(&opened, &mesh, WALL_DEPTH, &wall_grid, &made);
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         lit_leaves lit;
         svo_light *light = light_of(&opened, made.tree, (svo_light_form)form);
@@ -484,6 +506,7 @@ int main(void)
         cmocka_unit_test(test_point_light_obeys_inverse_squares),
         cmocka_unit_test(test_radiance_without_directions),
         cmocka_unit_test(test_emitting_materials_are_lit),
+        cmocka_unit_test(test_emission_is_premultiplied_by_area),
         cmocka_unit_test(test_trees_without_triangles_are_lit),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

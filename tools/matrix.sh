@@ -24,6 +24,9 @@ readonly matrix_all=color,normal,rays,material,fill,projected-area
 readonly matrix_small_cases=(
     "scene:cornell:60 -d 4 --need $matrix_all"
     "scene:knot:200 -d 5 --need $matrix_all"
+    "scene:knot:200 -d 5 --need color,normal,rays,projected-area --light faces"
+    "scene:knot:200 -d 5 --need color,rays,fill,projected-area --light bricks"
+    "scene:knot:200 -d 5 --need color,rays,fill --light voxels"
 )
 readonly matrix_cases=(
     "scene:atrium -d 8 --need $matrix_all"
@@ -32,6 +35,8 @@ readonly matrix_cases=(
     "scene:needles -d 8 --need none --coverage closed"
     "scene:dust -d 6 --need rays,normal --weights uniform"
     "scene:knot:5000 -d 11 --need none --coverage thin"
+    "scene:atrium -d 8 --need color,normal,rays,projected-area --light faces"
+    "scene:atrium -d 8 --need color,rays,fill,projected-area --light bricks"
 )
 readonly matrix_methods=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
 # Arguments of `svocl trace`; matrix_rays is on its standard input.

@@ -106,20 +106,25 @@ typedef struct svo_light_info {
     uint64_t photon_hits; /**< of those, that met the tree */
     uint64_t lit_leaves; /**< leaves with light: photons or emission */
     uint64_t lit_nodes; /**< of all levels */
-    uint64_t missed_leaves; /**< leaves that a source sees at their center, without a photon */
+    uint64_t missed_leaves; /**< leaves without a photon, although they are what a ray from a source to their center
+                                 meets first; 0 without svo_light_setup.diagnose */
     double flux[3]; /**< of all photons that hit: red, green, blue, world units */
     double lost_flux; /**< share of it that found no leaf */
     uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
     uint64_t total_bytes; /**< of all buffers */
-    uint64_t scratch_bytes; /**< the most that making it took besides; it is released */
+    uint64_t scratch_bytes; /**< what svo_light_create took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
+    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
+     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
+     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
+    uint64_t node_map_items;
 } svo_light_info;
 
 /** An empty output. */
 #define SVO_LIGHT_INFO_INIT SVO_STRUCT_INIT(svo_light_info)
 
 /** Says what svo_light_create would make, before anything is compiled or allocated. Buffers of sources are 0: their
- *  sizes follow from the photons; at most scratch and radiance of all leaves being lit, which lit_leaves then counts.
+ *  sizes follow from the photons.
  *
  * \param tree complete
  * \param options NULL means all defaults
@@ -134,8 +139,8 @@ SVO_API svo_status svo_light_plan(const svo_tree *tree, const svo_light_options 
  * \param options NULL means all defaults
  * \param queue on the context of the tree's device; NULL: the device's own
  * \param out receives the light
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (too many nodes for the form), SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
+ *          on failure. */
 SVO_API svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue,
                                     svo_light **out);
 
@@ -178,6 +183,7 @@ typedef struct svo_light_setup {
     size_t finish_count; /**< at most 65535; materials beyond are diffuse and do not emit */
     float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
+    uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
 } svo_light_setup;
 
 /** No light. */

@@ -6,6 +6,7 @@
  *   svo_k_voxel_find     the same for hits of voxels
  *   svo_k_photon_add     per four photons: their flux into the sums of their leaves' slots
  *   svo_k_photon_total   per 64 slots: the flux of all of them
+ *   svo_k_unmet_count    per leaf: whether a ray to its center (light_view.cl) met the leaf first
  *
  * Four photons in a row are those of two by two pixels. They mostly share a leaf, which then takes one claim and one
  * addition.
@@ -60,13 +61,13 @@ svo_k_photon_find(__global const uchar *child_mask, __global const uint *first_c
             leaf = svo_leaf_of_hit(&tree, id, hits[photon].u, hits[photon].v);
             ++met;
         }
-        if (svo_is_leaf(leaf) && leaf != before) {
+        if (params.claims != 0u && svo_is_leaf(leaf) && leaf != before) {
             svo_claim_slot(slots, counters, leaf);
         }
         leaves[photon] = leaf;
         before = leaf;
     }
-    svo_count_hits(met, counters, scratch);
+    svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -83,13 +84,13 @@ svo_k_voxel_find(__global const svo_voxel_hit *hits, __global uint *leaves, vola
             leaf = node - params.leaf_begin;
             ++met;
         }
-        if (svo_is_leaf(leaf) && leaf != before) {
+        if (params.claims != 0u && svo_is_leaf(leaf) && leaf != before) {
             svo_claim_slot(slots, counters, leaf);
         }
         leaves[photon] = leaf;
         before = leaf;
     }
-    svo_count_hits(met, counters, scratch);
+    svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);
 }
 
 /* ---- sums ---- */
@@ -240,5 +241,16 @@ svo_k_photon_total(__global const uint *sums, volatile __global uint *counters, 
             total += svo_read_wide(sums + place);
         }
         svo_add_wide(counters + SVO_PHOTON_IN_LEAF + 2u * channel, total);
+    }
+}
+
+/* leaves: of the launch's rays, by svo_k_photon_find or svo_k_voxel_find; first: of the launch's leaves. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_unmet_count(__global const uint *leaves, volatile __global uint *unmet, volatile __global uint *counters,
+                  uint first, uint count)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item < count && leaves[item] == first + item && atomic_xchg(unmet + first + item, 1u) == 0u) {
+        atomic_inc(counters + SVO_PHOTON_UNMET);
     }
 }

@@ -415,16 +415,14 @@ SVO_RECORD(svo_light_step)
     SVO_U32 count; /* 12: nodes of the launch */
     SVO_U32 level; /* 16: of those nodes */
     SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
-    SVO_U32 payload_begin; /* 24: the first node that has colors */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
 /* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
 #define SVO_PHOTON_MISSED 0xffffffffu
 #define SVO_PHOTON_LOST   0xfffffffeu
-/* The slot of a leaf: it has none; a source sees its center, but no photon met it. */
-#define SVO_SLOT_NONE   0xffffffffu
-#define SVO_SLOT_MISSED 0xfffffffeu
+/* The slot of a leaf that has none. */
+#define SVO_SLOT_NONE 0xffffffffu
 
 /* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
    x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six
@@ -441,7 +439,7 @@ SVO_RECORD(svo_light_step)
 /* What photons count. */
 #define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
 #define SVO_PHOTON_HITS     1
-#define SVO_PHOTON_UNSEEN   2 /* slots of SVO_SLOT_MISSED */
+#define SVO_PHOTON_UNMET    2 /* leaves that should have met one */
 #define SVO_PHOTON_BITS     3 /* of the largest radiance, before it gets its unit */
 #define SVO_PHOTON_NO_LEAF  4 /* lost flux: red, green, blue, 64 bits each */
 #define SVO_PHOTON_IN_LEAF  10 /* the flux of the lit leaves, likewise */
@@ -483,7 +481,21 @@ SVO_RECORD(svo_photon_params)
     SVO_U32 leaf_count; /* 12 */
     SVO_U32 triangle_count; /* 16: of those with ids */
     SVO_U32 count; /* 20: photons, slots or leaves of the launch */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 claims; /* 24: not 0: leaves get slots, and hits are counted */
+    SVO_U32 reserved; /* 28 */
+};
+
+/* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
+SVO_RECORD(svo_unmet_params)
+{
+    SVO_F32 origin[3]; /* 0: of the grid, world */
+    SVO_F32 edge; /* 12: of a leaf, world units */
+    SVO_U32 inner_count; /* 16: nodes above the leaves */
+    SVO_U32 first; /* 20: of the launch's leaves */
+    SVO_U32 count; /* 24: leaves of the launch */
+    SVO_F32 reach; /* 28: so far before a leaf parallel light begins, world units */
+    SVO_F32 outer_cosine; /* 32: of a spot; else 0 */
+    SVO_U32 reserved[3]; /* 36 */
 };
 
 /* What the tree holds: svo_exchange_params.flags. */
@@ -492,13 +504,29 @@ SVO_RECORD(svo_photon_params)
 #define SVO_EXCHANGE_ONE_MATERIAL 4u
 #define SVO_EXCHANGE_FILLS        8u
 #define SVO_EXCHANGE_AREAS        16u
+#define SVO_EXCHANGE_ONE_NORMAL   32u
+
+/* Lobes of surfaces that shine: fractional bits; steps of the table of an exponential function, and its entries: an
+   exponent of 2 / (1/3) and one more. */
+#define SVO_LOBE_BITS  15
+#define SVO_LOBE_STEPS 256
+#define SVO_LOBE_TABLE (6 * SVO_LOBE_STEPS + 1)
+
+/* A material's finish. 32 bytes. */
+SVO_RECORD(svo_finish_record)
+{
+    SVO_U32 emission[3]; /* 0: in the unit of radiance */
+    SVO_U32 specular[3]; /* 12: 2^16 = 1 */
+    SVO_U32 variance; /* 24: 1 / exponent, 2^SVO_LOBE_BITS = 1 */
+    SVO_U32 reserved; /* 28 */
+};
 
 /* Arguments of the kernels that make radiance of sums. 32 bytes. */
 SVO_RECORD(svo_exchange_params)
 {
     SVO_U32 count; /* 0: lit leaves */
     SVO_U32 leaf_begin; /* 4: the first leaf's place in the payload */
-    SVO_U32 finish_count; /* 8: of finishes that emit; 0: none */
+    SVO_U32 finish_count; /* 8: 0: none that matters */
     SVO_U32 flags; /* 12: SVO_EXCHANGE_* */
     SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
     SVO_U32 factor_high; /* 20 */
@@ -530,6 +558,8 @@ SVO_ASSERT_BYTES(svo_solid_params, 48);
 SVO_ASSERT_BYTES(svo_photon_weight, 8);
 SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
+SVO_ASSERT_BYTES(svo_unmet_params, 48);
+SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);

@@ -131,7 +131,7 @@ svo_status svo_light_get_info(const svo_light *light, svo_light_info *info)
         return SVO_INVALID_ARGUMENT;
     }
     return svo_i_struct_write(svo_i_device_message(light->device), "svo_light_get_info", "info", &light->info, info,
-                              SVO_I_STRUCT_SIZES(svo_light_info, stage_ms));
+                              SVO_I_STRUCT_SIZES(svo_light_info, node_map_items));
 }
 
 cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer)

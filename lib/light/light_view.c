@@ -269,6 +269,11 @@ static uint32_t view_spot(const svo_light_source *source, const svo_i_lit_box *b
     return count;
 }
 
+bool svo_i_source_is_dark(const svo_light_source *source)
+{
+    return !(source->value[0] > 0.0F || source->value[1] > 0.0F || source->value[2] > 0.0F);
+}
+
 uint32_t svo_i_light_views(const svo_light_source *source, const svo_i_lit_box *box, uint32_t resolution,
                            svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX])
 {
@@ -306,10 +311,18 @@ static double weigh(const svo_i_light_view *view, uint32_t column, uint32_t row,
     return share * *inverse_length / squared;
 }
 
-/* Bits 0, 2, 4: the order of pixels in a tile is that of kernels/light/light_view.clh. */
+/* Bits 0, 2, 4. */
 static uint32_t even_bits(uint32_t bits)
 {
     return (bits & 1) | (bits >> 1 & 2) | (bits >> 2 & 4);
+}
+
+bool svo_i_photon_pixel(const svo_light_view_params *view, uint32_t photon, uint32_t *column, uint32_t *row)
+{
+    const uint32_t tile = photon >> 2 * SVO_TILE_PIXELS_LOG2;
+    *column = (tile % view->tile_columns << SVO_TILE_PIXELS_LOG2) + even_bits(photon);
+    *row = (tile / view->tile_columns << SVO_TILE_PIXELS_LOG2) + even_bits(photon >> 1);
+    return *column < view->columns && *row < view->rows;
 }
 
 uint32_t svo_i_view_weights(const svo_i_light_view *view, uint32_t first, uint32_t count, svo_photon_weight *weights)
@@ -317,11 +330,10 @@ uint32_t svo_i_view_weights(const svo_i_light_view *view, uint32_t first, uint32
     const double one = (double)(UINT32_C(1) << SVO_WEIGHT_UNIT_LOG2);
     uint32_t shot = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t tile = (first + i) >> 2 * SVO_TILE_PIXELS_LOG2;
-        const uint32_t column = (tile % view->params.tile_columns << SVO_TILE_PIXELS_LOG2) + even_bits(first + i);
-        const uint32_t row = (tile / view->params.tile_columns << SVO_TILE_PIXELS_LOG2) + even_bits((first + i) >> 1);
+        uint32_t column = 0;
+        uint32_t row = 0;
         weights[i] = (svo_photon_weight){.flux = 0};
-        if (column < view->params.columns && row < view->params.rows) {
+        if (svo_i_photon_pixel(&view->params, first + i, &column, &row)) {
             double inverse_length = 1;
             const double weight = weigh(view, column, row, &inverse_length);
             weights[i].flux = (uint32_t)(weight * one + 0.5);

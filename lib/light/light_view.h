@@ -30,11 +30,17 @@ typedef struct svo_i_light_view {
     double pixel; /* area of a pixel; of a point source where the depth is 1 */
 } svo_i_light_view;
 
+/* Whether its value is 0: no photon is shot. */
+bool svo_i_source_is_dark(const svo_light_source *source);
+
 /* A direction without length is refused before. resolution: pixels along the longer side; 0: so many that a leaf that
    faces the light gets four photons, even at the far end of the box. Returns the number of views; those that would not
    see the box are left out. */
 uint32_t svo_i_light_views(const svo_light_source *source, const svo_i_lit_box *box, uint32_t resolution,
                            svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX]);
+
+/* The pixel of a photon; false beyond the view's edge. As kernels/light/light_view.clh has it. */
+bool svo_i_photon_pixel(const svo_light_view_params *view, uint32_t photon, uint32_t *column, uint32_t *row);
 
 /* The weights of photons first .. first + count - 1, by + - * / and square root alone: the same on every machine.
    Returns how many are not 0. */

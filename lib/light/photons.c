@@ -8,94 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
-/* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
-#define BAND_PHOTONS (UINT32_C(1) << 18)
 /* Photons of a work-item of those that find and add. */
 #define ITEM_PHOTONS 4
 /* The first room for slots. */
 #define FIRST_SLOTS (UINT32_C(1) << 16)
-/* The most masks that are read for the bounds of the leaves. */
-#define BOUNDS_NODES_MAX (UINT32_C(1) << 18)
-
-/* ---- bounds ---- */
-
-/* The cells of a level's nodes, from those of the level above. codes: room for the largest level; from the end, since a
-   node's children come after it. */
-static void descend_codes(const uint8_t *masks, uint64_t parents, uint64_t *codes, uint64_t children)
-{
-    uint64_t to = children;
-    for (uint64_t parent = parents; parent-- > 0;) {
-        const uint64_t code = codes[parent];
-        for (uint64_t octant = 8; octant-- > 0;) {
-            if ((masks[parent] >> octant & 1) != 0) {
-                codes[--to] = code << 3 | octant;
-            }
-        }
-    }
-}
-
-static void find_cell_bounds(const uint64_t *codes, uint64_t count, uint32_t low[3], uint32_t high[3])
-{
-    low[0] = low[1] = low[2] = UINT32_MAX;
-    high[0] = high[1] = high[2] = 0;
-    for (uint64_t i = 0; i < count; ++i) {
-        uint32_t cell[3];
-        svo_code_to_cell(codes[i], cell);
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = cell[axis] < low[axis] ? cell[axis] : low[axis];
-            high[axis] = cell[axis] > high[axis] ? cell[axis] : high[axis];
-        }
-    }
-}
-
-/* The deepest level whose cells follow from few enough masks. */
-static uint32_t bounds_level(const svo_tree_info *info)
-{
-    uint32_t level = 0;
-    while (level < info->depth && info->level_begin[level + 1] <= BOUNDS_NODES_MAX) {
-        ++level;
-    }
-    return level;
-}
-
-svo_status svo_i_lit_box_of_tree(svo_i_compact_work *work, const svo_tree *tree, svo_i_lit_box *box)
-{
-    const svo_tree_info *info = &tree->info;
-    const uint32_t level = bounds_level(info);
-    const uint64_t masks_count = info->level_begin[level];
-    const uint64_t cells = info->level_begin[level + 1] - info->level_begin[level];
-    svo_grid grid;
-    uint32_t low[3];
-    uint32_t high[3];
-    double unused[3];
-    svo_status status = SVO_OK;
-    uint8_t *masks = svo_i_alloc_zeroed(&tree->device->memory, masks_count + 1, 1);
-    uint64_t *codes = svo_i_alloc_zeroed(&tree->device->memory, cells + 1, sizeof *codes);
-    if (masks == NULL || codes == NULL) {
-        status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the bounds of %llu nodes",
-                                   work->function, (unsigned long long)masks_count);
-        goto cleanup;
-    }
-    SVO_I_TRY_CLEANUP(svo_i_work_read(work, tree->buffers[SVO_TREE_CHILD_MASK], 0, masks, masks_count));
-    for (uint32_t l = 0; l < level; ++l) {
-        const uint32_t *begin = info->level_begin;
-        descend_codes(masks + begin[l], begin[l + 1] - begin[l], codes, begin[l + 2] - begin[l + 1]);
-    }
-    find_cell_bounds(codes, cells, low, high);
-    SVO_I_TRY_CLEANUP(svo_tree_get_grid(tree, &grid));
-    svo_grid_cell_box(&grid, level, low, box->low, unused);
-    svo_grid_cell_box(&grid, level, high, unused, box->high);
-    box->leaf_edge = svo_grid_cell_edge(&grid, grid.depth);
-
-cleanup:
-    svo_i_free(masks);
-    svo_i_free(codes);
-    return status;
-}
 
 /* ---- buffers ---- */
 
@@ -111,18 +30,21 @@ static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
 
 svo_status svo_i_photons_use(const svo_i_photons *photons)
 {
-    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS,
-                          photons->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
+    static const char *const defines[2][2] = {
+        {" -DSVO_SORT", " -DSVO_SORT -DSVO_LIGHT_LOBES"},
+        {" -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_LOBES"}};
+    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS, defines[photons->has_directions][photons->has_lobes]);
 }
 
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
-                               svo_i_photons *out)
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+                               double unit, svo_i_photons *out)
 {
     const svo_tree_info *info = &tree->info;
     const uint64_t slot_bytes = info->leaf_count * sizeof(cl_uint);
     *out = (svo_i_photons){.work = work,
                            .tree = tree,
                            .has_directions = has_directions,
+                           .has_lobes = has_lobes,
                            .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
                            .unit = unit,
                            .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
@@ -134,17 +56,16 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
     return svo_i_work_fill_zero(work, out->counters, SVO_PHOTON_COUNTERS * sizeof(cl_uint));
 }
 
-/* Buffers for a band, kept from view to view. */
-static svo_status make_bands(svo_i_photons *photons)
+svo_status svo_i_photons_make_bands(svo_i_photons *photons)
 {
     if (photons->leaves != NULL) {
         return SVO_OK;
     }
-    SVO_I_TRY(
-        svo_i_work_alloc(photons->work, "photon_weights", BAND_PHOTONS * sizeof(svo_photon_weight), &photons->weights));
-    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
-    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", BAND_PHOTONS * sizeof(svo_hit), &photons->met));
-    return svo_i_work_alloc(photons->work, "photon_leaves", BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_weights", SVO_I_BAND_PHOTONS * sizeof(svo_photon_weight),
+                               &photons->weights));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", SVO_I_BAND_PHOTONS * sizeof(svo_hit), &photons->met));
+    return svo_i_work_alloc(photons->work, "photon_leaves", SVO_I_BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
 }
 
 void svo_i_photons_release_bands(svo_i_photons *photons)
@@ -202,8 +123,7 @@ static svo_status upload_weights(svo_i_photons *photons, const svo_i_light_view 
     return status;
 }
 
-/* What the rays meet. */
-static svo_status trace(svo_i_photons *photons, uint32_t count)
+svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
 {
     svo_i_compact_work *work = photons->work;
     cl_event done = NULL;
@@ -220,7 +140,7 @@ static svo_status trace(svo_i_photons *photons, uint32_t count)
     return SVO_OK;
 }
 
-static svo_status find_leaves(svo_i_photons *photons, uint32_t count)
+svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims)
 {
     const svo_tree *tree = photons->tree;
     const svo_photon_params params = {.depth = tree->info.depth,
@@ -228,7 +148,8 @@ static svo_status find_leaves(svo_i_photons *photons, uint32_t count)
                                       .leaf_begin = (cl_uint)tree->info.inner_count,
                                       .leaf_count = (cl_uint)tree->info.leaf_count,
                                       .triangle_count = (cl_uint)tree->info.list_triangle_count,
-                                      .count = count};
+                                      .count = count,
+                                      .claims = claims};
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const uint64_t items = (count + ITEM_PHOTONS - 1) / ITEM_PHOTONS;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -263,35 +184,48 @@ static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *vie
                                   SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(trace(photons, params->count));
+    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
     SVO_I_TRY(svo_i_work_wait(work));
     const double traced = svo_i_now_ms();
-    SVO_I_TRY(find_leaves(photons, params->count));
+    SVO_I_TRY(svo_i_photons_find(photons, params->count, 1));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + ITEM_PHOTONS - 1) / ITEM_PHOTONS));
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += traced - start;
     photons->sum_ms += svo_i_now_ms() - traced;
+    return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
+}
+
+/* All bands of a view. */
+static svo_status shoot_bands(svo_i_photons *photons, const svo_i_light_view *view, svo_light_view_params *params)
+{
+    for (uint32_t first = 0; first < view->photon_count; first += SVO_I_BAND_PHOTONS) {
+        params->first = first;
+        params->count =
+            view->photon_count - first < SVO_I_BAND_PHOTONS ? view->photon_count - first : SVO_I_BAND_PHOTONS;
+        SVO_I_TRY(shoot_band(photons, view, params));
+    }
     return SVO_OK;
 }
 
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3])
 {
     svo_light_view_params params = view->params;
-    SVO_I_TRY(make_bands(photons));
+    SVO_I_TRY(svo_i_photons_make_bands(photons));
     SVO_I_TRY(svo_i_photons_use(photons));
     for (int channel = 0; channel < 3; ++channel) {
         const uint64_t flux = (uint64_t)((double)value[channel] * view->pixel / photons->unit + 0.5);
         params.flux[2 * channel] = (cl_uint)flux;
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
     }
-    for (uint32_t first = 0; first < view->photon_count; first += BAND_PHOTONS) {
-        params.first = first;
-        params.count = view->photon_count - first < BAND_PHOTONS ? view->photon_count - first : BAND_PHOTONS;
-        SVO_I_TRY(shoot_band(photons, view, &params));
+    if (photons->map == NULL) {
+        return shoot_bands(photons, view, &params);
     }
-    return SVO_OK;
+    SVO_I_TRY(svo_i_node_map_begin(photons->map, photons->work, &params));
+    const svo_status status = shoot_bands(photons, view, &params);
+    svo_i_node_map_end(photons->map, &params);
+    return status;
 }
 
 /* ---- totals ---- */

@@ -6,12 +6,17 @@
 #include "compact/work.h"
 #include "core/tree.h"
 #include "light/light_view.h"
+#include "light/node_map.h"
+
+/* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
+#define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)
 
 /* What photons leave behind. Buffers belong to the work. */
 typedef struct svo_i_photons {
     svo_i_compact_work *work;
     svo_tree *tree;
     bool has_directions; /* of radiance */
+    bool has_lobes; /* a material shines, and the tree has what lobes follow from */
     bool of_triangles; /* that photons meet; else voxels */
     double unit; /* world flux of one */
     cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */
@@ -21,18 +26,21 @@ typedef struct svo_i_photons {
     uint64_t shot; /* photons with flux */
     uint64_t hits; /* 64 bits of what the counter has 32 of */
     cl_mem weights, rays, met, leaves; /* of a band */
+    svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
     double view_ms, sum_ms; /* rays; leaves and sums */
 } svo_i_photons;
 
-/* Bounds of a tree's leaves, from the masks of its upper levels. There is a leaf. */
-svo_status svo_i_lit_box_of_tree(svo_i_compact_work *work, const svo_tree *tree, svo_i_lit_box *box);
-
 /* Begins: no leaf has a slot. unit: a power of two; all photons together have less flux than
    2^SVO_FLUX_TOTAL_LOG2 of it. */
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
-                               svo_i_photons *out);
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+                               double unit, svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
+/* Buffers for a band, kept from view to view. */
+svo_status svo_i_photons_make_bands(svo_i_photons *photons);
+/* What the band's rays meet, and the leaves of that. claims: not 0: the leaves get slots, and hits are counted. */
+svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count);
+svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims);
 /* Releases the buffers of bands, which only shooting needs; and the rest. The work does so otherwise. */
 void svo_i_photons_release_bands(svo_i_photons *photons);
 void svo_i_photons_release(svo_i_photons *photons);

@@ -81,5 +81,5 @@ svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options
     }
     SVO_I_TRY(svo_i_light_plan(tree, function, options, &planned));
     return svo_i_struct_write(svo_i_device_message(tree->device), function, "info", &planned, info,
-                              SVO_I_STRUCT_SIZES(svo_light_info, stage_ms));
+                              SVO_I_STRUCT_SIZES(svo_light_info, node_map_items));
 }

@@ -5,8 +5,11 @@
 #include <math.h>
 
 #include "core/struct_size.h"
+#include "light/cells.h"
 #include "light/exchange.h"
 #include "light/photons.h"
+#include "light/unmet.h"
+#include "svocl/plan.h"
 
 static const char function[] = "svo_light_set_sources";
 
@@ -138,23 +141,37 @@ static double bound_flux(const svo_light_setup *setup, const svo_i_lit_box *box)
     return bound;
 }
 
-static bool is_dark(const svo_light_source *source)
-{
-    return !(source->value[0] > 0.0F || source->value[1] > 0.0F || source->value[2] > 0.0F);
-}
-
 static svo_status shoot_all(svo_i_photons *photons, const svo_light_setup *setup, const svo_i_lit_box *box)
 {
     svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
     for (size_t i = 0; i < setup->source_count; ++i) {
         const svo_light_source *source = &setup->sources[i];
-        const uint32_t count = is_dark(source) ? 0 : svo_i_light_views(source, box, setup->view_resolution, views);
+        const uint32_t count =
+            svo_i_source_is_dark(source) ? 0 : svo_i_light_views(source, box, setup->view_resolution, views);
         for (uint32_t k = 0; k < count; ++k) {
             SVO_I_TRY(svo_i_photons_shoot(photons, &views[k], source->value));
         }
     }
-    svo_i_photons_release_bands(photons);
     return SVO_OK;
+}
+
+/* The same with the counts that setup.diagnose asks for. */
+static svo_status shoot_and_count(svo_i_photons *photons, const svo_light_setup *setup, const svo_i_lit_box *box,
+                                  svo_light_info *info)
+{
+    uint64_t *codes = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_codes_of_level(photons->work, photons->tree, photons->tree->info.depth, &codes));
+    svo_i_node_map map = {.leaf_codes = codes, .depth = photons->tree->info.depth};
+    photons->map = &map;
+    SVO_I_TRY_CLEANUP(shoot_all(photons, setup, box));
+    SVO_I_TRY_CLEANUP(svo_i_photons_count_unmet(photons, setup, &info->missed_leaves));
+    info->node_map_items = map.items;
+
+cleanup:
+    photons->map = NULL;
+    svo_i_free(codes);
+    return status;
 }
 
 /* What became of the flux. */
@@ -183,6 +200,19 @@ static double flux_unit(double bound)
     return bound > 0 ? ldexp(1.0, exponent - SVO_FLUX_TOTAL_LOG2 + 1) : 1;
 }
 
+/* Whether a leaf may reflect a lobe: a material shines, and where radiance has directions there are normals. */
+static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
+{
+    const uint32_t need = light->tree->info.need;
+    bool shines = false;
+    for (size_t i = 0; i < setup->finish_count; ++i) {
+        const float *specular = setup->finishes[i].specular;
+        shines = shines || specular[0] > 0.0F || specular[1] > 0.0F || specular[2] > 0.0F;
+    }
+    return shines && (need & SVO_NEED_MATERIAL) != 0 &&
+           (light->info.form != SVO_LIGHT_FACES || (need & SVO_NEED_NORMAL) != 0);
+}
+
 svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const svo_light_setup *setup,
                              svo_i_lit_leaves *lit)
 {
@@ -194,8 +224,11 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     }
     SVO_I_TRY(svo_i_lit_box_of_tree(work, light->tree, &box));
     const double unit = flux_unit(bound_flux(setup, &box));
-    SVO_I_TRY(svo_i_photons_begin(work, light->tree, light->info.form == SVO_LIGHT_FACES, unit, &photons));
-    SVO_I_TRY(shoot_all(&photons, setup, &box));
+    const bool faces = light->info.form == SVO_LIGHT_FACES;
+    SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
+    SVO_I_TRY(setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info)
+                                   : shoot_all(&photons, setup, &box));
+    svo_i_photons_release_bands(&photons);
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
     SVO_I_TRY(describe_flux(&photons, &light->info));
@@ -218,7 +251,7 @@ static void darken(svo_light *light)
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
     }
-    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = 0;
+    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = info->node_map_items = 0;
     info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
     light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;
 }
@@ -248,7 +281,7 @@ svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup,
     }
     darken(light);
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "setup", setup, &asked,
-                                SVO_I_STRUCT_SIZES(svo_light_setup, view_resolution)));
+                                SVO_I_STRUCT_SIZES(svo_light_setup, diagnose)));
     SVO_I_TRY(check_setup(light, &asked));
     SVO_I_TRY(svo_i_tree_check(light->tree, function));
     const svo_status status = shine(light, &asked, queue);

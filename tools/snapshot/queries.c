@@ -9,6 +9,7 @@
 
 #include "compact.h"
 #include "digest.h"
+#include "lights.h"
 #include "random.h"
 
 #define PICTURE_WIDTH  160
@@ -238,6 +239,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     query_nearest(name, session, tree, &info);
     fill(name, session, tree, SVO_SOLID_WINDING);
     fill(name, session, tree, SVO_SOLID_PARITY);
+    describe_lights(name, session, tree);
     draw_all(name, session, tree, &info);
     line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));
     line_print(name, "bytes of the hierarchy for rays", line.text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl hash: the hash of a tree, alone on the last line. */
+/* svocl hash: the hash of a tree, or of a light in it, alone on the last line. */
 #include <stdio.h>
 
 #include "support/job.h"
@@ -34,6 +34,71 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
     return json_print(state, document);
 }
 
+/* ---- light ---- */
+
+/* A light with known sources: a sun, and a lamp in the middle of the grid. Few photons, so that interpreters of kernels
+   take part. */
+static svo_status make_light(const job *done, svo_light_form form, svo_light **light)
+{
+    svo_light_options asked = SVO_LIGHT_OPTIONS_INIT;
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree_get_info(done->result.tree, &info);
+    const svo_light_source sources[2] = {
+        {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.3F, -1.0F, -0.2F}, .value = {3.0F, 2.5F, 2.0F}},
+        {.kind = SVO_SOURCE_POINT,
+         .position = {(float)(info.origin[0] + info.edge / 2), (float)(info.origin[1] + info.edge / 2),
+                      (float)(info.origin[2] + info.edge / 2)},
+         .value = {1.0F, 1.5F, 2.0F}},
+    };
+    asked.form = form;
+    setup.sources = sources;
+    setup.source_count = 2;
+    setup.view_resolution = 40;
+    const svo_status status = svo_light_create(done->result.tree, &asked, done->opened.queue, light);
+    return status == SVO_OK ? svo_light_set_sources(*light, &setup, done->opened.queue) : status;
+}
+
+static int print_light_hash(program *state, const job *done)
+{
+    const svo_light_form form = (svo_light_form)(state->options.light - 1);
+    char text[SVO_HASH_TEXT_BYTES];
+    svo_light *light = NULL;
+    progress_step(state->progress, "hashing");
+    svo_status status = make_light(done, form, &light);
+    if (status == SVO_OK) {
+        status = svo_light_hash(light, done->opened.queue, text);
+    }
+    svo_light_destroy(&light);
+    if (status != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (!state->options.json) {
+        progress_hide(state->progress);
+        puts(text);
+        return PROGRAM_DONE;
+    }
+    cJSON *document = json_document();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "hash", text);
+    json_add_text(document, "light", svo_light_form_name(form));
+    return json_print(state, document);
+}
+
+static int hash_light(program *state)
+{
+    job done;
+    int exit_code = input_is_tree(state) ? job_load(state, 1, &done) : job_run(state, state->options.need, 1, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = print_light_hash(state, &done);
+    job_release(&done);
+    return exit_code;
+}
+
+/* ---- trees ---- */
+
 static int hash_tree_file(program *state)
 {
     int exit_code = input_refuse_build_options(state);
@@ -52,6 +117,12 @@ static int hash_tree_file(program *state)
 
 int command_hash(program *state)
 {
+    if (state->options.light != 0 && state->options.nodes) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--light and --nodes exclude each other");
+    }
+    if (state->options.light != 0) {
+        return hash_light(state);
+    }
     if (input_is_tree(state)) {
         return hash_tree_file(state);
     }
