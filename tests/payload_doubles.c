@@ -109,7 +109,8 @@ static void add_double_projections(const payload_pair *pair, bool both_sides, do
                                (double)normal[2] * (double)normal[2]);
     const double area = payload_double_part(pair, centroid);
     for (unsigned i = 0; i < 6 && length > 0.0; ++i) {
-        const double n = (double)normal[i / 2];
+        const unsigned axis = i / 2;
+        const double n = (double)normal[axis];
         if (both_sides || (i % 2 == 0 ? n < 0.0 : n > 0.0)) {
             seen[i] += area * fabs(n) / length;
         }

@@ -104,7 +104,8 @@ static void project(const exact *expected, bool both_sides, double voxel_units, 
         }
         payload_pair_normal(corners, normal);
         for (unsigned k = 0; k < 6; ++k) {
-            const double n = (double)normal[k / 2];
+            const unsigned axis = k / 2;
+            const double n = (double)normal[axis];
             if (both_sides || (k % 2 == 0 ? n < 0.0 : n > 0.0)) {
                 seen[k] += fabs(n) / 2.0 / (voxel_units * voxel_units);
             }
@@ -362,11 +363,12 @@ static void vertices_that_snap_to_one_position(void **state)
         uint32_t indices[4][3];
         static const uint32_t faces[4][3] = {LOWER, {1, 2, 3}};
         for (uint32_t i = 0; i < 12; ++i) {
+            const uint32_t face = i / 3;
             const double step = apart != 0 ? 1e-4 : 1e-7; /* a unit is 8e-6 */
             for (unsigned axis = 0; axis < 3; ++axis) {
-                moved[i][axis] = corners[faces[i / 3][i % 3]][axis] + step * (i / 3);
+                moved[i][axis] = corners[faces[face][i % 3]][axis] + step * face;
             }
-            indices[i / 3][i % 3] = i;
+            indices[face][i % 3] = i;
         }
         const svo_mesh mesh = {.struct_size = sizeof mesh,
                                .positions_double = moved[0],

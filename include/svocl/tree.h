@@ -102,7 +102,7 @@ typedef enum svo_tree_buffer {
     SVO_TREE_TRIANGLE_IDS, /**< "triangle_ids" */
     SVO_TREE_MATERIALS, /**< "materials" */
     SVO_TREE_FILLS, /**< "fills" */
-    SVO_TREE_AREAS, /**< "areas": six numbers a leaf; inner nodes have none */
+    SVO_TREE_AREAS, /**< "areas" */
     SVO_TREE_BUFFER_COUNT /**< number of arrays */
 } svo_tree_buffer;
 

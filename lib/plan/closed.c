@@ -2,7 +2,7 @@
 /*
  * Whether a mesh is closed, exactly and in linear time: the edges of its accepted triangles cancel. An edge belongs to
  * the lesser of its two vertices; each vertex's edges are listed, those in one direction before those in the other, and
- * counted per other vertex.
+ * counted per other vertex. Coordinates that snapping has clamped, far outside the grid, are taken as they are.
  */
 #include "plan/closed.h"
 

@@ -32,7 +32,7 @@ const method methods[METHOD_COUNT] = {
 #define ALL     0x1fffu
 #define COUNTED 0x0e1fu /* those whose calls are counted */
 
-/* All that cases without a name for it ask for; SVO_NEED_ALL may grow. */
+/* What cases named "all" ask for; it stays when SVO_NEED_ALL grows. */
 #define ALL_NEEDS (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_MATERIAL | SVO_NEED_FILL)
 #define NO_FILL   (ALL_NEEDS & ~(unsigned)SVO_NEED_FILL)
 #define AREAS     ((unsigned)SVO_NEED_PROJECTED_AREA)

@@ -49,7 +49,7 @@ void main()
     uint at = (cursors[index] - params.leaf_begin) * 6u;
     for (uint i = 0u; i < 3u; ++i) {
         int64_t n = i == 0u ? normal.x : i == 1u ? normal.y : normal.z;
-        uint64_t seen = uint64_t(svo_part_seen(part.doubled_area, n, largest));
+        uint64_t seen = uint64_t(svo_part_seen(part.doubled_area, svo_cut_share(int64_t(0), largest, n)));
         if (params.both_sides != 0u || n < int64_t(0)) {
             svo_add_sum(at + 2u * i, seen);
         }
