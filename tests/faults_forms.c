@@ -193,12 +193,20 @@ static svo_status run_light(subject *of)
         svo_light *light = NULL;
         TRY_TOLD(svo_light_create(of->tree, &options, world.queue, &light));
         svo_status status = svo_light_set_sources(light, &setup, world.queue);
+        svo_light_picture drawn = SVO_LIGHT_PICTURE_INIT;
+        uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
+        drawn.width = drawn.height = PICTURE_SIDE;
+        svo_camera_frame(of->tree, 1.0F, &drawn.camera);
         if (status == SVO_OK) {
             status = svo_light_hash(light, world.queue, hash);
+        }
+        if (status == SVO_OK) {
+            status = svo_light_render(light, &drawn, world.queue, picture);
         }
         svo_light_destroy(&light);
         TRY_TOLD(status);
         digest(of, hash, sizeof hash);
+        digest(of, picture, sizeof picture);
     }
     return SVO_OK;
 }

@@ -18,12 +18,13 @@ svo_light_info light_info_of(const svo_light *light);
 /* One of its buffers; released by free. */
 void *light_read(const fixture *opened, const svo_light *light, svo_light_buffer buffer);
 
-/* A place in a field: position in voxels, unit direction. 32 bytes. */
+/* A place in a field: position in voxels, unit direction. 36 bytes. */
 typedef struct light_probe {
     float position[3];
     uint32_t level;
     float direction[3];
     uint32_t with_light;
+    uint32_t in_pair; /* 0: alone; 1: as the finer of two levels; 2: as the coarser, not of the deepest level */
 } light_probe;
 
 /* What is there, as kernels/light/field.clh has it. 32 bytes. */

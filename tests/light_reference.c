@@ -160,9 +160,10 @@ void light_levels_make(svo_light_form form, uint32_t depth, const uint16_t *leav
     double *values = malloc(cells * 6 * sizeof *values);
     assert_non_null(values);
     for (size_t k = 0; k < 6 * cells; ++k) {
+        const uint16_t *leaf = leaves + k / 6 * 6;
         values[k] = leaves[k];
-        for (size_t other = 0; form != SVO_LIGHT_FACES && other < 6; ++other) {
-            values[k] = fmax(values[k], leaves[k / 6 * 6 + other]);
+        for (int other = 0; form != SVO_LIGHT_FACES && other < 6; ++other) {
+            values[k] = fmax(values[k], leaf[other]);
         }
     }
     *out = (light_levels){.form = form, .depth = depth, .count = form == SVO_LIGHT_FACES ? 6 : 1, .whole = true};

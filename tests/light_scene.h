@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Random scenes of voxels and of triangles: their tree, their light, and the same on dense grids. Call inside a running cmocka test. */
+/*
+ * Random scenes of voxels and of triangles: their tree, their light, and the same on dense grids. Call inside a running
+ * cmocka test.
+ */
 #ifndef SVOCL_TESTS_LIGHT_SCENE_H
 #define SVOCL_TESTS_LIGHT_SCENE_H
 

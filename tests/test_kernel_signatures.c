@@ -48,6 +48,7 @@ extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
 extern const char svo_i_source_light[];
+extern const char svo_i_source_light_picture[];
 extern const char svo_i_source_photons[];
 
 typedef struct passed_argument {
@@ -92,7 +93,10 @@ static size_t bytes_of_type(const char *type)
                  {"svo_ray_params", sizeof(svo_ray_params)},
                  {"svo_scene_params", sizeof(svo_scene_params)},
                  {"svo_solid_params", sizeof(svo_solid_params)},
+                 {"svo_light_params", sizeof(svo_light_params)},
                  {"svo_light_step", sizeof(svo_light_step)},
+                 {"svo_gather_params", sizeof(svo_gather_params)},
+                 {"svo_lit_picture_params", sizeof(svo_lit_picture_params)},
                  {"svo_light_source", sizeof(svo_light_source)},
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
@@ -451,6 +455,10 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
     const uint32_t needs[2] = {PAYLOAD | (uint32_t)SVO_NEED_RAYS, PAYLOAD};
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    uint8_t pixels[8 * 8 * 4];
+    picture.width = picture.height = 8;
+    picture.camera = (svo_camera){{0.5F, 0.5F, 3}, {0.5F, 0.5F, 0.5F}, {0, 1, 0}, 0.5F};
     setup.sources = &lamp;
     setup.source_count = 1;
     setup.finishes = finishes;
@@ -465,6 +473,7 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
         fixture_build(opened, mesh, DEPTH, &options, &made);
         succeed(opened, svo_light_create(made.tree, &faces, opened->queue, &light));
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+        succeed(opened, svo_light_render(light, &picture, opened->queue, pixels));
         svo_light_destroy(&light);
         built_destroy(&made);
     }
@@ -498,7 +507,7 @@ static void every_launch_matches_its_kernel(void **state)
         svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
         svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
         svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
-        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons};
+        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -49,7 +49,7 @@ static void what_passes_is_their_power(void **state)
 
 /* ---- lit leaves ---- */
 
-/* Radiance of some leaves: every other one in half of the grid; by leaf, six directions, one channel. Others are dark. */
+/* Radiance of some leaves: every other one in half of the grid. Others are dark. */
 typedef struct lit_leaves {
     uint32_t *leaves;
     uint32_t *values; /* as svo_i_lit_leaves.radiance; green is half of red, blue a quarter */

@@ -259,6 +259,7 @@ static void make_probes(uint64_t seed, light_probe *probes, size_t count)
         }
         probes[i].level = 1 + random_below(&seed, DEPTH);
         probes[i].with_light = (uint32_t)(i % 2);
+        probes[i].in_pair = probes[i].level < DEPTH ? (uint32_t)(i % 3) : (uint32_t)(i % 3 % 2);
     }
 }
 

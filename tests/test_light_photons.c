@@ -391,6 +391,41 @@ static void test_radiance_without_directions(void **state)
 
 /* ---- emission ---- */
 
+/* A wall that covers a face along y, and none along x and z. */
+static void test_emission_is_premultiplied_by_area(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_finish finish = {.emission = {3, 2, 1}};
+    const svo_material white = {{255, 255, 255, 255}, SVO_NO_TEXTURE};
+    svo_plan_options grid = wall_grid();
+    svo_mesh mesh = wall_mesh();
+    mesh.materials = &white;
+    mesh.material_count = 1;
+    grid.need |= SVO_NEED_PROJECTED_AREA;
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.finishes = &finish;
+    setup.finish_count = 1;
+    unsigned checked = 0;
+    built made;
+    lit_leaves lit;
+    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
+    svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
+    shine(&opened, light, &setup, &lit);
+    for (uint64_t i = 0; i < lit.count; ++i) {
+        double middle[3];
+        leaf_middle(&made, lit.leaves[i], middle);
+        for (unsigned k = 0; k < 18 && is_inner(middle); ++k) {
+            const double expected = k / 3 == 2 || k / 3 == 3 ? 3.0 - k % 3 : 0;
+            assert_near(radiance_at(&lit, i, k / 3, k % 3), expected, 2e-3, "emission");
+            ++checked;
+        }
+    }
+    assert_int_equal(checked, 30 * 30 * 18);
+    free_lit(&lit);
+    svo_light_destroy(&light);
+    built_destroy(&made);
+}
+
 static void test_emitting_materials_are_lit(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -471,6 +506,7 @@ int main(void)
         cmocka_unit_test(test_point_light_obeys_inverse_squares),
         cmocka_unit_test(test_radiance_without_directions),
         cmocka_unit_test(test_emitting_materials_are_lit),
+        cmocka_unit_test(test_emission_is_premultiplied_by_area),
         cmocka_unit_test(test_trees_without_triangles_are_lit),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "cone_scene.h"
 #include "meshes.h"
@@ -258,12 +259,210 @@ static void a_room_that_emits_is_even(void **state)
     cone_scene_free(scene);
 }
 
+/* ---- one bounce ---- */
+
+/* A room without anything in it, of albedo 0.6, and a light inside. */
+static const double room_half[3] = {0.26, 0.23, 0.2}; /* of the grid's width */
+#define ALBEDO 0.6
+
+/* The light's place at a time 0 .. 1, of the grid's width from the middle. */
+static void light_at(double time, double at[3])
+{
+    at[0] = 0.16 * cos(2.2 * time);
+    at[1] = 0.12 * sin(2.2 * time) - 0.03;
+    at[2] = 0.1 * (time - 0.4);
+}
+
+/* Where a point of a wall is: wall 0 .. 5, and two coordinates -1 .. 1. */
+static void place_on_wall(int wall, double u, double v, double at[3], double normal[3])
+{
+    const int axis = wall % 3;
+    const double side = wall < 3 ? 1 : -1;
+    at[axis] = side * room_half[axis];
+    at[(axis + 1) % 3] = u * room_half[(axis + 1) % 3];
+    at[(axis + 2) % 3] = v * room_half[(axis + 2) % 3];
+    normal[0] = normal[1] = normal[2] = 0;
+    normal[axis] = -side;
+}
+
+/* The cosine at a place towards another over the square of their distance, at least 0; and the direction. */
+static double cosine_over_square(const double at[3], const double normal[3], const double other[3], double towards[3])
+{
+    double square = 0;
+    double cosine = 0;
+    for (int k = 0; k < 3; ++k) {
+        towards[k] = other[k] - at[k];
+        square += towards[k] * towards[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        towards[k] /= sqrt(square);
+        cosine += normal[k] * towards[k];
+    }
+    return fmax(cosine, 0) / square;
+}
+
+#define PATCHES 24
+typedef struct wall_patch {
+    double at[3], normal[3];
+    double area;
+} wall_patch;
+
+static void make_patches(wall_patch patches[6 * PATCHES * PATCHES])
+{
+    for (int i = 0; i < 6 * PATCHES * PATCHES; ++i) {
+        const int axis = i % 3;
+        const double u = (2.0 * (i / 6 % PATCHES) + 1) / PATCHES - 1;
+        const double v = (2.0 * (i / 6 / PATCHES) + 1) / PATCHES - 1;
+        place_on_wall(i % 6, u, v, patches[i].at, patches[i].normal);
+        patches[i].area = 4 * room_half[(axis + 1) % 3] * room_half[(axis + 2) % 3] / (PATCHES * PATCHES);
+    }
+}
+
+/* What a unit light at a place, reflected once, brings to points: a sum over patches of the walls. */
+static void sum_one_bounce(const double light[3], const wall_patch *points, size_t point_count, double *irradiance)
+{
+    static wall_patch patches[6 * PATCHES * PATCHES];
+    double direction[3];
+    make_patches(patches);
+    for (size_t k = 0; k < point_count; ++k) {
+        irradiance[k] = 0;
+    }
+    for (size_t i = 0; i < sizeof patches / sizeof patches[0]; ++i) {
+        const wall_patch *patch = &patches[i];
+        const double radiance =
+            ALBEDO / 3.14159265358979 * cosine_over_square(patch->at, patch->normal, light, direction);
+        for (size_t k = 0; k < point_count; ++k) {
+            const double form = cosine_over_square(points[k].at, points[k].normal, patch->at, direction);
+            const double leaving =
+                -(direction[0] * patch->normal[0] + direction[1] * patch->normal[1] + direction[2] * patch->normal[2]);
+            irradiance[k] += radiance * form * fmax(leaving, 0) * patch->area;
+        }
+    }
+}
+
+typedef struct lit_room {
+    cone_scene *scene;
+    svo_tree *tree;
+    svo_light *light;
+    wall_patch *points; /* of the grid's width, from the middle */
+} lit_room;
+
+static void open_room(const fixture *opened, uint32_t depth, size_t point_count, lit_room *out)
+{
+    const double size = ldexp(1, (int)depth);
+    const double half[3] = {room_half[0] * size, room_half[1] * size, room_half[2] * size};
+    out->scene = cone_scene_new(depth, 16);
+    out->points = calloc(point_count, sizeof *out->points);
+    assert_non_null(out->points);
+    cone_scene_add_room(out->scene, half);
+    for (size_t k = 0; k < point_count; ++k) {
+        wall_patch *point = &out->points[k];
+        place_on_wall((int)(k % 6), 1.6 * random_unit(&out->scene->seed) - 0.8,
+                      1.6 * random_unit(&out->scene->seed) - 0.8, point->at, point->normal);
+        const double at[3] = {point->at[0] * size, point->at[1] * size, point->at[2] * size};
+        cone_scene_add_point(out->scene, at, point->normal, 0);
+    }
+    out->tree = cone_scene_build(opened, out->scene, SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA | SVO_NEED_RAYS);
+    out->light = light_of(opened, out->tree, SVO_LIGHT_FACES);
+}
+
+static void close_room(lit_room *room)
+{
+    svo_light_destroy(&room->light);
+    svo_tree_destroy(&room->tree);
+    cone_scene_free(room->scene);
+    free(room->points);
+}
+
+/* Gathers with a light whose intensity is the square of the grid's width, so that irradiance is that of a grid of
+   width 1. */
+static void gather_in_room(const fixture *opened, lit_room *room, const double at[3], uint32_t view_resolution)
+{
+    const double size = ldexp(1, (int)room->scene->depth);
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    svo_light_source source = {.kind = SVO_SOURCE_POINT};
+    for (int k = 0; k < 3; ++k) {
+        source.position[k] = (float)((at[k] + 0.5) * size);
+        source.value[k] = (float)(size * size);
+    }
+    setup.sources = &source;
+    setup.source_count = 1;
+    setup.view_resolution = view_resolution;
+    light_succeed(opened, svo_light_set_sources(room->light, &setup, opened->queue));
+    cone_scene_gather(opened, room->scene, room->light, NULL);
+}
+
+static void one_bounce_is_the_same_at_each_depth(void **state)
+{
+    enum { POINTS = 384 };
+    static double truth[POINTS];
+    const fixture opened = fixture_cl_of_group(state);
+    double before = 0;
+    for (uint32_t depth = 7; depth <= 9; ++depth) {
+        lit_room room;
+        double light[3];
+        double mean = 0;
+        double sum = 0;
+        cone_errors errors = {.count = 0};
+        open_room(&opened, depth, POINTS, &room);
+        light_at(0.3, light);
+        gather_in_room(&opened, &room, light, 0);
+        sum_one_bounce(light, room.points, POINTS, truth);
+        for (size_t k = 0; k < POINTS; ++k) {
+            mean += (double)room.scene->results[k].irradiance[1] / POINTS;
+            sum += truth[k] / POINTS;
+        }
+        for (size_t k = 0; k < POINTS; ++k) {
+            cone_errors_add(&errors, ((double)room.scene->results[k].irradiance[1] - truth[k]) / sum);
+        }
+        print_message("depth %u: mean %.4f, truth %.4f, rms error %.4f of it\n", depth, mean, sum,
+                      cone_errors_rms(&errors));
+        if (before > 0) {
+            check_below("change of the mean", fabs(mean / before - 1), 0.02);
+        }
+        before = mean;
+        close_room(&room);
+    }
+}
+
+/* The light's view is finer than by default: with four photons a leaf, their number in a leaf changes by a quarter as
+   the light moves, and so does the light of a leaf that a point is next to. */
+static void a_moving_light_does_not_flicker(void **state)
+{
+    enum { POINTS = 256, STEPS = 100, VIEW = 1024 };
+    static double truth[2][POINTS];
+    static double gathered[2][POINTS];
+    const fixture opened = fixture_cl_of_group(state);
+    lit_room room;
+    double worst = 0;
+    double mean = 0;
+    open_room(&opened, 6, POINTS, &room);
+    for (int step = 0; step <= STEPS; ++step) {
+        const int now = step % 2;
+        double light[3];
+        light_at(0.01 * step, light);
+        gather_in_room(&opened, &room, light, VIEW);
+        sum_one_bounce(light, room.points, POINTS, truth[now]);
+        for (size_t k = 0; k < POINTS; ++k) {
+            gathered[now][k] = (double)room.scene->results[k].irradiance[1];
+            mean += step == 0 ? truth[now][k] / POINTS : 0;
+        }
+        for (size_t k = 0; step > 0 && k < POINTS; ++k) {
+            const double jump = fabs(gathered[now][k] - gathered[!now][k]);
+            worst = fmax(worst, (jump - 3 * fabs(truth[now][k] - truth[!now][k])) / mean);
+        }
+    }
+    check_below("jumps beyond three times the truth's, of its mean", worst, 0.01);
+    close_room(&room);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(occlusion_of_simple_shapes), cmocka_unit_test(bare_floors_are_open),
-        cmocka_unit_test(closed_rooms_are_dark),      cmocka_unit_test(clutter_of_quads),
-        cmocka_unit_test(a_room_that_emits_is_even),
+        cmocka_unit_test(occlusion_of_simple_shapes),      cmocka_unit_test(bare_floors_are_open),
+        cmocka_unit_test(closed_rooms_are_dark),           cmocka_unit_test(clutter_of_quads),
+        cmocka_unit_test(a_room_that_emits_is_even),       cmocka_unit_test(one_bounce_is_the_same_at_each_depth),
+        cmocka_unit_test(a_moving_light_does_not_flicker),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -201,6 +201,33 @@ static void opacity_is_full_without_areas(void **state)
     built_destroy(&without);
 }
 
+/* A color that all nodes have is stored once. */
+static void one_alpha_is_that_of_all_leaves(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_material glass = {{10, 20, 30, 100}, SVO_NO_TEXTURE};
+    const svo_plan_options options = {.need = SVO_NEED_COLOR | (unsigned)SVO_NEED_NORMAL};
+    uint16_t materials[200] = {0};
+    attributed_mesh mesh;
+    built tree;
+    attributed_mesh_create(3, 200, 0, &mesh);
+    svo_mesh painted = mesh.base.mesh;
+    painted.materials = &glass;
+    painted.material_count = 1;
+    painted.triangle_materials = materials;
+    fixture_build(&opened, &painted, DEPTH, &options, &tree);
+    assert_true((tree.info.constant & SVO_NEED_COLOR) != 0);
+    svo_light *light = light_of(&opened, tree.tree, SVO_LIGHT_VOXELS);
+    uint16_t *opacity = light_read(&opened, light, SVO_LIGHT_OPACITY);
+    for (uint64_t leaf = tree.info.inner_count; leaf < tree.info.node_count; ++leaf) {
+        assert_int_equal(opacity[leaf], 257 * 100);
+    }
+    free(opacity);
+    svo_light_destroy(&light);
+    built_destroy(&tree);
+    attributed_mesh_destroy(&mesh);
+}
+
 static void an_empty_tree_has_a_light(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -290,6 +317,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(builders_and_queues_give_the_same_bytes),
         cmocka_unit_test(threads_give_the_same_bytes),
         cmocka_unit_test(opacity_is_full_without_areas),
+        cmocka_unit_test(one_alpha_is_that_of_all_leaves),
         cmocka_unit_test(an_empty_tree_has_a_light),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(names_are_those_of_the_header),

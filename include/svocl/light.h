@@ -112,7 +112,7 @@ typedef struct svo_light_info {
     double lost_flux; /**< share of it that found no leaf */
     uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
     uint64_t total_bytes; /**< of all buffers */
-    uint64_t scratch_bytes; /**< the most that making it took besides; it is released */
+    uint64_t scratch_bytes; /**< what svo_light_create took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
     /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
      *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
@@ -124,7 +124,7 @@ typedef struct svo_light_info {
 #define SVO_LIGHT_INFO_INIT SVO_STRUCT_INIT(svo_light_info)
 
 /** Says what svo_light_create would make, before anything is compiled or allocated. Buffers of sources are 0: their
- *  sizes follow from the photons; at most scratch and radiance of all leaves being lit, which lit_leaves then counts.
+ *  sizes follow from the photons.
  *
  * \param tree complete
  * \param options NULL means all defaults
@@ -139,8 +139,8 @@ SVO_API svo_status svo_light_plan(const svo_tree *tree, const svo_light_options 
  * \param options NULL means all defaults
  * \param queue on the context of the tree's device; NULL: the device's own
  * \param out receives the light
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (too many nodes for the form), SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
+ *          on failure. */
 SVO_API svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue,
                                     svo_light **out);
 

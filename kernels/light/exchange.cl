@@ -3,7 +3,8 @@
  * From the flux of leaves to their radiance. Lambertian surfaces reflect albedo / pi of their irradiance, so the
  * premultiplied radiance of a leaf of edge h for rays along e is the sum of albedo flux max(0, -m e) over pi h^2, where
  * m is the normal on the photon's side. Without directions it is albedo flux over pi times the surface's area in the
- * leaf. Leaves whose material emits add its radiance, times their opacity where radiance is premultiplied.
+ * leaf. Leaves whose material emits add its radiance, times their opacity where radiance is premultiplied. Those that
+ * shine (SVO_LIGHT_LOBES) add a lobe, see lobe.clh.
  *
  *   svo_k_emission_claim    per leaf: a slot if its material emits
  *   svo_k_lit_flags         per leaf: whether it has a slot; a scan makes places of that
@@ -14,12 +15,10 @@
  * Launch: as above, rounded up to whole groups. Integers alone. Atomics claim slots (photons.cl) and find a maximum; no
  * local memory.
  */
-#include "light/albedo.clh"
+#include "light/leaf_surface.clh"
 #include "light/slots.clh"
 #include "light/sums.clh"
 
-/* Full coverage in SVO_NEED_FILL's and SVO_NEED_PROJECTED_AREA's units. */
-#define SVO_FACE_AREA 4096u
 /* An opacity of 1: alpha times coverage. */
 #define SVO_OPAQUE (255u * SVO_FACE_AREA)
 
@@ -30,13 +29,6 @@
 #endif
 
 /* ---- which leaves are lit ---- */
-
-/* The finish of a leaf; finish_count: its material has none. */
-static uint svo_leaf_finish(__global const ushort *materials, uint leaf, const svo_exchange_params *params)
-{
-    const uint place = (params->flags & SVO_EXCHANGE_ONE_MATERIAL) != 0u ? 0u : params->leaf_begin + leaf;
-    return min((uint)materials[place], params->finish_count);
-}
 
 /* used: of each finish, whether a leaf has it. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -76,63 +68,44 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
 
 /* ---- radiance ---- */
 
-/* What a leaf's radiance depends on. */
-typedef struct svo_leaf_surface {
-    uint albedo[3]; /* 2^SVO_ALBEDO_UNIT_LOG2 = 1 */
-    uint alpha; /* 255 = 1 */
-    uint fill; /* surface area inside, SVO_FACE_AREA = a face; at least 1 */
-} svo_leaf_surface;
-
-static void svo_read_surface(__global const uchar4 *colors, __global const ushort *fills, uint leaf,
-                             const svo_exchange_params *params, svo_leaf_surface *out)
+/* What a slot reflects for rays along a direction, over the share of the leaf's face where there are no directions.
+   Sums are below 2^SVO_FLUX_TOTAL_LOG2 / 2, so this is below 2^63. */
+static ulong svo_reflected(__global const uint *of_slot, uint direction, uint channel, const svo_leaf_surface *surface)
 {
-    const uint place = params->leaf_begin + leaf;
-    out->albedo[0] = out->albedo[1] = out->albedo[2] = SVO_ALBEDO_UNKNOWN;
-    out->alpha = 255u;
-    out->fill = SVO_FACE_AREA;
-    if ((params->flags & SVO_EXCHANGE_COLORS) != 0u) {
-        const uchar4 color = colors[(params->flags & SVO_EXCHANGE_ONE_COLOR) != 0u ? 0u : place];
-        out->albedo[0] = svo_albedo_of_byte(color.x);
-        out->albedo[1] = svo_albedo_of_byte(color.y);
-        out->albedo[2] = svo_albedo_of_byte(color.z);
-        out->alpha = color.w;
-    }
-    if ((params->flags & SVO_EXCHANGE_FILLS) != 0u) {
-        out->fill = max((uint)fills[place], 1u);
-    }
-}
-
-/* albedo * flux of a slot, over the share of the leaf's face where there are no directions. Sums are below
-   2^SVO_FLUX_TOTAL_LOG2, so this is below 2^62. */
-static ulong svo_reflected(__global const uint *sums, uint slot, uint direction, uint channel,
-                           const svo_leaf_surface *surface)
-{
-    __global const uint *of_slot = sums + (size_t)slot * SVO_LEAF_SUMS * 2;
-    const uint albedo = surface->albedo[channel];
 #ifdef SVO_LIGHT_FACES
     const ulong sum = svo_read_wide(of_slot + 2u * (SVO_FLUX_SUMS + 3u * direction + channel));
-    return (ulong)svo_scale_wide(sum, (int)albedo, SVO_ALBEDO_UNIT_LOG2);
+#else
+    const ulong sum = svo_read_wide(of_slot + 2u * channel);
+#endif
+    ulong reflected = (ulong)svo_scale_wide(sum, (int)surface->albedo[channel], SVO_ALBEDO_UNIT_LOG2);
+#ifdef SVO_LIGHT_LOBES
+    const ulong flux = svo_read_wide(of_slot + 2u * channel);
+    const ulong mirrored = (ulong)svo_scale_wide(flux, (int)surface->specular[channel], SVO_ALBEDO_UNIT_LOG2);
+    reflected += (mirrored >> SVO_LOBE_BITS) * surface->shares[direction];
+#endif
+#ifdef SVO_LIGHT_FACES
+    return reflected;
 #else
     (void)direction;
-    const ulong sum = svo_read_wide(of_slot + 2u * channel);
-    return (ulong)svo_scale_wide(sum, (int)albedo, SVO_ALBEDO_UNIT_LOG2) * SVO_FACE_AREA / surface->fill;
+    return reflected * SVO_FACE_AREA / surface->fill;
 #endif
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_radiance_bits(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
-                    __global const uchar4 *colors, __global const ushort *fills, volatile __global uint *counters,
-                    svo_exchange_params params)
+                    SVO_SURFACE_PARAMETERS, volatile __global uint *counters, svo_exchange_params params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
+    SVO_SURFACE_MAKE(tree);
+    __global const uint *of_slot = sums + (size_t)slots[leaves[item]] * SVO_LEAF_SUMS * 2;
     svo_leaf_surface surface;
-    svo_read_surface(colors, fills, leaves[item], &params, &surface);
+    svo_read_surface(&tree, leaves[item], of_slot, &params, &surface);
     ulong most = 0ul;
     for (uint k = 0; k < 3u * SVO_LEAF_DIRECTIONS; ++k) {
-        most = max(most, svo_reflected(sums, slots[leaves[item]], k / 3u, k % 3u, &surface));
+        most = max(most, svo_reflected(of_slot, k / 3u, k % 3u, &surface));
     }
     atomic_max(counters + SVO_PHOTON_BITS, 64u - (uint)clz(most));
 }
@@ -157,22 +130,21 @@ static uint svo_leaf_opacity(__global const ushort *areas, uint leaf, uint direc
 
 #endif
 
-/* emission: radiance of each finish, red, green, blue. flux: six sums of a lit leaf. */
+/* flux: six sums of a lit leaf. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
-               __global const uchar4 *colors, __global const ushort *fills, __global const ushort *areas,
-               __global const ushort *materials, __global const uint *emission, __global uint *radiance,
-               __global uint *flux, svo_exchange_params params)
+               SVO_SURFACE_PARAMETERS, __global const ushort *areas, __global uint *radiance, __global uint *flux,
+               svo_exchange_params params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
+    SVO_SURFACE_MAKE(tree);
     const uint leaf = leaves[item];
-    const uint slot = slots[leaf];
-    const uint finish = params.finish_count > 0u ? svo_leaf_finish(materials, leaf, &params) : 0u;
+    __global const uint *of_slot = sums + (size_t)slots[leaf] * SVO_LEAF_SUMS * 2;
     svo_leaf_surface surface;
-    svo_read_surface(colors, fills, leaf, &params, &surface);
+    svo_read_surface(&tree, leaf, of_slot, &params, &surface);
     for (uint direction = 0; direction < SVO_LEAF_DIRECTIONS; ++direction) {
 #ifdef SVO_LIGHT_FACES
         const uint opacity = svo_leaf_opacity(areas, leaf, direction, &surface, &params);
@@ -181,13 +153,13 @@ svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global
         (void)areas;
 #endif
         for (uint channel = 0; channel < 3u; ++channel) {
-            const ulong emitted = finish < params.finish_count ? emission[3u * finish + channel] : 0u;
-            const uint own = (uint)((emitted * opacity + SVO_OPAQUE / 2u) / SVO_OPAQUE);
-            const ulong reflected = svo_reflected(sums, slot, direction, channel, &surface);
+            const ulong emitted = (ulong)surface.emission[channel] * opacity;
+            const uint own = (uint)((emitted + SVO_OPAQUE / 2u) / SVO_OPAQUE);
+            const ulong reflected = svo_reflected(of_slot, direction, channel, &surface);
             radiance[(item * SVO_LEAF_DIRECTIONS + direction) * 3u + channel] = own + svo_to_unit(reflected, &params);
         }
     }
     for (uint k = 0; k < 2u * SVO_FLUX_SUMS; ++k) {
-        flux[(size_t)item * 2u * SVO_FLUX_SUMS + k] = sums[(size_t)slot * SVO_LEAF_SUMS * 2 + k];
+        flux[(size_t)item * 2u * SVO_FLUX_SUMS + k] = of_slot[k];
     }
 }

@@ -6,9 +6,9 @@
  *   svo_k_light_face_leaves       per leaf: opacities and covers
  *   svo_k_light_face_level        per inner node of a level, from the deepest level upwards: through a pair of children
  *                                 that lie behind each other passes what passes through both; mean over the four pairs
- *   svo_k_light_face_extinctions  per node, at last: opacities to extinctions, in place
+ *   svo_k_light_face_extinctions  per value, at last: opacities to extinctions, in place
  *
- * Launch: one work-item per node, rounded up to whole groups. No atomics, no local memory.
+ * Launch: one work-item per node or value, rounded up to whole groups. No atomics, no local memory.
  */
 #include "light/extinction.clh"
 #include "light/opacity.clh"
@@ -74,9 +74,8 @@ svo_k_light_face_level(__global const uchar *child_mask, __global const uint *fi
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_face_extinctions(__global ushort *opacities, svo_light_step params)
 {
-    const uint node = (uint)get_global_id(0);
-    for (uint direction = 0; node < params.count && direction < 6u; ++direction) {
-        const size_t at = 6u * (size_t)node + direction;
+    const size_t at = get_global_id(0);
+    if (at < 6u * (size_t)params.count) {
         opacities[at] = (ushort)svo_extinction_of(opacities[at]);
     }
 }

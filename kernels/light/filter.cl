@@ -59,6 +59,27 @@ svo_k_light_places(__global const uint *marks, __global const uint *sums, __glob
 
 #ifdef SVO_LIGHT_BRICKS
 
+/* Whether a cell that touches the node, of its children's size, is lit. */
+static bool svo_is_lit_beside(__global const uchar *child_mask, __global const uint *first_child,
+                              __global const ulong *codes, __global const uint *marks, uint node, uint level)
+{
+    uint at[3];
+    uint around[27];
+    uint cells[64];
+    svo_deinterleave(codes[node], at);
+    svo_light_around(child_mask, first_child, (int3)((int)at[0], (int)at[1], (int)at[2]), level, around);
+    for (uint k = 0; k < 27u; ++k) {
+        /* What is dark has no lit children. */
+        around[k] = around[k] != SVO_NO_NODE && marks[around[k]] != 0u ? around[k] : SVO_NO_NODE;
+    }
+    svo_light_children_around(child_mask, first_child, around, cells);
+    bool lit = false;
+    for (uint k = 0; k < 64u; ++k) {
+        lit = lit || (cells[k] != SVO_NO_NODE && marks[cells[k]] != 0u);
+    }
+    return lit;
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
                         __global const uint *marks, __global uint *brick_marks, svo_light_step params)
@@ -68,21 +89,8 @@ svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *f
         return;
     }
     const uint node = params.first + item;
-    uint at[3];
-    uint around[27];
-    svo_deinterleave(codes[node], at);
-    svo_light_around(child_mask, first_child, (int3)((int)at[0], (int)at[1], (int)at[2]), params.level, around);
-    for (uint k = 0; k < 27u; ++k) {
-        /* What is dark has no lit children. */
-        around[k] = around[k] != SVO_NO_NODE && marks[around[k]] != 0u ? around[k] : SVO_NO_NODE;
-    }
-    uint cells[64];
-    svo_light_children_around(child_mask, first_child, around, cells);
-    uint lit = 0u;
-    for (int k = 0; k < 64; ++k) {
-        lit |= cells[k] != SVO_NO_NODE ? marks[cells[k]] : 0u;
-    }
-    brick_marks[node] = lit;
+    brick_marks[node] =
+        marks[node] != 0u || svo_is_lit_beside(child_mask, first_child, codes, marks, node, params.level);
 }
 
 #endif

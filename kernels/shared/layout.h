@@ -419,8 +419,7 @@ SVO_RECORD(svo_light_step)
     SVO_U32 count; /* 12: nodes of the launch */
     SVO_U32 level; /* 16: of those nodes */
     SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
-    SVO_U32 payload_begin; /* 24: the first node that has colors */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
 /* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
@@ -509,13 +508,29 @@ SVO_RECORD(svo_unmet_params)
 #define SVO_EXCHANGE_ONE_MATERIAL 4u
 #define SVO_EXCHANGE_FILLS        8u
 #define SVO_EXCHANGE_AREAS        16u
+#define SVO_EXCHANGE_ONE_NORMAL   32u
+
+/* Lobes of surfaces that shine: fractional bits; steps of the table of an exponential function, and its entries: an
+   exponent of 2 / (1/3) and one more. */
+#define SVO_LOBE_BITS  15
+#define SVO_LOBE_STEPS 256
+#define SVO_LOBE_TABLE (6 * SVO_LOBE_STEPS + 1)
+
+/* A material's finish. 32 bytes. */
+SVO_RECORD(svo_finish_record)
+{
+    SVO_U32 emission[3]; /* 0: in the unit of radiance */
+    SVO_U32 specular[3]; /* 12: 2^16 = 1 */
+    SVO_U32 variance; /* 24: 1 / exponent, 2^SVO_LOBE_BITS = 1 */
+    SVO_U32 reserved; /* 28 */
+};
 
 /* Arguments of the kernels that make radiance of sums. 32 bytes. */
 SVO_RECORD(svo_exchange_params)
 {
     SVO_U32 count; /* 0: lit leaves */
     SVO_U32 leaf_begin; /* 4: the first leaf's place in the payload */
-    SVO_U32 finish_count; /* 8: of finishes that emit; 0: none */
+    SVO_U32 finish_count; /* 8: 0: none that matters */
     SVO_U32 flags; /* 12: SVO_EXCHANGE_* */
     SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
     SVO_U32 factor_high; /* 20 */
@@ -574,6 +589,7 @@ SVO_ASSERT_BYTES(svo_photon_weight, 8);
 SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
+SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);

@@ -13,15 +13,23 @@
 #define UNIT_EXPONENT_MIN (-120)
 #define UNIT_EXPONENT_MAX 90
 
+/* The arguments that SVO_SURFACE_PARAMETERS of kernels/light/leaf_surface.clh declares. */
+#define SURFACE_ARGUMENTS(e)                                                                         \
+    SVO_I_ARGUMENT((e)->light->tree->buffers[SVO_TREE_COLORS]),                                      \
+        SVO_I_ARGUMENT((e)->light->tree->buffers[SVO_TREE_FILLS]),                                   \
+        SVO_I_ARGUMENT((e)->light->tree->buffers[SVO_TREE_MATERIALS]), SVO_I_ARGUMENT((e)->records), \
+        SVO_I_ARGUMENT((e)->light->tree->buffers[SVO_TREE_NORMALS]), SVO_I_ARGUMENT((e)->decline)
+
 /* What the steps share. */
 typedef struct exchange {
     svo_i_photons *photons;
     svo_i_compact_work *work;
     svo_light *light;
     const svo_finish *finishes;
-    uint32_t finish_count; /* 0: nothing emits, or the tree has no materials */
+    uint32_t finish_count; /* 0: none, or the tree has no materials */
     svo_exchange_params params;
-    cl_mem emission; /* 3 u32 a finish; NULL: none */
+    cl_mem records; /* svo_finish_record each; NULL: none */
+    cl_mem decline; /* of lobes; NULL: there are none */
     double brightest; /* emission of a leaf */
     double radiance_of_one; /* of a sum of 1, on a surface of albedo 1 */
 } exchange;
@@ -36,11 +44,12 @@ static void describe_tree(exchange *e)
     e->params.flags = ((info->need & SVO_NEED_COLOR) != 0 ? SVO_EXCHANGE_COLORS : 0) |
                       (svo_i_tree_is_constant(info, SVO_TREE_COLORS) ? SVO_EXCHANGE_ONE_COLOR : 0) |
                       (svo_i_tree_is_constant(info, SVO_TREE_MATERIALS) ? SVO_EXCHANGE_ONE_MATERIAL : 0) |
-                      ((info->need & SVO_NEED_FILL) != 0 ? SVO_EXCHANGE_FILLS : 0) | (areas ? SVO_EXCHANGE_AREAS : 0);
+                      ((info->need & SVO_NEED_FILL) != 0 ? SVO_EXCHANGE_FILLS : 0) | (areas ? SVO_EXCHANGE_AREAS : 0) |
+                      (svo_i_tree_is_constant(info, SVO_TREE_NORMALS) ? SVO_EXCHANGE_ONE_NORMAL : 0);
     e->radiance_of_one = e->photons->unit / (PI * edge * edge);
 }
 
-/* ---- emission ---- */
+/* ---- leaves that emit ---- */
 
 static float largest_of(const float values[3])
 {
@@ -97,29 +106,68 @@ static svo_status find_emitting(exchange *e)
     return status;
 }
 
-/* The emission of finishes in units of radiance. Those that no leaf has may be brighter than all that can be stored. */
-static svo_status upload_emission(exchange *e, double unit)
+/* ---- finishes ---- */
+
+/* exp(-x / SVO_LOBE_STEPS), by + and * alone. */
+static void make_decline(cl_ushort table[SVO_LOBE_TABLE])
+{
+    const double step = -1.0 / SVO_LOBE_STEPS;
+    const double factor = 1 + step * (1 + step / 2 * (1 + step / 3 * (1 + step / 4 * (1 + step / 5))));
+    double value = 65535;
+    for (int i = 0; i < SVO_LOBE_TABLE; ++i) {
+        table[i] = (cl_ushort)(value + 0.5);
+        value *= factor;
+    }
+}
+
+/* A finish in integers. Emission that no leaf has may be brighter than all that can be stored. unit: of radiance. */
+static svo_finish_record convert_finish(const svo_finish *finish, double unit)
 {
     const double most = (double)(UINT32_C(1) << SVO_RADIANCE_MOST_LOG2);
-    const size_t count = (size_t)e->finish_count * 3;
-    if (count == 0) {
+    const double variance = finish->exponent > 0.125F ? 1 / (double)finish->exponent : 8;
+    svo_finish_record record = {.variance = (cl_uint)(variance * (1 << SVO_LOBE_BITS) + 0.5)};
+    for (int channel = 0; channel < 3; ++channel) {
+        const double emission = (double)finish->emission[channel] / unit + 0.5;
+        record.emission[channel] = (cl_uint)(emission < most ? emission : most);
+        record.specular[channel] = (cl_uint)((double)finish->specular[channel] * 65536 + 0.5);
+    }
+    return record;
+}
+
+static svo_status upload_finishes(exchange *e, double unit)
+{
+    const size_t bytes = e->finish_count * sizeof(svo_finish_record);
+    if (bytes == 0) {
         return SVO_OK;
     }
-    uint32_t *values = svo_i_alloc(&e->light->device->memory, count * sizeof *values);
-    if (values == NULL) {
+    svo_finish_record *records = svo_i_alloc(&e->light->device->memory, bytes);
+    if (records == NULL) {
         return svo_i_device_fail(e->light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u finishes",
                                  e->work->function, e->finish_count);
     }
-    for (size_t i = 0; i < count; ++i) {
-        const double value = (double)e->finishes[i / 3].emission[i % 3] / unit + 0.5;
-        values[i] = (uint32_t)(value < most ? value : most);
+    for (uint32_t i = 0; i < e->finish_count; ++i) {
+        records[i] = convert_finish(&e->finishes[i], unit);
     }
-    svo_status status = svo_i_work_alloc(e->work, "light_emission", count * sizeof *values, &e->emission);
+    svo_status status = SVO_OK;
+    if (e->records == NULL) {
+        status = svo_i_work_alloc(e->work, "light_finishes", bytes, &e->records);
+    }
     if (status == SVO_OK) {
-        status = svo_i_work_write(e->work, e->emission, values, count * sizeof *values);
+        status = svo_i_work_write(e->work, e->records, records, bytes);
     }
-    svo_i_free(values);
+    svo_i_free(records);
     return status;
+}
+
+static svo_status upload_decline(exchange *e)
+{
+    cl_ushort table[SVO_LOBE_TABLE];
+    if (!e->photons->has_lobes) {
+        return SVO_OK;
+    }
+    make_decline(table);
+    SVO_I_TRY(svo_i_work_alloc(e->work, "light_decline", sizeof table, &e->decline));
+    return svo_i_work_write(e->work, e->decline, table, sizeof table);
 }
 
 /* ---- lit leaves ---- */
@@ -150,15 +198,10 @@ static svo_status list_leaves(exchange *e, svo_i_lit_leaves *lit)
 /* Bits of the largest radiance of photons, before it has a unit. */
 static svo_status find_bits(exchange *e, const svo_i_lit_leaves *lit, uint32_t *bits)
 {
-    const svo_tree *tree = e->light->tree;
     e->params.count = (cl_uint)lit->lit_count;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
-                                        SVO_I_ARGUMENT(e->photons->slots),
-                                        SVO_I_ARGUMENT(e->photons->sums),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
-                                        SVO_I_ARGUMENT(e->photons->counters),
-                                        SVO_I_ARGUMENT(e->params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),          SVO_I_ARGUMENT(e->photons->slots),
+                                        SVO_I_ARGUMENT(e->photons->sums),     SURFACE_ARGUMENTS(e),
+                                        SVO_I_ARGUMENT(e->photons->counters), SVO_I_ARGUMENT(e->params)};
     SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_radiance_bits", SVO_I_ARGUMENTS(arguments), lit->lit_count));
     return svo_i_work_read(e->work, e->photons->counters, SVO_PHOTON_BITS * sizeof *bits, bits, sizeof *bits);
 }
@@ -198,7 +241,6 @@ static svo_status choose_unit(exchange *e, uint32_t bits, double *unit)
 
 static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
 {
-    const svo_tree *tree = e->light->tree;
     const uint64_t values = e->photons->has_directions ? SVO_FACE_SUMS : 3;
     svo_light_info *info = &e->light->info;
     info->bytes[SVO_LIGHT_FLUX] = lit->lit_count * SVO_FLUX_SUMS * sizeof(cl_ulong);
@@ -207,11 +249,8 @@ static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
                                         SVO_I_ARGUMENT(e->photons->slots),
                                         SVO_I_ARGUMENT(e->photons->sums),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
-                                        SVO_I_ARGUMENT(e->emission),
+                                        SURFACE_ARGUMENTS(e),
+                                        SVO_I_ARGUMENT(e->light->tree->buffers[SVO_TREE_AREAS]),
                                         SVO_I_ARGUMENT(lit->radiance),
                                         SVO_I_ARGUMENT(e->light->buffers[SVO_LIGHT_FLUX]),
                                         SVO_I_ARGUMENT(e->params)};
@@ -238,12 +277,15 @@ svo_status svo_i_light_exchange(svo_i_photons *photons, svo_light *light, const 
         return SVO_OK;
     }
     SVO_I_TRY(list_leaves(&e, lit));
+    e.params.finish_count = e.finish_count;
+    SVO_I_TRY(upload_decline(&e));
+    SVO_I_TRY(upload_finishes(&e, 1)); /* emission has no unit yet, and is not read */
     SVO_I_TRY(find_bits(&e, lit, &bits));
     SVO_I_TRY(choose_unit(&e, bits, &unit));
-    SVO_I_TRY(upload_emission(&e, unit));
+    SVO_I_TRY(upload_finishes(&e, unit));
     lit->unit = (float)unit;
-    e.params.finish_count = e.brightest > 0 ? e.finish_count : 0;
     SVO_I_TRY(make_radiance(&e, lit));
-    svo_i_work_free(e.work, &e.emission);
+    svo_i_work_free(e.work, &e.records);
+    svo_i_work_free(e.work, &e.decline);
     return SVO_OK;
 }

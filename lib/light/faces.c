@@ -28,7 +28,8 @@ static svo_status take_logarithms(svo_i_compact_work *work, const svo_light *lig
     svo_light_step params = svo_i_light_step(light, 0);
     params.count = (cl_uint)light->tree->info.node_count;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]), SVO_I_ARGUMENT(params)};
-    return svo_i_work_launch(work, "svo_k_light_face_extinctions", SVO_I_ARGUMENTS(arguments), params.count);
+    return svo_i_work_launch(work, "svo_k_light_face_extinctions", SVO_I_ARGUMENTS(arguments),
+                             6 * light->tree->info.node_count);
 }
 
 svo_status svo_i_light_faces(svo_i_compact_work *work, svo_light *light)

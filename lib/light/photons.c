@@ -30,18 +30,21 @@ static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
 
 svo_status svo_i_photons_use(const svo_i_photons *photons)
 {
-    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS,
-                          photons->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
+    static const char *const defines[2][2] = {
+        {" -DSVO_SORT", " -DSVO_SORT -DSVO_LIGHT_LOBES"},
+        {" -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_LOBES"}};
+    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS, defines[photons->has_directions][photons->has_lobes]);
 }
 
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
-                               svo_i_photons *out)
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+                               double unit, svo_i_photons *out)
 {
     const svo_tree_info *info = &tree->info;
     const uint64_t slot_bytes = info->leaf_count * sizeof(cl_uint);
     *out = (svo_i_photons){.work = work,
                            .tree = tree,
                            .has_directions = has_directions,
+                           .has_lobes = has_lobes,
                            .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
                            .unit = unit,
                            .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};

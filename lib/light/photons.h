@@ -16,6 +16,7 @@ typedef struct svo_i_photons {
     svo_i_compact_work *work;
     svo_tree *tree;
     bool has_directions; /* of radiance */
+    bool has_lobes; /* a material shines, and the tree has what lobes follow from */
     bool of_triangles; /* that photons meet; else voxels */
     double unit; /* world flux of one */
     cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */
@@ -31,8 +32,8 @@ typedef struct svo_i_photons {
 
 /* Begins: no leaf has a slot. unit: a power of two; all photons together have less flux than
    2^SVO_FLUX_TOTAL_LOG2 of it. */
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, double unit,
-                               svo_i_photons *out);
+svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+                               double unit, svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
 /* Buffers for a band, kept from view to view. */

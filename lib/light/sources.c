@@ -10,6 +10,7 @@
 #include "light/photons.h"
 #include "light/setup.h"
 #include "light/unmet.h"
+#include "svocl/plan.h"
 
 static const char function[] = "svo_light_set_sources";
 
@@ -200,6 +201,19 @@ static double flux_unit(double bound)
     return bound > 0 ? ldexp(1.0, exponent - SVO_FLUX_TOTAL_LOG2 + 1) : 1;
 }
 
+/* Whether a leaf may reflect a lobe: a material shines, and where radiance has directions there are normals. */
+static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
+{
+    const uint32_t need = light->tree->info.need;
+    bool shines = false;
+    for (size_t i = 0; i < setup->finish_count; ++i) {
+        const float *specular = setup->finishes[i].specular;
+        shines = shines || specular[0] > 0.0F || specular[1] > 0.0F || specular[2] > 0.0F;
+    }
+    return shines && (need & SVO_NEED_MATERIAL) != 0 &&
+           (light->info.form != SVO_LIGHT_FACES || (need & SVO_NEED_NORMAL) != 0);
+}
+
 svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const svo_light_setup *setup,
                              svo_i_lit_leaves *lit)
 {
@@ -211,7 +225,8 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     }
     SVO_I_TRY(svo_i_lit_box_of_tree(work, light->tree, &box));
     const double unit = flux_unit(bound_flux(setup, &box));
-    SVO_I_TRY(svo_i_photons_begin(work, light->tree, light->info.form == SVO_LIGHT_FACES, unit, &photons));
+    const bool faces = light->info.form == SVO_LIGHT_FACES;
+    SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
     SVO_I_TRY(setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info)
                                    : shoot_all(&photons, setup, &box));
     svo_i_photons_release_bands(&photons);

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "errors/cone_methods.h"
+#include "errors/few_paths.h"
 #include "errors/occlusion_rays.h"
 #include "measure/interleave.h"
 
@@ -23,6 +24,8 @@
 #define ROUNDS        5u /* where --repeat says nothing: there are two dozen methods */
 #define WAYS          13u
 #define RAY_METHODS   10u
+#define PATH_METHODS  3u
+#define METHODS       (WAYS + RAY_METHODS + PATH_METHODS)
 
 static const truth_scene full_scenes[] = {
     {.name = "atrium",
@@ -49,9 +52,10 @@ typedef struct cone_run {
     cone_lights lights;
     cone_gather ways[WAYS];
     occlusion_rays rays[RAY_METHODS];
+    few_paths paths[PATH_METHODS];
     embree *peer;
-    size_t way_count, ray_count;
-    interleaved_method methods[2 * WAYS + RAY_METHODS]; /* each way's two, then the rays' */
+    size_t way_count, ray_count, path_count;
+    interleaved_method methods[WAYS + METHODS]; /* each way's two, then those of rays and paths */
 } cone_run;
 
 /* ---- tables ---- */
@@ -87,7 +91,8 @@ static void begin_cones(const error_run *run)
         "the sky's, relative to its mean over the points. Cones are varied one at a time: their number, their step in "
         "widths, depth, opacity and form of the light, and how they march; without other words there are 16 cones of "
         "step 0.5 in faces by area at the largest depth. The published march has five cones in isotropic bricks, one "
-        "sample a node. Exact rays end at any hit; their directions are stratified and made beforehand. Embree: "
+        "sample a node. Exact rays end at any hit; their directions are stratified and made beforehand. Paths: as the "
+        "truth, but fewer. Embree: "
         "rtcOccluded1 on %u threads. Time: of all points, gathered or traced. Size: the light. %s; methods run "
         "interleaved.",
         run->quick ? POINTS_QUICK : POINTS, path_sample_count(run->quick ? SAMPLES_QUICK : SAMPLES), run->threads,
@@ -120,18 +125,21 @@ static void begin_directions(const error_run *run)
 static void begin_alternatives(const error_run *run)
 {
     result_table *table = result_add_table(
-        run->results, "e7-alternatives", "E7: cones and exact rays of the same error",
+        run->results, "e7-alternatives", "E7: cones, and rays of the same error",
         "The fewest exact rays a point, of 1, 4, 16, 64 and 256, whose ambient occlusion errs no more than that of the "
-        "cones (RMSE), and the times of both. Ratio: time of the cones to that of the rays; above 1 cones lose.");
+        "cones, and the fewest paths, of 16, 64 and 256, whose light errs no more. Ratio: time of the cones to that of "
+        "svocl's rays, Embree's rays, svocl's paths; above 1 cones lose.");
     result_add_column(table, "scene", "");
     result_add_column(table, "cones", "");
     result_add_column(table, "AO, RMSE", "");
-    result_add_column(table, "cones, time", "ms");
+    result_add_column(table, "AO, time", "ms");
     result_add_column(table, "rays", "");
-    result_add_column(table, "svocl, time", "ms");
     result_add_column(table, "svocl, ratio", "");
-    result_add_column(table, "Embree, time", "ms");
     result_add_column(table, "Embree, ratio", "");
+    result_add_column(table, "light, RMSE", "");
+    result_add_column(table, "light, time", "ms");
+    result_add_column(table, "paths", "");
+    result_add_column(table, "paths, ratio", "");
 }
 
 /* ---- methods ---- */
@@ -207,6 +215,17 @@ static bool make_rays(cone_run *work)
     return !embree_is_there() || work->peer != NULL;
 }
 
+/* 16, 64 and 256 a point. */
+static bool make_paths(cone_run *work)
+{
+    for (unsigned per_point = 16; per_point <= 256; per_point *= 4) {
+        if (!few_paths_make(work->run, &work->truth, per_point, &work->paths[work->path_count++])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static void release(cone_run *work)
 {
     for (size_t i = 0; i < work->way_count; ++i) {
@@ -214,6 +233,9 @@ static void release(cone_run *work)
     }
     for (size_t i = 0; i < work->ray_count; ++i) {
         occlusion_rays_free(&work->rays[i]);
+    }
+    for (size_t i = 0; i < work->path_count; ++i) {
+        few_paths_free(&work->paths[i]);
     }
     embree_destroy(&work->peer);
     cone_lights_free(&work->lights);
@@ -230,29 +252,38 @@ static bool time_all(cone_run *work)
     for (size_t i = 0; i < work->ray_count; ++i) {
         work->methods[count++] = (interleaved_method){.work_ms = occlusion_rays_trace, .user = &work->rays[i]};
     }
+    for (size_t i = 0; i < work->path_count; ++i) {
+        work->methods[count++] = (interleaved_method){.work_ms = few_paths_trace, .user = &work->paths[i]};
+    }
     return interleave_measure(work->methods, count, work->run->rounds);
 }
 
 /* ---- rows ---- */
 
-/* What the tables need of a method. */
+/* What the tables need of a method; NAN where it has no such figure. */
 typedef struct measured {
     const char *method;
-    unsigned depth, number; /* number: of cones or rays; depth 0: rays */
-    float step;
-    uint64_t bytes;
-    double ms, light_ms;
+    unsigned number; /* of cones or rays */
+    double depth, step, bytes, ms, light_ms;
     truth_error openness, light;
 } measured;
+
+static const measured nothing = {.depth = NAN,
+                                 .step = NAN,
+                                 .bytes = NAN,
+                                 .ms = NAN,
+                                 .light_ms = NAN,
+                                 .openness = {NAN, NAN, NAN, NAN},
+                                 .light = {NAN, NAN, NAN, NAN}};
 
 static bool measure_cones(cone_run *work, size_t i, measured *out)
 {
     cone_gather *one = &work->ways[i];
     *out = (measured){.method = one->way.method,
-                      .depth = one->way.depth,
                       .number = one->way.cones,
-                      .step = one->way.march == SVO_MARCH_PUBLISHED ? NAN : one->way.step,
-                      .bytes = one->info.total_bytes,
+                      .depth = one->way.depth,
+                      .step = one->way.march == SVO_MARCH_PUBLISHED ? NAN : (double)one->way.step,
+                      .bytes = (double)one->info.total_bytes,
                       .ms = work->methods[2 * i].median_ms,
                       .light_ms = work->methods[2 * i + 1].median_ms};
     return cone_gather_compare(one, &out->openness, &out->light);
@@ -262,9 +293,10 @@ static bool measure_rays(cone_run *work, size_t i, measured *out)
 {
     const occlusion_rays *one = &work->rays[i];
     double *openness = calloc(work->truth.count, sizeof *openness);
-    *out = (measured){.method = one->peer != NULL ? "exact rays, Embree" : "exact rays, svocl",
-                      .number = one->per_point,
-                      .ms = work->methods[2 * work->way_count + i].median_ms};
+    *out = nothing;
+    out->method = one->peer != NULL ? "exact rays, Embree" : "exact rays, svocl";
+    out->number = one->per_point;
+    out->ms = work->methods[2 * work->way_count + i].median_ms;
     if (openness != NULL) {
         occlusion_rays_openness(one, openness);
         out->openness = cone_truth_openness_error(&work->truth, openness);
@@ -273,77 +305,116 @@ static bool measure_rays(cone_run *work, size_t i, measured *out)
     return openness != NULL;
 }
 
+static void measure_paths(const cone_run *work, size_t i, measured *out)
+{
+    const few_paths *one = &work->paths[i];
+    *out = nothing;
+    out->method = "paths, svocl";
+    out->number = one->per_point;
+    out->light_ms = work->methods[2 * work->way_count + work->ray_count + i].median_ms;
+    out->light = few_paths_error(one);
+}
+
 static bool is_on_front(const measured *all, size_t count, const measured *mine)
 {
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count; ++i) { /* what has no ambient occlusion is never as good */
         const bool as_good = all[i].ms <= mine->ms && all[i].openness.rmse <= mine->openness.rmse;
         if (as_good && (all[i].ms < mine->ms || all[i].openness.rmse < mine->openness.rmse)) {
             return false;
         }
     }
-    return true;
+    return mine->openness.rmse >= 0;
 }
 
 static void add_row(const cone_run *work, const measured *one, bool on_front)
 {
     result_table *table = result_find(work->run->results, "e7-cones");
-    const bool are_cones = one->depth > 0;
-    const truth_error none = {NAN, NAN, NAN, NAN};
     result_add_text(table, "%s", work->truth.name);
     result_add_text(table, "%s", one->method);
-    result_add_number(table, are_cones ? (double)one->depth : NAN);
+    result_add_number(table, one->depth);
     result_add_number(table, one->number);
-    result_add_number(table, are_cones ? (double)one->step : NAN);
-    result_add_number(table, are_cones ? (double)one->bytes : NAN);
+    result_add_number(table, one->step);
+    result_add_number(table, one->bytes);
     result_add_number(table, one->ms);
     add_error(table, one->openness);
     result_add_text(table, "%s", on_front ? "yes" : "");
-    result_add_number(table, are_cones ? one->light_ms : NAN);
-    add_error(table, are_cones ? one->light : none);
+    result_add_number(table, one->light_ms);
+    add_error(table, one->light);
 }
 
-/* The fewest rays of a kind with at most the error; NULL where none suffice. Rays ascend. */
-static const measured *find_rays(const measured *rays, size_t count, bool by_embree, double rmse)
+/* The fewest rays of a method with at most the error; NULL where none suffice. Rays ascend. */
+static const measured *find_rays(const measured *all, size_t count, const char *method, double rmse)
 {
     for (size_t i = 0; i < count; ++i) {
-        if ((strcmp(rays[i].method, "exact rays, Embree") == 0) == by_embree && rays[i].openness.rmse <= rmse) {
-            return &rays[i];
+        if (strcmp(all[i].method, method) == 0 && all[i].openness.rmse <= rmse) {
+            return &all[i];
         }
     }
     return NULL;
 }
 
-static void add_alternative(const cone_run *work, const measured *cones, const measured *rays, size_t ray_count)
+static const measured *find_paths(const measured *all, size_t count, double rmse)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (strcmp(all[i].method, "paths, svocl") == 0 && all[i].light.rmse <= rmse) {
+            return &all[i];
+        }
+    }
+    return NULL;
+}
+
+static void add_alternative(const cone_run *work, const measured *cones, const measured *all, size_t count)
 {
     result_table *table = result_find(work->run->results, "e7-alternatives");
-    const measured *own = find_rays(rays, ray_count, false, cones->openness.rmse);
-    const measured *other = find_rays(rays, ray_count, true, cones->openness.rmse);
+    const measured *own = find_rays(all, count, "exact rays, svocl", cones->openness.rmse);
+    const measured *other = find_rays(all, count, "exact rays, Embree", cones->openness.rmse);
+    const measured *paths = find_paths(all, count, cones->light.rmse);
+    own = own != NULL ? own : &nothing;
+    other = other != NULL ? other : &nothing;
+    paths = paths != NULL ? paths : &nothing;
     result_add_text(table, "%s", work->truth.name);
     result_add_number(table, cones->number);
     result_add_number(table, cones->openness.rmse);
     result_add_number(table, cones->ms);
-    result_add_number(table, own != NULL ? (double)own->number : NAN);
-    result_add_number(table, own != NULL ? own->ms : NAN);
-    result_add_number(table, own != NULL ? cones->ms / own->ms : NAN);
-    result_add_number(table, other != NULL ? other->ms : NAN);
-    result_add_number(table, other != NULL ? cones->ms / other->ms : NAN);
+    result_add_number(table, own != &nothing ? (double)own->number : NAN);
+    result_add_number(table, cones->ms / own->ms);
+    result_add_number(table, cones->ms / other->ms);
+    result_add_number(table, cones->light.rmse);
+    result_add_number(table, cones->light_ms);
+    result_add_number(table, paths != &nothing ? (double)paths->number : NAN);
+    result_add_number(table, cones->light_ms / paths->light_ms);
+}
+
+static bool measure_all(cone_run *work, measured *all)
+{
+    for (size_t i = 0; i < work->way_count; ++i) {
+        if (!measure_cones(work, i, &all[i])) {
+            return false;
+        }
+    }
+    for (size_t i = 0; i < work->ray_count; ++i) {
+        if (!measure_rays(work, i, &all[work->way_count + i])) {
+            return false;
+        }
+    }
+    for (size_t i = 0; i < work->path_count; ++i) {
+        measure_paths(work, i, &all[work->way_count + work->ray_count + i]);
+    }
+    return true;
 }
 
 static bool add_rows(cone_run *work)
 {
-    measured all[WAYS + RAY_METHODS] = {{.method = NULL}};
-    const size_t count = work->way_count + work->ray_count;
-    for (size_t i = 0; i < count; ++i) {
-        if (i < work->way_count ? !measure_cones(work, i, &all[i])
-                                : !measure_rays(work, i - work->way_count, &all[i])) {
-            return false;
-        }
+    measured all[METHODS] = {{.method = NULL}};
+    const size_t count = work->way_count + work->ray_count + work->path_count;
+    if (!measure_all(work, all)) {
+        return false;
     }
     for (size_t i = 0; i < count; ++i) {
         add_row(work, &all[i], is_on_front(all, count, &all[i]));
     }
     for (size_t i = 0; i < CONE_COUNTS; ++i) {
-        add_alternative(work, &all[i], all + work->way_count, work->ray_count);
+        add_alternative(work, &all[i], all, count);
     }
     return true;
 }
@@ -380,8 +451,8 @@ static int measure_scene(error_run *run, const truth_scene *given)
                                     run->quick ? SAMPLES_QUICK : SAMPLES, &work->truth);
     if (exit_code == PROGRAM_DONE) {
         progress_step(run->state->progress, "E7: cones");
-        const bool worked =
-            make_cones(work) && make_rays(work) && add_directions(work) && time_all(work) && add_rows(work);
+        const bool worked = make_cones(work) && make_rays(work) && make_paths(work) && add_directions(work) &&
+                            time_all(work) && add_rows(work);
         exit_code = worked ? PROGRAM_DONE : errors_fail(run);
     }
     release(work);

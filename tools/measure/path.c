@@ -361,9 +361,10 @@ svo_status path_trace(const path_scene *scene, const svo_gather_point *points, s
 {
     path_work work = {
         .scene = scene, .seed = seed, .strata = strata_of(samples), .per_point = path_sample_count(samples)};
-    const size_t group = work.per_point < BATCH_RAYS ? BATCH_RAYS / work.per_point : 1;
+    const size_t in_batch = work.per_point < BATCH_RAYS ? BATCH_RAYS / work.per_point : 1;
+    const size_t group = point_count < in_batch ? point_count : in_batch;
     svo_status status = svo_tree_get_grid(scene->tree, &work.grid);
-    if (status != SVO_OK) {
+    if (status != SVO_OK || point_count == 0) {
         return status;
     }
     work.lift = LIFT * svo_grid_cell_edge(&work.grid, 0);

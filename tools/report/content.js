@@ -43,7 +43,7 @@ const sections = [
   {
     table: "e7-alternatives",
     heading: "E7: cones or rays",
-    lead: "How many exact rays a point needs for the error of the cones, and what takes longer."
+    lead: "How many exact rays or paths a point needs for the error of the cones, and what takes longer."
   },
   {
     table: "e7-directions",
@@ -391,6 +391,7 @@ const methodStyles = {
   "cones, voxels": ["sky", "diamond"],
   "published march": ["vermillion", "down"],
   "exact rays, svocl": ["green", "up"],
+  "paths, svocl": ["green", "up"],
   "exact rays, Embree": ["orange", "up"],
   "cl": ["blue", "circle"],
   "sorted": ["green", "square"],
