@@ -307,6 +307,10 @@ static void points_without_light(void **state)
         assert_memory_equal(&scene->results[i], &open, sizeof open);
     }
     assert_true(scene->results[4].openness < 0.2F);
+    /* On a face of the grid, but for rounding. */
+    scene->points[5].position[1] = -0.001F;
+    cone_scene_gather(&opened, scene, light, NULL);
+    assert_true(scene->results[5].steps > 0);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
     cone_scene_free(scene);

@@ -226,7 +226,8 @@ typedef struct svo_gather_options {
 /** Gathers ambient occlusion, irradiance and specular radiance at points. The direct light of the sources is not part
  *  of it: irradiance is what surfaces reflect and emit, and the sky.
  *
- * Points outside the grid and points whose normal is zero or not finite get openness 1 and no light.
+ * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
+ * no light.
  *
  * \param light not NULL
  * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
@@ -267,8 +268,9 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
  *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters
  *     svo_gather_point, svo_gather_result    as in light_types.h
  *     svo_cone    origin and unit direction in world coordinates, tangent of the half angle, start and range in world
- *                 units, step in widths, falloff, and the unit normal of the surface that it leaves (zero: none)
- *     svo_cone_result svo_trace_cone(const svo_light *, const svo_cone *)    occlusion, transmittance, radiance, steps
+ *                 units, step in widths, falloff, and the unit normal of the surface that the origin lies on (zero:
+ *                 none): the apex is then two voxels above it, and samples do not reach down to it
+ *     svo_cone_result svo_trace_cone(const svo_light *, const svo_cone *)    occlusion, what passes, radiance, steps
  *     svo_gather_result svo_gather(const svo_light *, const svo_gather_point *, uint cones, float step, float range,
  *                                  float falloff)
  *
