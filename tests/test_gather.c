@@ -113,7 +113,7 @@ static void weights_hold_the_cosine(void **state)
         /* Of an even spread by cosine: 2 / 3. */
         if (cones >= 16) {
             check_near("the mean cosine", cones, cosine, 2.0 / 3, 2e-3);
-            check_near("sin q", cones, sin(atan(found[3])), 1 / sqrt(cones), 1e-5);
+            check_near("sin q", cones, sin(atan((double)found[3])), 1 / sqrt(cones), 1e-5);
         }
     }
     svo_light_destroy(&light);

@@ -47,6 +47,7 @@ extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
+extern const char svo_i_source_gather[];
 extern const char svo_i_source_light[];
 extern const char svo_i_source_photons[];
 
@@ -93,6 +94,7 @@ static size_t bytes_of_type(const char *type)
                  {"svo_scene_params", sizeof(svo_scene_params)},
                  {"svo_solid_params", sizeof(svo_solid_params)},
                  {"svo_light_step", sizeof(svo_light_step)},
+                 {"svo_gather_params", sizeof(svo_gather_params)},
                  {"svo_light_source", sizeof(svo_light_source)},
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
@@ -427,6 +429,8 @@ static void light_all(const fixture *opened, svo_tree *tree)
 {
     static const uint32_t leaf = 0;
     static const uint32_t radiance[18] = {1};
+    static const svo_gather_point point = {.normal = {0, 0, 1}};
+    svo_gather_result result;
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
@@ -440,6 +444,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_i_work_write(&work, lit.radiance, radiance, sizeof radiance));
         succeed(opened, svo_i_light_filter(&work, light, &lit));
         svo_i_work_end(&work);
+        succeed(opened, svo_gather(light, &point, &result, 1, NULL, opened->queue));
         svo_light_destroy(&light);
     }
 }
@@ -498,7 +503,7 @@ static void every_launch_matches_its_kernel(void **state)
         svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
         svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
         svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
-        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons};
+        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_gather};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

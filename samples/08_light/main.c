@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One cone in your own kernel: the soft shadow of a ring on the ground, drawn with letters. One work-item per letter. */
+/* One cone in your own kernel: the soft shadow of a ring, drawn with letters. One work-item per letter. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
