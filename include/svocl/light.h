@@ -114,9 +114,9 @@ typedef struct svo_light_info {
     uint64_t total_bytes; /**< of all buffers */
     uint64_t scratch_bytes; /**< what svo_light_create took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
-    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
-     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
-     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
+    /** Items that a node map would start to filter what photons brought, on all levels together, where svocl starts one
+     *  for each lit node: a pyramid over the light views, of each pixel's leaf and above it of the common ancestor of
+     *  2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
     uint64_t node_map_items;
 } svo_light_info;
 
@@ -189,9 +189,11 @@ typedef struct svo_light_setup {
 /** No light. */
 #define SVO_LIGHT_SETUP_INIT SVO_STRUCT_INIT(svo_light_setup)
 
-/** Lights a tree: shoots photons by the tree's exact rays (voxels' rays where it holds no triangles), sums them in the
- *  leaves, and filters radiance upwards, where it is lit. Replaces the light of earlier calls; a failed call leaves it
- *  dark.
+/** Lights a tree: shoots photons by the tree's exact rays, sums them in the leaves, and filters radiance upwards, where
+ *  it is lit. Replaces the light of earlier calls; a failed call leaves it dark.
+ *
+ * Trees without SVO_NEED_RAYS, or of coverage thin, are lit by rays against their voxels, in single precision. Their
+ * light is the same on every run of a device; others' is the same on every device with cl_khr_fp64.
  *
  * \param light not NULL
  * \param setup sources, finishes and sky
