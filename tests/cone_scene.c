@@ -135,7 +135,8 @@ void cone_scene_add_sphere(cone_scene *scene, const double center[3], double rad
         for (int k = 0; k < CORNERS; ++k) {
             double corners[4][3];
             for (int i = 0; i < 4; ++i) {
-                sphere_corner(center, radius, PI * (ring + i / 2) / RINGS, 2 * PI * (k + i % 2) / CORNERS, corners[i]);
+                sphere_corner(center, radius, PI * (ring + (i > 1)) / RINGS, 2 * PI * (k + i % 2) / CORNERS,
+                              corners[i]);
             }
             add_triangle(scene, corners[0], corners[2], corners[3]);
             add_triangle(scene, corners[0], corners[3], corners[1]);
@@ -228,7 +229,8 @@ static void make_rays(cone_scene *scene, const svo_gather_point *point, uint32_t
         b[k] = n[(k + 1) % 3] * t[(k + 2) % 3] - n[(k + 2) % 3] * t[(k + 1) % 3];
     }
     for (uint32_t i = 0; i < side * side; ++i) {
-        const double part = (i / side + random_unit(&scene->seed)) / side;
+        const uint32_t row = i / side;
+        const double part = (row + random_unit(&scene->seed)) / side;
         const double turn = 2 * PI * (i % side + random_unit(&scene->seed)) / side;
         rays[i] = (svo_ray){.t_min = 1e-3F, .t_max = INFINITY};
         for (int k = 0; k < 3; ++k) {

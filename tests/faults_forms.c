@@ -181,6 +181,8 @@ static svo_status run_light(subject *of)
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         char hash[SVO_HASH_TEXT_BYTES];
+        const svo_gather_point point = {.position = {0.5F, 0.5F, 0.5F}, .normal = {0, 0, 1}};
+        svo_gather_result gathered;
         const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 2, 3}};
         const svo_finish finish = {.emission = {1, 1, 1}};
         const svo_light_setup setup = {.struct_size = sizeof setup,
@@ -203,10 +205,14 @@ static svo_status run_light(subject *of)
         if (status == SVO_OK) {
             status = svo_light_render(light, &drawn, world.queue, picture);
         }
+        if (status == SVO_OK) {
+            status = svo_gather(light, &point, &gathered, 1, NULL, world.queue);
+        }
         svo_light_destroy(&light);
         TRY_TOLD(status);
         digest(of, hash, sizeof hash);
         digest(of, picture, sizeof picture);
+        digest(of, &gathered, sizeof gathered);
     }
     return SVO_OK;
 }

@@ -113,7 +113,7 @@ static void weights_hold_the_cosine(void **state)
         /* Of an even spread by cosine: 2 / 3. */
         if (cones >= 16) {
             check_near("the mean cosine", cones, cosine, 2.0 / 3, 2e-3);
-            check_near("sin q", cones, sin(atan(found[3])), 1 / sqrt(cones), 1e-5);
+            check_near("sin q", cones, sin(atan((double)found[3])), 1 / sqrt(cones), 1e-5);
         }
     }
     svo_light_destroy(&light);
@@ -307,6 +307,10 @@ static void points_without_light(void **state)
         assert_memory_equal(&scene->results[i], &open, sizeof open);
     }
     assert_true(scene->results[4].openness < 0.2F);
+    /* On a face of the grid, but for rounding. */
+    scene->points[5].position[1] = -0.001F;
+    cone_scene_gather(&opened, scene, light, NULL);
+    assert_true(scene->results[5].steps > 0);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
     cone_scene_free(scene);

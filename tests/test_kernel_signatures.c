@@ -47,6 +47,7 @@ extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
+extern const char svo_i_source_gather[];
 extern const char svo_i_source_light[];
 extern const char svo_i_source_light_picture[];
 extern const char svo_i_source_photons[];
@@ -431,6 +432,8 @@ static void light_all(const fixture *opened, svo_tree *tree)
 {
     static const uint32_t leaf = 0;
     static const uint32_t radiance[18] = {1};
+    static const svo_gather_point point = {.normal = {0, 0, 1}};
+    svo_gather_result result;
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
@@ -444,6 +447,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_i_work_write(&work, lit.radiance, radiance, sizeof radiance));
         succeed(opened, svo_i_light_filter(&work, light, &lit));
         svo_i_work_end(&work);
+        succeed(opened, svo_gather(light, &point, &result, 1, NULL, opened->queue));
         svo_light_destroy(&light);
     }
 }
@@ -502,12 +506,13 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {
-        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
-        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
-        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
-        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
-        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture};
+    const char *const sources[] = {svo_i_source_subdivide,   svo_i_source_sort,          svo_i_source_pack,
+                                   svo_i_source_filter,      svo_i_source_voxelize,      svo_i_source_cast,
+                                   svo_i_source_trace,       svo_i_source_view,          svo_i_source_trace_voxels,
+                                   svo_i_source_compact,     svo_i_source_expand,        svo_i_source_minimize,
+                                   svo_i_source_scene_build, svo_i_source_scene_bounds,  svo_i_source_scene_trace,
+                                   svo_i_source_scene_cast,  svo_i_source_solid,         svo_i_source_light,
+                                   svo_i_source_photons,     svo_i_source_light_picture, svo_i_source_gather};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -49,25 +49,33 @@ static int ancestor_level(const uint64_t *leaves, const uint32_t size[2], const 
     return level;
 }
 
-/* Whether the item of a pixel filters a level: of each cell above it whose ancestor is at or below the level, it is in
-   the part that begins the cell, so that some pixel of that part goes on. */
-static bool goes_on(const uint64_t *leaves, const uint32_t size[2], uint32_t x, uint32_t y, int level)
+/* Whether the item of a pixel filters a level: it is the first of the largest cell around it whose leaves have an
+   ancestor at or below that level. */
+static bool filters(const uint64_t *leaves, const uint32_t size[2], uint32_t x, uint32_t y, int level)
 {
-    bool alone = true;
-    for (uint32_t up = 0; up < LEVELS_MAX && alone; ++up) {
-        const uint32_t cell[2] = {x >> up, y >> up};
-        uint64_t first = NONE;
-        const bool shares = ancestor_level(leaves, size, cell, up, &first) >= level;
-        if (!shares) {
-            return true; /* no larger cell shares either */
+    uint64_t first = NONE;
+    for (uint32_t up = 0; up < LEVELS_MAX; ++up) {
+        uint64_t first_of_cell = NONE;
+        if (ancestor_level(leaves, size, (const uint32_t[]){x >> up, y >> up}, up, &first_of_cell) < level) {
+            break;
         }
-        /* The one that goes on is the first in the order of rows of the largest cell that shares. */
-        const uint32_t above[2] = {x >> (up + 1), y >> (up + 1)};
-        uint64_t other = NONE;
-        const bool is_largest = up + 1 == LEVELS_MAX || ancestor_level(leaves, size, above, up + 1, &other) < level;
-        alone = !is_largest || first == (uint64_t)y * size[0] + x;
+        first = first_of_cell;
     }
-    return alone;
+    return first == (uint64_t)y * size[0] + x;
+}
+
+/* The items of all levels, one by one. */
+static uint64_t count_items(const uint64_t *leaves, const uint32_t size[2])
+{
+    uint64_t items = 0;
+    for (uint32_t y = 0; y < size[1]; ++y) {
+        for (uint32_t x = 0; x < size[0]; ++x) {
+            for (int level = 0; level < DEPTH; ++level) {
+                items += filters(leaves, size, x, y, level) ? 1 : 0;
+            }
+        }
+    }
+    return items;
 }
 
 static void test_node_maps_follow_their_rule(void **state)
@@ -77,18 +85,13 @@ static void test_node_maps_follow_their_rule(void **state)
     for (int n = 0; n < 200; ++n) {
         const uint32_t size[2] = {1 + random_below(&seed, SIDE_MAX), 1 + random_below(&seed, SIDE_MAX)};
         const uint32_t kinds = 1 + random_below(&seed, 1u << 3 * DEPTH);
-        uint64_t leaves[SIDE_MAX * SIDE_MAX];
+        uint64_t leaves[SIDE_MAX * SIDE_MAX] = {0};
         svo_i_map_cell cells[SIDE_MAX * SIDE_MAX];
-        uint64_t expected = 0;
         for (uint32_t i = 0; i < size[0] * size[1]; ++i) {
             leaves[i] = random_below(&seed, 4) == 0 ? NONE : random_below(&seed, kinds);
             cells[i] = (svo_i_map_cell){.code = leaves[i], .level = leaves[i] == NONE ? SVO_I_MAP_EMPTY : DEPTH};
         }
-        for (int level = 0; level < DEPTH; ++level) {
-            for (uint32_t i = 0; i < size[0] * size[1]; ++i) {
-                expected += leaves[i] != NONE && goes_on(leaves, size, i % size[0], i / size[0], level) ? 1 : 0;
-            }
-        }
+        const uint64_t expected = count_items(leaves, size);
         assert_int_equal(svo_i_node_map_items(cells, size[0], size[1], DEPTH), expected);
     }
 }

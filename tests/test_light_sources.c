@@ -71,14 +71,12 @@ static svo_light_setup setup_of(const svo_light_source *list, size_t count)
 static void hash_forms(const fixture *opened, char text[SVO_LIGHT_FORM_COUNT * SVO_HASH_TEXT_BYTES])
 {
     const svo_light_setup setup = setup_of(sources, 3);
-    text[0] = '\0';
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         lit_scene scene;
-        char hash[SVO_HASH_TEXT_BYTES];
+        char *hash = text + form * (SVO_HASH_TEXT_BYTES - 1);
         open_scene(opened, (svo_light_form)form, &scene);
         light_succeed(opened, svo_light_set_sources(scene.light, &setup, opened->queue));
         light_succeed(opened, svo_light_hash(scene.light, opened->queue, hash));
-        strcat(text, hash);
         close_scene(&scene);
     }
 }

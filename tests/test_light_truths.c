@@ -311,8 +311,10 @@ static void make_patches(wall_patch patches[6 * PATCHES * PATCHES])
 {
     for (int i = 0; i < 6 * PATCHES * PATCHES; ++i) {
         const int axis = i % 3;
-        const double u = (2.0 * (i / 6 % PATCHES) + 1) / PATCHES - 1;
-        const double v = (2.0 * (i / 6 / PATCHES) + 1) / PATCHES - 1;
+        const int column = i / 6 % PATCHES;
+        const int row = i / 6 / PATCHES;
+        const double u = (2.0 * column + 1) / PATCHES - 1;
+        const double v = (2.0 * row + 1) / PATCHES - 1;
         place_on_wall(i % 6, u, v, patches[i].at, patches[i].normal);
         patches[i].area = 4 * room_half[(axis + 1) % 3] * room_half[(axis + 2) % 3] / (PATCHES * PATCHES);
     }

@@ -114,9 +114,9 @@ typedef struct svo_light_info {
     uint64_t total_bytes; /**< of all buffers */
     uint64_t scratch_bytes; /**< what svo_light_create took besides; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
-    /** Items that a node map would start to filter what photons brought, on all levels together; svocl starts one for
-     *  each of lit_nodes. It is a pyramid over the light views, the leaf of each pixel and above that the common ancestor
-     *  of 2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
+    /** Items that a node map would start to filter what photons brought, on all levels together, where svocl starts one
+     *  for each lit node: a pyramid over the light views, of each pixel's leaf and above it of the common ancestor of
+     *  2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
     uint64_t node_map_items;
 } svo_light_info;
 
@@ -190,9 +190,11 @@ typedef struct svo_light_setup {
 /** No light. */
 #define SVO_LIGHT_SETUP_INIT SVO_STRUCT_INIT(svo_light_setup)
 
-/** Lights a tree: shoots photons by the tree's exact rays (voxels' rays where it holds no triangles), sums them in the
- *  leaves, and filters radiance upwards, where it is lit. Replaces the light of earlier calls; a failed call leaves it
- *  dark.
+/** Lights a tree: shoots photons by the tree's exact rays, sums them in the leaves, and filters radiance upwards, where
+ *  it is lit. Replaces the light of earlier calls; a failed call leaves it dark.
+ *
+ * Trees without SVO_NEED_RAYS, or of coverage thin, are lit by rays against their voxels, in single precision. Their
+ * light is the same on every run of a device; others' is the same on every device with cl_khr_fp64.
  *
  * \param light not NULL
  * \param setup sources, finishes and sky
@@ -227,7 +229,8 @@ typedef struct svo_gather_options {
 /** Gathers ambient occlusion, irradiance and specular radiance at points. The direct light of the sources is not part
  *  of it: irradiance is what surfaces reflect and emit, and the sky.
  *
- * Points outside the grid and points whose normal is zero or not finite get openness 1 and no light.
+ * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
+ * no light.
  *
  * \param light not NULL
  * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
@@ -268,8 +271,9 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
  *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters
  *     svo_gather_point, svo_gather_result    as in light_types.h
  *     svo_cone    origin and unit direction in world coordinates, tangent of the half angle, start and range in world
- *                 units, step in widths, falloff, and the unit normal of the surface that it leaves (zero: none)
- *     svo_cone_result svo_trace_cone(const svo_light *, const svo_cone *)    occlusion, transmittance, radiance, steps
+ *                 units, step in widths, falloff, and the unit normal of the surface that the origin lies on (zero:
+ *                 none): the apex is then two voxels above it, and samples do not reach down to it
+ *     svo_cone_result svo_trace_cone(const svo_light *, const svo_cone *)    occlusion, what passes, radiance, steps
  *     svo_gather_result svo_gather(const svo_light *, const svo_gather_point *, uint cones, float step, float range,
  *                                  float falloff)
  *

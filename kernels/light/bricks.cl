@@ -37,7 +37,7 @@ svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *
     uint cells[SVO_BRICK_CELL_COUNT];
     ulong sums[SVO_BRICK_SAMPLES];
     svo_brick_cells(child_mask, first_child, codes, params.first + item, params.level, cells);
-    for (uint k = 0; k < 64u; ++k) {
+    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
         cells[k] = cells[k] != SVO_NO_NODE ? leaves[cells[k] - params.leaf_begin] : 0u;
     }
     svo_brick_sum_cells(cells, sums);

@@ -17,13 +17,14 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_place(__global const uchar *child_mask, __global const uint *first_child, __global ulong *codes,
                   svo_light_step params)
 {
-    const uint node = params.first + (uint)get_global_id(0);
-    if (node >= params.first + params.count) {
+    const uint item = (uint)get_global_id(0);
+    if (item >= params.count) {
         return;
     }
+    const uint node = params.first + item;
     const ulong code = node == 0u ? 0ul : codes[node];
     uint child = first_child[node];
-    codes[node] = code;
+    codes[node] = code; /* of the root */
     for (uint octant = 0; octant < 8u; ++octant) {
         if ((child_mask[node] >> octant & 1u) != 0u) {
             if (child < params.leaf_begin) {

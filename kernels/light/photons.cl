@@ -16,8 +16,8 @@
  *
  * Launch: as above, rounded up to whole groups. Atomics: a leaf's slot is claimed by a compare-and-swap and numbered by
  * a counter, so the numbers of slots differ from run to run; results name leaves, not slots. Sums are integers of 64
- * bits, two words with a carry: their order does not matter. svo_k_photon_find has SVO_GROUP_ITEMS words of local
- * memory as an argument, see shared/group.clh.
+ * bits, two words with a carry: their order does not matter. Those that find have SVO_GROUP_ITEMS words of local memory
+ * as an argument, see shared/group.clh.
  */
 #include "light/light_view.clh"
 #include "light/photons.clh"
@@ -32,6 +32,16 @@
 static bool svo_is_leaf(uint leaf)
 {
     return leaf < SVO_PHOTON_LOST;
+}
+
+/* Stores a photon's leaf. before: that of the photon before it, which has a slot then. */
+static void svo_keep_leaf(uint leaf, uint before, __global uint *out, volatile __global uint *slots,
+                          volatile __global uint *counters, const svo_photon_params *params)
+{
+    *out = leaf;
+    if (params->claims != 0u && svo_is_leaf(leaf) && leaf != before) {
+        svo_claim_slot(slots, counters, leaf);
+    }
 }
 
 /* Counts hits, one atomic for a group. All items of the group call it. */
@@ -61,10 +71,7 @@ svo_k_photon_find(__global const uchar *child_mask, __global const uint *first_c
             leaf = svo_leaf_of_hit(&tree, id, hits[photon].u, hits[photon].v);
             ++met;
         }
-        if (params.claims != 0u && svo_is_leaf(leaf) && leaf != before) {
-            svo_claim_slot(slots, counters, leaf);
-        }
-        leaves[photon] = leaf;
+        svo_keep_leaf(leaf, before, leaves + photon, slots, counters, &params);
         before = leaf;
     }
     svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);
@@ -84,10 +91,7 @@ svo_k_voxel_find(__global const svo_voxel_hit *hits, __global uint *leaves, vola
             leaf = node - params.leaf_begin;
             ++met;
         }
-        if (params.claims != 0u && svo_is_leaf(leaf) && leaf != before) {
-            svo_claim_slot(slots, counters, leaf);
-        }
-        leaves[photon] = leaf;
+        svo_keep_leaf(leaf, before, leaves + photon, slots, counters, &params);
         before = leaf;
     }
     svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);

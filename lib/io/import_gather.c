@@ -238,13 +238,14 @@ bool svo_i_gather_material(gather *mesh, const svo_material *material, const svo
 /* Whether all materials are diffuse and none emits. */
 static bool is_diffuse(const gather *mesh)
 {
-    static const svo_finish diffuse = {.exponent = 0};
+    bool diffuse = true;
     for (size_t i = 0; i < mesh->material_count; ++i) {
-        if (memcmp(&mesh->finishes[i], &diffuse, sizeof diffuse) != 0) {
-            return false;
+        const svo_finish *finish = &mesh->finishes[i];
+        for (int k = 0; k < 3; ++k) {
+            diffuse = diffuse && finish->emission[k] == 0 && finish->specular[k] == 0;
         }
     }
-    return true;
+    return diffuse;
 }
 
 void svo_i_gather_drop_plain_materials(gather *mesh)

@@ -214,7 +214,7 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
     svo_light_view_params params = view->params;
     SVO_I_TRY(svo_i_photons_make_bands(photons));
     SVO_I_TRY(svo_i_photons_use(photons));
-    for (int channel = 0; channel < 3; ++channel) {
+    for (size_t channel = 0; channel < 3; ++channel) {
         const uint64_t flux = (uint64_t)((double)value[channel] * view->pixel / photons->unit + 0.5);
         params.flux[2 * channel] = (cl_uint)flux;
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
@@ -239,7 +239,7 @@ svo_status svo_i_photons_total(svo_i_photons *photons, svo_i_flux_totals *totals
     SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_total", SVO_I_ARGUMENTS(arguments),
                                 (photons->slot_count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
     SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, 0, counters, sizeof counters));
-    for (int channel = 0; channel < 3; ++channel) {
+    for (size_t channel = 0; channel < 3; ++channel) {
         const cl_uint *in_leaves = &counters[SVO_PHOTON_IN_LEAF + 2 * channel];
         const cl_uint *lost = &counters[SVO_PHOTON_NO_LEAF + 2 * channel];
         totals->in_leaves[channel] = (uint64_t)in_leaves[1] << 32 | in_leaves[0];

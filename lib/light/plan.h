@@ -6,8 +6,7 @@
 #include "core/tree.h"
 #include "svocl/light.h"
 
-/* Checks tree and options, and fills in what the light will be: form, opacity and bytes. on_device: whether the tree
-   must be there already. */
+/* Checks tree and options, and fills in what the light will be: form, opacity and bytes. */
 svo_status svo_i_light_plan(const svo_tree *tree, const char *function, const svo_light_options *options,
                             svo_light_info *info);
 
