@@ -322,7 +322,12 @@ typedef struct svo_light_picture {
         .struct_size = sizeof(svo_light_picture), .gather = SVO_GATHER_OPTIONS_INIT \
     }
 
-/** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones.
+/** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones. Sources,
+ *  finishes and sky are those of svo_light_set_sources. Trees without triangles show their voxels.
+ *
+ *  Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
+ *  roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve. The picture
+ *  is the same on every run.
  *
  * \param light not NULL
  * \param picture size, camera, view
