@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/device.h"
 #include "core/tree.h"
 #include "svocl/svocl.h"
 
@@ -582,6 +583,16 @@ static int close_device(void **unused)
     return 0;
 }
 
+/* As on GPUs: pixel by pixel, not by packets of rays. */
+static int open_device_for_pixels(void **state)
+{
+    const int failed = open_device(state);
+    if (failed == 0) {
+        device->is_cpu = false;
+    }
+    return failed;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -595,5 +606,6 @@ int main(void)
         cmocka_unit_test(the_framing_camera_shows_the_tree_and_fills_the_picture),
         cmocka_unit_test(bad_arguments_are_refused),
     };
-    return cmocka_run_group_tests(tests, open_device, close_device);
+    return cmocka_run_group_tests_name("packets", tests, open_device, close_device) +
+           cmocka_run_group_tests_name("pixels", tests, open_device_for_pixels, close_device);
 }
