@@ -447,6 +447,28 @@ static void all_builds_have_the_same_areas(void **state)
     }
 }
 
+/* A compact tree has the payload of nodes alone, and so has the tree that it expands to. */
+static void compact_trees_have_none(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_plan_options options = {.need = SVO_NEED_PROJECTED_AREA | SVO_NEED_COLOR};
+    scene *made = fixture_scene("knot:600");
+    svo_compact *compact = NULL;
+    svo_tree *expanded = NULL;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    built tree;
+    fixture_build(&opened, scene_mesh(made), 4, &options, &tree);
+    assert_int_equal(svo_compact_create(opened.device, tree.tree, NULL, opened.queue, &compact), SVO_OK);
+    assert_int_equal(svo_compact_expand(compact, opened.queue, &expanded), SVO_OK);
+    assert_int_equal(svo_tree_get_info(expanded, &info), SVO_OK);
+    assert_int_equal(info.need, SVO_NEED_COLOR);
+    assert_null(svo_tree_get_buffer(expanded, SVO_TREE_AREAS));
+    svo_tree_destroy(&expanded);
+    svo_compact_destroy(&compact);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -460,6 +482,7 @@ int main(void)
         cmocka_unit_test(a_grid_that_cuts_a_mesh),
         cmocka_unit_test(vertices_that_snap_to_one_position),
         cmocka_unit_test(all_builds_have_the_same_areas),
+        cmocka_unit_test(compact_trees_have_none),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

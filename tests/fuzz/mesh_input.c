@@ -155,7 +155,7 @@ static void read_options(mesh_input *input, const mesh_input_head *head)
     input->options_given = (head->options & OPTIONS_GIVEN) != 0;
     options->struct_size = sizeof *options;
     options->coverage = (svo_coverage)(head->coverage % (SVO_COVERAGE_THIN + 2));
-    options->need = (head->options & OPTIONS_NEED_ANY) != 0 ? head->need : head->need % 32;
+    options->need = (head->options & OPTIONS_NEED_ANY) != 0 ? head->need : head->need % 64;
     options->weights = (svo_weights)(head->weights % (SVO_WEIGHTS_CENTER + 2));
     if ((head->options & OPTIONS_GRID) != 0) {
         memcpy(options->origin, head->origin, sizeof options->origin);
