@@ -111,8 +111,9 @@ svo_k_light_lit_faces(__global const uint *leaves, __global const uint *values, 
     }
 }
 
-/* Adds the light of a node's child to the six sums of the node, which are its radiance times 4 * 65535. On each axis the
-   child is in front for one direction, and for the other behind the child on the other side. place: of its words. */
+/* Adds the light of a node's child to the six sums of the node, which are its radiance times 4 * 65535. On each axis
+   the child is in front for one direction, and for the other behind the child on the other side. place: of its
+   words. */
 static void svo_add_face_light(const uint *children, uint octant, uint place, __global const ushort *extinctions,
                                __global const uint *radiance, ulong3 *sums)
 {
