@@ -95,6 +95,7 @@ static size_t bytes_of_type(const char *type)
                  {"svo_solid_params", sizeof(svo_solid_params)},
                  {"svo_light_step", sizeof(svo_light_step)},
                  {"svo_gather_params", sizeof(svo_gather_params)},
+                 {"svo_light_params", sizeof(svo_light_params)},
                  {"svo_light_source", sizeof(svo_light_source)},
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
