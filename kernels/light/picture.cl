@@ -4,11 +4,11 @@
  * specular light by cones (gather.clh).
  *
  * A pixel has SVO_PICTURE_SAMPLES^2 camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
- * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh) makes it the share of white that a screen
- * shows, which is then coded by the sRGB curve (IEC 61966-2-1).
+ * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
+ * makes it the share of white that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
- * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, some of the picture's tiles.
- * Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
+ * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
+ * likes. Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "light/direct.clh"
 #include "light/published.clh"
