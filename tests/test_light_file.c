@@ -149,7 +149,7 @@ static void what_does_not_apply_is_refused(void **state)
 
 /* ---- points ---- */
 
-/* A point between two sheets is closed in, one above both is open; those outside the grid and without a normal are
+/* A point between two sheets is closed in, one above both is open. Points outside the grid or without a normal are
    open, and counted. */
 static void points_are_gathered(void **state)
 {

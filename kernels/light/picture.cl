@@ -7,8 +7,8 @@
  * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
  * makes it the share of white that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
- * Launch: one work-item per 2 x 2 pixels, a tile of 16 x 16 pixels per group, one dimension, a part of the tiles. Reads
- * tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
+ * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
+ * likes. Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "light/direct.clh"
 #include "light/published.clh"
