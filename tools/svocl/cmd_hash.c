@@ -55,8 +55,11 @@ static svo_status make_light(const job *done, svo_light_form form, svo_light **l
     setup.sources = sources;
     setup.source_count = 2;
     setup.view_resolution = 40;
-    const svo_status status = svo_light_create(done->result.tree, &asked, done->opened.queue, light);
-    return status == SVO_OK ? svo_light_set_sources(*light, &setup, done->opened.queue) : status;
+    svo_status status = svo_light_create(done->result.tree, &asked, done->opened.queue, light);
+    if (status == SVO_OK) {
+        status = svo_light_set_sources(*light, &setup, done->opened.queue);
+    }
+    return status;
 }
 
 static int print_light_hash(program *state, const job *done)
