@@ -427,8 +427,8 @@ static void one_bounce_is_the_same_at_each_depth(void **state)
     }
 }
 
-/* The photons of a leaf come and go one by one as the light moves, so the view is finer than by default, 30 photons a
-   leaf; with four of them a jump can be a fifth of the mean. The truth's own jumps, three times, are allowed for. */
+/* The photons of a leaf come and go one by one as the light moves, so the view is finer than by default: 300 photons a
+   leaf. With four of them a jump can be a fifth of the mean. The truth's own jumps, three times, are allowed for. */
 static void a_moving_light_does_not_flicker(void **state)
 {
     enum { POINTS = 256, STEPS = 100, VIEW = 512 };
@@ -438,7 +438,7 @@ static void a_moving_light_does_not_flicker(void **state)
     lit_room room;
     double worst = 0;
     double mean = 0;
-    open_room(&opened, 5, POINTS, &room);
+    open_room(&opened, 6, POINTS, &room);
     for (int step = 0; step <= STEPS; ++step) {
         const int now = step % 2;
         double light[3];
