@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Light of a shaded picture, as in kernels/rays/render.cl: a sun with shadows, and a sky that short rays look for. */
+/* Light of a shaded picture, as in kernels/rays/shade.clh: a sun with shadows, and a sky that short rays look for. */
 
 uniform vec3 sun; /* towards it; unit */
 uniform vec3 up;
@@ -49,7 +49,7 @@ vec3 shadingNormal(Hit hit, vec3 direction)
 vec3 albedoOf(Hit hit)
 {
     vec3 color;
-    return readColor(hit.node, color) ? color * color : vec3(0.55, 0.54, 0.52);
+    return readColor(hit.node, color) ? color * color : vec3(0.6);
 }
 
 /* The light that reaches a point of a surface: the sky's, and the sun's unless it is occluded. */
@@ -64,6 +64,12 @@ vec3 lightAt(vec3 point, vec3 normal, float nodeWidth)
     float sky = 0.5 + 0.5 * dot(normal, up);
     vec3 ambient = mix(vec3(0.30, 0.27, 0.25), vec3(0.52, 0.58, 0.68), sky) * mix(0.3, 1.0, open);
     return ambient + direct * vec3(1.05, 0.98, 0.86);
+}
+
+/* From light to the share of white that a screen shows: up to a half as it is, above it rolls off towards 1. */
+vec3 toneOf(vec3 light)
+{
+    return mix(light, 1.0 - 0.5 * exp(1.0 - 2.0 * light), greaterThan(light, vec3(0.5)));
 }
 
 /* The light of a pixel's last sample, reused by the next one: light is most of a picture's cost. */
@@ -83,11 +89,11 @@ vec3 shade(Ray ray, Hit hit, inout Lit lit)
     if (dot(normal, lit.normal) < 0.9 || dot(moved, moved) > 6.0 * nodeWidth * nodeWidth) {
         lit = Lit(point, normal, lightAt(point, normal, nodeWidth));
     }
-    return albedoOf(hit) * lit.light;
+    return toneOf(0.85 * albedoOf(hit) * lit.light);
 }
 
-/* Highlights are compressed, not clipped; the square root inverts the squares of albedoOf. */
-vec3 encodeLight(vec3 light)
+/* The square root inverts the squares of albedoOf. */
+vec3 encode(vec3 shown)
 {
-    return sqrt(clamp(light / (1.0 + 0.12 * light * light), 0.0, 1.0));
+    return sqrt(clamp(shown, 0.0, 1.0));
 }

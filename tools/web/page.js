@@ -3,7 +3,7 @@
 "use strict";
 
 const backgrounds = {
-  light: {skyAbove: [0.80, 0.86, 0.93], skyBelow: [0.93, 0.92, 0.90], blank: [1, 1, 1]},
+  light: {skyAbove: [0.75, 0.80, 0.86], skyBelow: [0.86, 0.85, 0.83], blank: [1, 1, 1]},
   dark: {skyAbove: [0.010, 0.013, 0.018], skyBelow: [0.028, 0.028, 0.030], blank: [0.08, 0.09, 0.10]}
 };
 const turnPerHeight = 3.2; /* radians, for a drag over the picture's height */

@@ -19,7 +19,7 @@ uniform vec3 corner; /* the directions of pixels: corner + column * across + row
 uniform vec3 across;
 uniform vec3 down;
 uniform float footprint;
-uniform vec3 skyAbove; /* the background of shaded pictures, linear light */
+uniform vec3 skyAbove; /* the background of shaded pictures, shares of white */
 uniform vec3 skyBelow;
 uniform vec3 blank; /* that of other views */
 
@@ -90,5 +90,5 @@ void main()
         sum += lookAlong(Ray(eye, direction, footprint / float(samples), FAR), place.y, lit);
     }
     sum /= float(samples * samples);
-    color = vec4(view == VIEW_SHADED ? encodeLight(sum) : sum, 1.0);
+    color = vec4(view == VIEW_SHADED ? encode(sum) : sum, 1.0);
 }
