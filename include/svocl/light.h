@@ -163,9 +163,10 @@ SVO_API svo_status svo_light_get_info(const svo_light *light, svo_light_info *in
  * \returns the buffer, which belongs to the light; NULL where it is not held. */
 SVO_API cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer);
 
-/** Hashes what a light stores with XXH3-128: u32 form, opacity, depth; f32 the radiance of a unit of SVO_LIGHT_RADIANCE,
- *  0 without light; then each buffer in the order of svo_light_buffer, its length in bytes as u64 before its elements;
- *  length 0 where it is not held. Little-endian, seed 0. The hash does not depend on device or time.
+/** Hashes what a light stores with XXH3-128: u32 form, opacity, depth; f32 the radiance of a unit of
+ *  SVO_LIGHT_RADIANCE, 0 without light; then each buffer in the order of svo_light_buffer, its length in bytes as u64
+ *  before its elements; length 0 where it is not held. Little-endian, seed 0. The hash does not depend on device or
+ *  time.
  *
  * \param light not NULL
  * \param queue on the context of its device; NULL: the device's own
