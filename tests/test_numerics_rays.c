@@ -322,7 +322,6 @@ static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
                                  &rays[i].direction[0], &rays[i].direction[1], &rays[i].direction[2],
                                  &rays[i].t_min,        &rays[i].t_max};
         *fields[i / 2 % 8] = i / 2 % 8 == 7 ? NAN : bad[i / 16 % 3];
-        rays[i].t_min = i / 2 % 8 == 6 && !isnan(rays[i].t_min) ? NAN : rays[i].t_min;
     }
     trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, mixed);
     for (size_t i = 0; i < RAYS; ++i) {
