@@ -21,6 +21,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sanitizer.h"
+
 #include "core/message.h"
 #include "io/import_file.h"
 #include "io/import_formats.h"
@@ -235,7 +237,9 @@ int main(int argc, char **argv)
         const pid_t child = fork();
         if (child == 0) {
             const struct rlimit space = {.rlim_cur = (rlim_t)8 << 30, .rlim_max = (rlim_t)8 << 30};
-            (void)setrlimit(RLIMIT_AS, &space);
+            if (!WITH_ADDRESS_SANITIZER) {
+                (void)setrlimit(RLIMIT_AS, &space);
+            }
             (void)alarm(SECONDS);
             run_file(argv[i], ends[1]);
             _exit(0);

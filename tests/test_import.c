@@ -24,6 +24,7 @@
 
 #include <stb/stb_image_write.h>
 
+#include "sanitizer.h"
 #include "work_folder.h"
 
 #include "io/import_process.h"
@@ -530,9 +531,9 @@ static void test_a_child_that_cannot_start(void **unused)
 static void test_a_child_out_of_memory(void **unused)
 {
     (void)unused;
-#if defined(__SANITIZE_ADDRESS__)
-    skip();
-#endif
+    if (WITH_ADDRESS_SANITIZER) {
+        skip();
+    }
     const size_t count = 200000;
     char *text = malloc(count * 32);
     assert_non_null(text);

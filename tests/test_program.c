@@ -370,8 +370,8 @@ static void a_signal_while_writing_leaves_nothing(void **state)
             char line[512];
             run_well("for f in svo png csv ply obj; do echo old >old.$f; done");
             snprintf(line, sizeof line,
-                     "LD_PRELOAD=$SHIM SHIM_SIGNAL=%d %s ASAN_OPTIONS=verify_asan_link_order=0 "
-                     "env --default-signal $SVOCL %s; echo $? $(grep -L -x old old.* | wc -l) $(ls -A | grep -c tmp)",
+                     "env --default-signal LD_PRELOAD=$SHIM SHIM_SIGNAL=%d %s ASAN_OPTIONS=verify_asan_link_order=0 "
+                     "$SVOCL %s; echo $? $(grep -L -x old old.* | wc -l) $(ls -A | grep -c tmp)",
                      number, ways[way].settings, lines[i]);
             run(line);
             char wanted[32];

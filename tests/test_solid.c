@@ -183,9 +183,6 @@ static void overlapping_cubes_make_their_union(void **state)
     assert_int_equal(all_voxels(&found), 16 * 16 * 16 + 18 * 18 * 18 - 9 * 9 * 9 - 7 * 7 * 7);
 }
 
-/* Without a face the columns through it do not cancel, and no others. Lines that leave through the hole find nothing,
-   and those in front of it find the face behind; the other two axes decide. The voxels that the face would touch
-   are inside. */
 /* Twenty slabs above each other, and a beam through all of them: columns along z are crossed up to 42 times. */
 static void columns_with_many_crossings(void **state)
 {
@@ -198,10 +195,13 @@ static void columns_with_many_crossings(void **state)
     const double low[3] = {20.5, 2.5, 0.5};
     const double high[3] = {30.5, 9.5, 125.5};
     parts_add_box(&made, low, high, false, -1);
-    solved found = solve(state, &made, (request){.depth = 7});
+    const solved found = solve_parts(state, &made, (request){.depth = 7});
     assert_int_equal(all_voxels(&found), 20 * 60 * 8 * 5 + 11 * 8 * 126 - 20 * 11 * 8 * 5);
 }
 
+/* Without a face the columns through it do not cancel, and no others. Lines that leave through the hole find nothing,
+   and those in front of it find the face behind; the other two axes decide. The voxels that the face would touch
+   are inside. */
 static void missing_face_is_reported(void **state)
 {
     for (int face = 0; face < 6; ++face) {

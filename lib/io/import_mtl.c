@@ -79,7 +79,7 @@ uint32_t svo_i_mtl_find(mtl_library *library, const char *name, size_t length)
     if (library->slots[slot] != MTL_NO_MATERIAL) {
         return library->slots[slot];
     }
-    char *copy = strndup(name, length);
+    char *copy = text_copy(name, length);
     mtl_material *material = copy != NULL ? list_add(&library->materials, sizeof *material) : NULL;
     if (material == NULL) {
         free(copy);
@@ -205,7 +205,7 @@ static svo_status read_texture(mtl_reader *mtl, mtl_material *material)
         read_texture_option(mtl, material);
     }
     const char *path = text_rest_of_line(&mtl->cursor, &length);
-    char *copy = strndup(path, length);
+    char *copy = text_copy(path, length);
     if (copy == NULL) {
         return svo_i_read_out_of_memory(mtl->reader);
     }

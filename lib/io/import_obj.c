@@ -313,7 +313,7 @@ static svo_status read_library(obj_reader *obj)
         return SVO_OK;
     }
     svo_status status = SVO_OK;
-    char *name = strndup(begin, length), *words = strndup(begin, length);
+    char *name = text_copy(begin, length), *words = text_copy(begin, length);
     if (name == NULL || words == NULL) {
         status = svo_i_read_out_of_memory(obj->reader);
         goto cleanup;

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -25,6 +26,19 @@ typedef struct text_cursor {
 typedef struct text_word {
     char text[TEXT_WORD_BYTES];
 } text_word;
+
+/* A copy up to a zero or the given length, for free. Unlike strndup it looks at no byte beyond, as sanitizers may. */
+static inline char *text_copy(const char *text, size_t length)
+{
+    const char *zero = length > 0 ? memchr(text, '\0', length) : NULL;
+    const size_t kept = zero != NULL ? (size_t)(zero - text) : length;
+    char *copy = malloc(kept + 1);
+    if (copy != NULL) {
+        memcpy(copy, text, kept);
+        copy[kept] = '\0';
+    }
+    return copy;
+}
 
 static inline bool text_is_blank(char c)
 {

@@ -149,8 +149,10 @@ static bool float_pairs(voxel_method *method, oracle_pairs *out)
     all.pairs = malloc(all.capacity * sizeof *all.pairs + 1);
     all.failed = all.pairs == NULL;
     for (size_t i = 0; i < THREADS_MAX && !all.failed; ++i) {
-        memcpy(all.pairs + all.count, method->lists[i].pairs, method->lists[i].count * sizeof *all.pairs);
-        all.count += method->lists[i].count;
+        if (method->lists[i].count > 0) { /* else there may be no array */
+            memcpy(all.pairs + all.count, method->lists[i].pairs, method->lists[i].count * sizeof *all.pairs);
+            all.count += method->lists[i].count;
+        }
     }
     release_lists(method);
     return float_method_sort(&all, out);
