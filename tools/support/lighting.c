@@ -18,13 +18,14 @@ void lighting_close(lighting *work)
 }
 
 /* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
-static uint32_t need_of(const input *source, uint32_t asked)
+static uint32_t need_of(const options *given, const input *source)
 {
-    const uint32_t of_picture = picture_need(source, asked);
-    if (source->mesh == NULL || asked != (uint32_t)SVO_NEED_DEFAULT) {
+    const uint32_t of_picture = picture_need(source, given->need);
+    if (source->mesh == NULL || given->need != (uint32_t)SVO_NEED_DEFAULT) {
         return of_picture;
     }
-    return of_picture | (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA |
+    return of_picture | (uint32_t)SVO_NEED_RAYS |
+           (given->opacity == SVO_OPACITY_AREA ? (uint32_t)SVO_NEED_PROJECTED_AREA : 0u) |
            (source->mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0u);
 }
 
@@ -37,7 +38,7 @@ int lighting_tree(program *state, unsigned further_steps, job *done)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(state, need_of(&done->source, state->options.need), done);
+    exit_code = job_build(state, need_of(&state->options, &done->source), done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
@@ -61,7 +62,8 @@ svo_light_setup lighting_setup(const lighting *work, const input *source)
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work)
 {
     const svo_light_options light_options = {.struct_size = sizeof light_options,
-                                             .form = (svo_light_form)state->options.light_form};
+                                             .form = (svo_light_form)state->options.light_form,
+                                             .opacity = (svo_opacity)state->options.opacity};
     svo_light_setup shining = *setup;
     shining.no_photons = state->options.photons == 0;
     progress_step(state->progress, "spreading the light");

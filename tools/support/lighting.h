@@ -25,7 +25,7 @@ int lighting_tree(program *state, unsigned further_steps, job *done);
 /* What lights the source's tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
 svo_light_setup lighting_setup(const lighting *work, const input *source);
 
-/* Makes the light of a tree on the device, by --form and --photons; one step of the progress bar. */
+/* Makes the light of a tree on the device, by --form, --opacity and --photons; one step of the progress bar. */
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work);
 
 /* --cones, --range and --lambda. */

@@ -129,6 +129,7 @@ typedef struct options {
     const char *lights_path; /* light: NULL: not given */
     int cones; /* light: 0: not given */
     int light_form; /* light: svo_light_form */
+    int opacity; /* light: svo_opacity */
     int photons, gi; /* light: 0: off */
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */

@@ -56,6 +56,7 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {NULL, 0}};
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
+static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
@@ -361,6 +362,8 @@ static const rule rules[] = {
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
      "how light is stored: faces, bricks, voxels (faces)"},
+    {"opacity", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(opacity), 0, 0, opacities,
+     "how opaque leaves are: area, by the area in them that each direction meets; full (area)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
      "whether surfaces that the lights reach light others: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,
