@@ -31,7 +31,7 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
 /* --cones, --range and --lambda. */
 svo_gather_options lighting_gather(const options *given);
 
-/* Adds what the light is: form, opacity, bytes, photons, times. */
+/* Adds what the light is: form, opacity, bytes, photons, what they light and miss, times. */
 void lighting_report_json(cJSON *document, const lighting *work);
 
 #endif
