@@ -105,10 +105,10 @@ static svo_status check_setup(const svo_light *light, const svo_light_setup *set
 {
     SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SOURCES_MAX));
     SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, FINISHES_MAX));
-    for (size_t i = 0; setup->sources != NULL && i < setup->source_count; ++i) {
+    for (size_t i = 0; i < setup->source_count; ++i) {
         SVO_I_TRY(check_source(light, i, &setup->sources[i]));
     }
-    for (size_t i = 0; setup->finishes != NULL && i < setup->finish_count; ++i) {
+    for (size_t i = 0; i < setup->finish_count; ++i) {
         SVO_I_TRY(check_finish(light, i, &setup->finishes[i]));
     }
     for (int channel = 0; channel < 3; ++channel) {
@@ -206,7 +206,7 @@ static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
 {
     const uint32_t need = light->tree->info.need;
     bool shines = false;
-    for (size_t i = 0; setup->finishes != NULL && i < setup->finish_count; ++i) {
+    for (size_t i = 0; i < setup->finish_count; ++i) {
         const float *specular = setup->finishes[i].specular;
         shines = shines || specular[0] > 0.0F || specular[1] > 0.0F || specular[2] > 0.0F;
     }
@@ -227,9 +227,10 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     const double unit = flux_unit(bound_flux(setup, &box));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
     SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
-    SVO_I_TRY(setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info)
-                                   : shoot_all(&photons, setup, &box));
+    const svo_status shot =
+        setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info) : shoot_all(&photons, setup, &box);
     svo_i_photons_release_bands(&photons);
+    SVO_I_TRY(shot);
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
     SVO_I_TRY(describe_flux(&photons, &light->info));

@@ -70,8 +70,6 @@ static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {"all", OPTION_FORM_ALL},
                                {NULL, 0}};
-static const choice lights[] = {
-    {"faces", 1 + SVO_LIGHT_FACES}, {"bricks", 1 + SVO_LIGHT_BRICKS}, {"voxels", 1 + SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"normal", SVO_NEED_NORMAL},
                                {"rays", SVO_NEED_RAYS},
@@ -273,6 +271,12 @@ static int read_builder(program *state, const rule *option, const char *value)
     return read_choice(state, option, value);
 }
 
+static int read_light(program *state, const rule *option, const char *value)
+{
+    state->options.has_light = true;
+    return read_choice(state, option, value);
+}
+
 static int read_repeat(program *state, const rule *option, const char *value)
 {
     state->options.has_repeat = true;
@@ -414,7 +418,7 @@ static const rule rules[] = {
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
-    {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_choice, FIELD(light), 0, 0, lights,
+    {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_light, FIELD(light_form), 0, 0, light_forms,
      "hash the light of a sun and a lamp, stored as faces, bricks or voxels (the tree)"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
      "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},
