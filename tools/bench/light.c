@@ -210,21 +210,30 @@ static svo_status make_light(light_bench *bench, svo_light_form form, bool count
     if (status == SVO_OK) {
         status = svo_light_set_sources(bench->light, &setup, bench->all->opened.queue);
     }
+    if (status != SVO_OK) {
+        return status;
+    }
     *info = (svo_light_info)SVO_LIGHT_INFO_INIT;
-    return status == SVO_OK ? svo_light_get_info(bench->light, info) : status;
+    return svo_light_get_info(bench->light, info);
 }
 
 /* The first round counts and warms up; the others are timed. */
 static svo_status measure_form(light_bench *bench, svo_light_form form)
 {
     svo_status status = make_light(bench, form, true, &bench->counted);
-    for (size_t round = 0; round < bench->rounds && status == SVO_OK; ++round) {
+    if (status != SVO_OK) {
+        return status;
+    }
+    for (size_t round = 0; round < bench->rounds; ++round) {
         status = make_light(bench, form, false, &bench->lit);
+        if (status != SVO_OK) {
+            return status;
+        }
         for (size_t stage = 0; stage < SVO_LIGHT_STAGE_COUNT; ++stage) {
             bench->times[stage * bench->rounds + round] = bench->lit.stage_ms[stage];
         }
     }
-    return status;
+    return SVO_OK;
 }
 
 /* ---- rows of stages and bytes ---- */
