@@ -105,10 +105,11 @@ static svo_status check_setup(const svo_light *light, const svo_light_setup *set
 {
     SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SOURCES_MAX));
     SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, FINISHES_MAX));
-    for (size_t i = 0; i < setup->source_count; ++i) {
+    /* Lists are not NULL here; the conditions say so to static analysis. */
+    for (size_t i = 0; setup->sources != NULL && i < setup->source_count; ++i) {
         SVO_I_TRY(check_source(light, i, &setup->sources[i]));
     }
-    for (size_t i = 0; i < setup->finish_count; ++i) {
+    for (size_t i = 0; setup->finishes != NULL && i < setup->finish_count; ++i) {
         SVO_I_TRY(check_finish(light, i, &setup->finishes[i]));
     }
     for (int channel = 0; channel < 3; ++channel) {
@@ -206,7 +207,7 @@ static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
 {
     const uint32_t need = light->tree->info.need;
     bool shines = false;
-    for (size_t i = 0; i < setup->finish_count; ++i) {
+    for (size_t i = 0; setup->finishes != NULL && i < setup->finish_count; ++i) {
         const float *specular = setup->finishes[i].specular;
         shines = shines || specular[0] > 0.0F || specular[1] > 0.0F || specular[2] > 0.0F;
     }

@@ -2,19 +2,70 @@
 /* Makes the light of a tree. */
 #include "support/lighting.h"
 
+#include <stdlib.h>
+
 #include "support/picture.h"
+#include "support/table.h"
+
+#define PI 3.14159265F
+
+/* A light of a scene: a white surface that faces it shows its color. */
+static svo_light_source source_of(const svo_scene_light *light)
+{
+    svo_light_source source = {.kind = SVO_SOURCE_DIRECTIONAL};
+    for (int axis = 0; axis < 3; ++axis) {
+        source.direction[axis] = -light->direction[axis];
+        source.value[axis] = PI * light->color[axis];
+    }
+    return source;
+}
+
+/* The scene's file says what --lights does not: its camera, and its lights if there is no other file. */
+static int take_scene(program *state, lighting *out)
+{
+    light_file *file = &out->file;
+    int exit_code = scene_file_open(state, state->options.input, &out->scene);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (!file->has_camera && out->scene.has_camera) {
+        file->camera = out->scene.camera;
+        file->has_camera = true;
+    }
+    if (state->options.lights_path != NULL || out->scene.light_count == 0) {
+        return PROGRAM_DONE;
+    }
+    file->sources = calloc(out->scene.light_count, sizeof *file->sources);
+    if (file->sources == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory for %zu lights", out->scene.light_count);
+    }
+    file->source_count = out->scene.light_count;
+    for (size_t i = 0; i < file->source_count; ++i) {
+        file->sources[i] = source_of(&out->scene.lights[i]);
+    }
+    return PROGRAM_DONE;
+}
 
 int lighting_open(program *state, lighting *out)
 {
     *out = (lighting){.light = NULL};
-    return state->options.lights_path != NULL ? light_file_open(state, state->options.lights_path, &out->file)
-                                              : PROGRAM_DONE;
+    int exit_code = state->options.lights_path != NULL ? light_file_open(state, state->options.lights_path, &out->file)
+                                                       : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
+        exit_code = take_scene(state, out);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        lighting_close(out);
+    }
+    return exit_code;
 }
 
 void lighting_close(lighting *work)
 {
     svo_light_destroy(&work->light);
     light_file_close(&work->file);
+    scene_input_close(&work->placed);
+    scene_file_close(&work->scene);
 }
 
 /* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
@@ -29,12 +80,31 @@ static uint32_t need_of(const options *given, const input *source)
            (source->mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0u);
 }
 
-int lighting_tree(program *state, unsigned further_steps, job *done)
+/* The first part of a job whose source is what a scene places. */
+static int open_scene(program *state, unsigned further_steps, lighting *work, job *done)
 {
+    *done = (job){.source = {.name = state->options.input}};
+    program_begin_progress(state,
+                           (unsigned)work->scene.tree_count + 2 * (unsigned)state->options.repeat + further_steps);
+    int exit_code = scene_input_open(state, &work->scene, &work->placed);
+    if (exit_code == PROGRAM_DONE) {
+        done->source.mesh = &work->placed.placed.mesh;
+        exit_code = session_open(state, &done->opened);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    return exit_code;
+}
+
+int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done)
+{
+    const double started_ms = input_now_ms();
     if (input_is_tree(state)) {
         return job_load(state, further_steps, done);
     }
-    int exit_code = job_open(state, state->options.need, further_steps, done);
+    int exit_code = work->scene.tree_count > 0 ? open_scene(state, further_steps, work, done)
+                                               : job_open(state, state->options.need, further_steps, done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -42,6 +112,7 @@ int lighting_tree(program *state, unsigned further_steps, job *done)
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
+    work->tree_ms = input_now_ms() - started_ms;
     return exit_code;
 }
 
@@ -101,6 +172,38 @@ svo_gather_options lighting_gather(const options *given)
                                 .range = (float)given->range,
                                 .falloff = (float)given->falloff,
                                 .no_light = given->gi == 0};
+}
+
+/* Bytes of the tree on the device, without what building it took besides. */
+static uint64_t tree_bytes(const build_result *built)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < built->buffer_count; ++i) {
+        bytes += built->buffers[i].persistent != 0 ? built->buffers[i].bytes : 0;
+    }
+    return bytes;
+}
+
+void lighting_report_scene(const lighting *work, const job *done)
+{
+    if (work->scene.tree_count > 0) {
+        table_line("a tree of all %s instances: %s triangles, depth %u, %s, made in %s",
+                   figure_count(work->scene.instance_count).text, figure_count(done->source.mesh->triangle_count).text,
+                   done->result.info.depth, figure_bytes(tree_bytes(&done->result)).text,
+                   figure_ms(work->tree_ms).text);
+    }
+}
+
+void lighting_report_scene_json(cJSON *document, const lighting *work, const job *done)
+{
+    if (work->scene.tree_count > 0) {
+        json_add_count(document, "trees", work->scene.tree_count);
+        json_add_count(document, "instances", work->scene.instance_count);
+        json_add_count(document, "triangles", done->source.mesh->triangle_count);
+        json_add_count(document, "depth", done->result.info.depth);
+        json_add_count(document, "tree_bytes", tree_bytes(&done->result));
+        cJSON_AddNumberToObject(document, "tree_ms", work->tree_ms);
+    }
 }
 
 void lighting_report_json(cJSON *document, const lighting *work)

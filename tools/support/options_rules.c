@@ -361,7 +361,7 @@ static const rule rules[] = {
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
-     "JSON file with lights, sky and camera (pictures: a sun behind the camera and a sky; points: none)"},
+     "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
