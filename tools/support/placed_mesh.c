@@ -50,8 +50,14 @@ static void count_part(const svo_mesh *part, totals *all, part_range *range)
     all->finishes = all->finishes || part->finishes != NULL;
 }
 
+/* Vertices: as many as triangles without indices have. */
 static int check_totals(program *state, const char *name, const totals *all)
 {
+    if (all->vertices > 3 * (uint64_t)PLACED_TRIANGLES_MAX) {
+        return program_fail(state, PROGRAM_FAILED,
+                            "%s: %" PRIu64 " placed vertices are above %" PRIu64 ", the most that views by cones take",
+                            name, all->vertices, 3 * (uint64_t)PLACED_TRIANGLES_MAX);
+    }
     if (all->triangles > PLACED_TRIANGLES_MAX) {
         return program_fail(state, PROGRAM_FAILED,
                             "%s: %" PRIu64 " placed triangles are above %" PRIu32 ", the most that views by cones take",

@@ -7,7 +7,7 @@
 #include "svocl/mesh.h"
 #include "svocl/scene.h"
 
-/* Most triangles of a placed mesh. */
+/* Most triangles of a placed mesh, and a third of its most vertices. */
 #define PLACED_TRIANGLES_MAX (UINT32_C(1) << 24)
 
 /* A mesh with arrays of its own, but for texels. */
