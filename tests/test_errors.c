@@ -203,6 +203,8 @@ static void cones_are_compared_with_paths(void **state)
     expect_within(table, "cones", "AO, RMSE", 0.01, 0.5);
     expect_within(table, "cones", "AO, largest", 0.05, 1.0);
     expect_within(table, "cones", "light, RMSE", 0.01, 10.0);
+    expect_within(table, "cones, closed coverage", "AO, RMSE", 0.01, 0.5);
+    expect_within(table, "cones, thin coverage", "light, RMSE", 0.01, 10.0);
     expect_within(table, "published march", "light, RMSE", 0.01, 10.0);
     expect_rays(table, "exact rays, svocl");
     expect_directions(table_of(document, "e7-directions"));

@@ -229,6 +229,7 @@ static void projected_areas(void **state)
     assert_same_results(&less, &full);
     assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "mesh attributes");
+    assert_only_less_leaves_out(&less, &full, "projected area");
     assert_only_full_has_define(&less, &full, "SVO_AREAS");
     assert_only_full_has_kernel(&less, &full, "svo_k_gather_level");
     assert_false(measured_has_kernel(&full, "svo_k_filter"));

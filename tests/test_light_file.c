@@ -99,6 +99,8 @@ static void views_show_their_light(void **state)
     assert_float_equal(brightness("--view full --photons off"), direct, 1e-9);
     assert_true(brightness("--view gi --form bricks") > 5);
     assert_true(brightness("--view gi --form voxels") > 5);
+    assert_true(brightness("--view ao --opacity full") < brightness("--view ao") - 1);
+    assert_float_equal(brightness("--view ao --opacity area"), brightness("--view ao"), 1e-9);
     assert_true(brightness("--view ao --range 0.5") > brightness("--view ao") + 5);
     assert_true(brightness("--view ao --lambda 4") > brightness("--view ao") + 5);
     assert_true(brightness("--view full --exposure 3") > full + 10);
@@ -107,6 +109,9 @@ static void views_show_their_light(void **state)
     cJSON *document = run_json("$SVOCL render a.svo --view full --lights lights.json --size 16x16 --json -o a.png");
     assert_string_equal(text_of(document, "form"), "faces");
     assert_true(number_of(document, "photons") > 0 && number_of(document, "lit_leaves") > 0);
+    assert_true(number_of(document, "lit_nodes") > number_of(document, "lit_leaves"));
+    assert_true(number_of(document, "node_map_items") > number_of(document, "lit_nodes"));
+    assert_true(number_of(document, "missed_leaves") > 0);
     assert_float_equal(cJSON_GetArrayItem(array_of(document, "eye"), 2)->valuedouble, 6, 1e-6);
     cJSON_Delete(document);
     run_well("rm a.png b.png a.svo lights.json");
@@ -140,6 +145,9 @@ static void what_does_not_apply_is_refused(void **state)
     run_badly("$SVOCL render scene:cube -d 2 --view full --form brick -o a.png", 2, "did you mean 'bricks'?");
     run_badly("$SVOCL render scene:cube -d 2 --view full --photons no -o a.png", 2,
               "--photons 'no' is none of on, off");
+    run_badly("$SVOCL render scene:cube -d 2 --view ao --opacity half -o a.png", 2,
+              "--opacity 'half' is none of area, full");
+    run_badly("$SVOCL render scene:cube -d 2 --opacity full -o a.png", 2, "options of lights and cones require");
     run_badly("$SVOCL render scene:cube -d 2 --view ao --range=-1 -o a.png", 2, "--range '-1' is not a number");
     run_badly("$SVOCL gather scene:cube -d 2 -o a.csv", 2, "--points FILE is missing");
     run_badly("$SVOCL gather scene:cube -d 2 --points 3", 2, "-o FILE is missing");
@@ -178,6 +186,32 @@ static void points_are_gathered(void **state)
     run_well("rm a.csv points.csv sheets.obj");
 }
 
+/* Areas are built where the opacity needs them, and trees without them are opaque from every side. */
+static void leaves_are_as_opaque_as_asked(void **state)
+{
+    (void)state;
+    need_builds();
+    static const struct {
+        const char *arguments, *opacity;
+    } cases[] = {{"scene:cornell:500 -d 5", "area"},
+                 {"scene:cornell:500 -d 5 --opacity area", "area"},
+                 {"scene:cornell:500 -d 5 --opacity full", "full"},
+                 {"scene:cornell:500 -d 5 --need normal", "full"}};
+    double openness[4];
+    for (size_t i = 0; i < 4; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "$SVOCL gather %s --points 50 --json -o a.csv", cases[i].arguments);
+        cJSON *document = run_json(line);
+        assert_string_equal(text_of(document, "opacity"), cases[i].opacity);
+        openness[i] = number_of(document, "ao");
+        cJSON_Delete(document);
+    }
+    assert_float_equal(openness[0], openness[1], 1e-9);
+    assert_float_equal(openness[2], openness[3], 1e-9);
+    assert_true(openness[2] < openness[0] - 1e-3);
+    run_well("rm a.csv");
+}
+
 static void the_truth_stands_beside(void **state)
 {
     (void)state;
@@ -208,6 +242,7 @@ int main(void)
                                        IN_FOLDER(every_input_is_lit),
                                        IN_FOLDER(what_does_not_apply_is_refused),
                                        IN_FOLDER(points_are_gathered),
+                                       IN_FOLDER(leaves_are_as_opaque_as_asked),
                                        IN_FOLDER(the_truth_stands_beside)};
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);
 }

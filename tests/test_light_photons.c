@@ -239,8 +239,14 @@ static void test_sums_of_a_scene(void **state)
 
 /* ---- closed forms ---- */
 
-/* The middle of a leaf. */
-static void leaf_middle(const built *made, uint32_t leaf, double middle[3])
+static svo_light_setup setup_of(const svo_light_source *source, uint32_t resolution)
+{
+    return (svo_light_setup){
+        .struct_size = sizeof(svo_light_setup), .sources = source, .source_count = 1, .view_resolution = resolution};
+}
+
+/* Whether a leaf is of the wall, away from its border. middle: receives the leaf's. */
+static bool is_inner(const built *made, uint32_t leaf, double middle[3])
 {
     double low[3];
     double high[3];
@@ -248,11 +254,6 @@ static void leaf_middle(const built *made, uint32_t leaf, double middle[3])
     for (int axis = 0; axis < 3; ++axis) {
         middle[axis] = (low[axis] + high[axis]) / 2;
     }
-}
-
-/* Whether a leaf is of the wall, away from its border. */
-static bool is_inner(const double middle[3])
-{
     return fabs(middle[1] - 0.5) < WALL_EDGE && middle[0] > WALL_EDGE && middle[0] < 1 - WALL_EDGE &&
            middle[2] > WALL_EDGE && middle[2] < 1 - WALL_EDGE;
 }
@@ -273,10 +274,7 @@ static void test_parallel_light_obeys_lambert(void **state)
         const svo_light_source source = {.kind = SVO_SOURCE_DIRECTIONAL,
                                          .direction = {d[0], d[1], d[2]},
                                          .value = {(float)irradiance[0], (float)irradiance[1], (float)irradiance[2]}};
-        svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
-        setup.sources = &source;
-        setup.source_count = 1;
-        setup.view_resolution = 1500;
+        const svo_light_setup setup = setup_of(&source, 1500);
         const double length = sqrt((double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
         const double cosine = fabs((double)d[1]) / length;
         const unsigned lit_side = d[1] < 0 ? 3 : 2;
@@ -285,8 +283,7 @@ static void test_parallel_light_obeys_lambert(void **state)
         shine(&opened, light, &setup, &lit);
         for (uint64_t i = 0; i < lit.count; ++i) {
             double middle[3];
-            leaf_middle(&made, lit.leaves[i], middle);
-            if (!is_inner(middle)) {
+            if (!is_inner(&made, lit.leaves[i], middle)) {
                 continue;
             }
             ++checked;
@@ -316,22 +313,18 @@ static void test_point_light_obeys_inverse_squares(void **state)
     const svo_plan_options grid = wall_grid();
     const svo_light_source source = {
         .kind = SVO_SOURCE_POINT, .position = {0.4F, 0.8F, 0.7F}, .value = {1.0F, 2.0F, 0.0F}};
-    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    const svo_light_setup setup = setup_of(&source, 600);
     unsigned checked = 0;
     double sum = 0;
     double expected_sum = 0;
     built made;
     lit_leaves lit;
-    setup.sources = &source;
-    setup.source_count = 1;
-    setup.view_resolution = 600;
     fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
     shine(&opened, light, &setup, &lit);
     for (uint64_t i = 0; i < lit.count; ++i) {
         double middle[3];
-        leaf_middle(&made, lit.leaves[i], middle);
-        if (!is_inner(middle)) {
+        if (!is_inner(&made, lit.leaves[i], middle)) {
             continue;
         }
         const double to[3] = {middle[0] - (double)source.position[0], 0.5 - (double)source.position[1],
@@ -361,11 +354,8 @@ static void test_radiance_without_directions(void **state)
     const svo_plan_options grid = wall_grid();
     const svo_light_source source = {
         .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1.0F, 0.5F, 0.25F}};
-    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    const svo_light_setup setup = setup_of(&source, 1024);
     built made;
-    setup.sources = &source;
-    setup.source_count = 1;
-    setup.view_resolution = 1024;
     fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
     for (int form = SVO_LIGHT_BRICKS; form <= SVO_LIGHT_VOXELS; ++form) {
         unsigned checked = 0;
@@ -374,8 +364,7 @@ static void test_radiance_without_directions(void **state)
         shine(&opened, light, &setup, &lit);
         for (uint64_t i = 0; i < lit.count; ++i) {
             double middle[3];
-            leaf_middle(&made, lit.leaves[i], middle);
-            if (is_inner(middle)) {
+            if (is_inner(&made, lit.leaves[i], middle)) {
                 ++checked;
                 assert_near(radiance_at(&lit, i, 0, 0), 1 / PI, 0.01, "red");
                 assert_near(radiance_at(&lit, i, 0, 1), 0.5 / PI, 0.005, "green");
@@ -413,8 +402,8 @@ static void test_emission_is_premultiplied_by_area(void **state)
     shine(&opened, light, &setup, &lit);
     for (uint64_t i = 0; i < lit.count; ++i) {
         double middle[3];
-        leaf_middle(&made, lit.leaves[i], middle);
-        for (unsigned k = 0; k < 18 && is_inner(middle); ++k) {
+        const bool inner = is_inner(&made, lit.leaves[i], middle);
+        for (unsigned k = 0; k < 18 && inner; ++k) {
             const double expected = k / 3 == 2 || k / 3 == 3 ? 3.0 - k % 3 : 0;
             assert_near(radiance_at(&lit, i, k / 3, k % 3), expected, 2e-3, "emission");
             ++checked;
@@ -472,20 +461,16 @@ static void test_trees_without_triangles_are_lit(void **state)
     const svo_mesh mesh = wall_mesh();
     const svo_plan_options occupancy = {.need = SVO_NEED_NONE, .edge = 1};
     const svo_light_source source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1, 1, 1}};
-    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    const svo_light_setup setup = setup_of(&source, 1024);
     unsigned checked = 0;
     built made;
     lit_leaves lit;
-    setup.sources = &source;
-    setup.source_count = 1;
-    setup.view_resolution = 1024;
     fixture_build(&opened, &mesh, WALL_DEPTH, &occupancy, &made);
     svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
     shine(&opened, light, &setup, &lit);
     for (uint64_t i = 0; i < lit.count; ++i) {
         double middle[3];
-        leaf_middle(&made, lit.leaves[i], middle);
-        if (is_inner(middle)) {
+        if (is_inner(&made, lit.leaves[i], middle)) {
             ++checked;
             assert_near(radiance_at(&lit, i, 3, 0), 0.6 / PI, 0.006, "the lit face");
             assert_near(radiance_at(&lit, i, 2, 0), 0, 0, "the back");

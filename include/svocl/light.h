@@ -112,7 +112,8 @@ typedef struct svo_light_info {
     double lost_flux; /**< share of it that found no leaf */
     uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
     uint64_t total_bytes; /**< of all buffers */
-    uint64_t scratch_bytes; /**< what svo_light_create took besides; it is released */
+    uint64_t scratch_bytes; /**< the most that svo_light_create and since then svo_light_set_sources, from the light
+                                 views to the radiance filter, took besides at a time; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
     /** Items that a node map would start to filter what photons brought, on all levels together, where svocl starts one
      *  for each lit node: a pyramid over the light views, of each pixel's leaf and above it of the common ancestor of
@@ -209,7 +210,8 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
 /** How cones march. */
 typedef enum svo_march {
     SVO_MARCH_STEPS = 0, /**< steps in proportion to the cone's width, blended between two levels */
-    SVO_MARCH_PUBLISHED = 1 /**< node to node as published in 2011 systems, for comparison; needs SVO_LIGHT_BRICKS */
+    SVO_MARCH_PUBLISHED =
+        1 /**< node to node, as published by Crassin et al. 2011, for comparison; needs SVO_LIGHT_BRICKS */
 } svo_march;
 
 /** Options of gathering. */

@@ -10,6 +10,7 @@
  * Launch: one work-item per node, rounded up to whole groups. No atomics, no local memory.
  */
 #include "light/opacity.clh"
+#include "shared/place.clh"
 
 #ifdef SVO_LIGHT_BRICKS
 
@@ -21,18 +22,7 @@ svo_k_light_place(__global const uchar *child_mask, __global const uint *first_c
     if (item >= params.count) {
         return;
     }
-    const uint node = params.first + item;
-    const ulong code = node == 0u ? 0ul : codes[node];
-    uint child = first_child[node];
-    codes[node] = code; /* of the root */
-    for (uint octant = 0; octant < 8u; ++octant) {
-        if ((child_mask[node] >> octant & 1u) != 0u) {
-            if (child < params.leaf_begin) {
-                codes[child] = code << 3 | octant;
-            }
-            ++child;
-        }
-    }
+    svo_place_children(child_mask, first_child, params.first + item, params.leaf_begin, codes);
 }
 
 #endif

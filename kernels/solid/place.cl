@@ -5,7 +5,7 @@
  * Launch: one work-item per inner node of a level, rounded up to whole groups; levels in order. Reads the tree and the
  * codes of the level, writes those of the next. No atomics, no local memory.
  */
-#include "shared/layout.h"
+#include "shared/place.clh"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_solid_place(__global const uchar *child_mask, __global const uint *first_child, __global ulong *codes,
@@ -15,14 +15,5 @@ svo_k_solid_place(__global const uchar *child_mask, __global const uint *first_c
     if (item >= params.count) {
         return;
     }
-    const uint node = params.first + item;
-    const ulong code = node == 0u ? 0ul : codes[node];
-    uint child = first_child[node];
-    codes[node] = code;
-    for (uint octant = 0; octant < 8u; ++octant) {
-        if ((child_mask[node] >> octant & 1u) != 0u) {
-            codes[child] = code << 3 | octant;
-            ++child;
-        }
-    }
+    svo_place_children(child_mask, first_child, params.first + item, SVO_ALL_NODES, codes);
 }

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "svocl/plan.h"
+#include "rays/rays.h"
 #include "svocl/trace.h"
 
 /* Photons of a work-item of those that find and add. */
@@ -45,7 +45,7 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
                            .tree = tree,
                            .has_directions = has_directions,
                            .has_lobes = has_lobes,
-                           .of_triangles = (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN,
+                           .of_triangles = svo_i_rays_of_triangles(info),
                            .unit = unit,
                            .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
     SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
@@ -61,6 +61,13 @@ svo_status svo_i_photons_make_bands(svo_i_photons *photons)
     if (photons->leaves != NULL) {
         return SVO_OK;
     }
+    photons->host_weights =
+        svo_i_alloc(&photons->tree->device->memory, SVO_I_BAND_PHOTONS * sizeof *photons->host_weights);
+    if (photons->host_weights == NULL) {
+        return svo_i_device_fail(photons->tree->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "%s: no memory for the weights of %u photons", photons->work->function,
+                                 SVO_I_BAND_PHOTONS);
+    }
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_weights", SVO_I_BAND_PHOTONS * sizeof(svo_photon_weight),
                                &photons->weights));
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
@@ -74,6 +81,8 @@ void svo_i_photons_release_bands(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->rays);
     svo_i_work_free(photons->work, &photons->met);
     svo_i_work_free(photons->work, &photons->leaves);
+    svo_i_free(photons->host_weights);
+    photons->host_weights = NULL;
 }
 
 void svo_i_photons_release(svo_i_photons *photons)
@@ -112,15 +121,9 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 static svo_status upload_weights(svo_i_photons *photons, const svo_i_light_view *view, uint32_t first, uint32_t count)
 {
-    svo_photon_weight *weights = svo_i_alloc(&photons->tree->device->memory, count * sizeof *weights);
-    if (weights == NULL) {
-        return svo_i_device_fail(photons->tree->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "%s: no memory for the weights of %u photons", photons->work->function, count);
-    }
+    svo_photon_weight *weights = photons->host_weights;
     photons->shot += svo_i_view_weights(view, first, count, weights);
-    const svo_status status = svo_i_work_write(photons->work, photons->weights, weights, count * sizeof *weights);
-    svo_i_free(weights);
-    return status;
+    return svo_i_work_write(photons->work, photons->weights, weights, count * sizeof *weights);
 }
 
 svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)

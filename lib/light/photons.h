@@ -11,7 +11,7 @@
 /* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
 #define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)
 
-/* What photons leave behind. Buffers belong to the work. */
+/* What photons leave behind. Buffers belong to the work; svo_i_photons_release_bands must follow. */
 typedef struct svo_i_photons {
     svo_i_compact_work *work;
     svo_tree *tree;
@@ -26,6 +26,7 @@ typedef struct svo_i_photons {
     uint64_t shot; /* photons with flux */
     uint64_t hits; /* 64 bits of what the counter has 32 of */
     cl_mem weights, rays, met, leaves; /* of a band */
+    svo_photon_weight *host_weights; /* of a band, owned */
     svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
     double view_ms, sum_ms; /* rays; leaves and sums */
 } svo_i_photons;

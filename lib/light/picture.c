@@ -77,11 +77,6 @@ typedef struct drawing {
     cl_mem pixels;
 } drawing;
 
-static bool has_triangles(const svo_tree *tree)
-{
-    return (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
-}
-
 /* " -DSVO_x -DSVO_ONE_x" as far as the tree has that payload. */
 static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char *held, const char *constant,
                        char *defines, size_t defines_bytes)
@@ -98,7 +93,7 @@ static svo_status make_kernel(const svo_light *light, drawing *drawn)
     const svo_tree *tree = light->tree;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     (void)snprintf(defines, sizeof defines, "%s%s", svo_i_gather_defines(light),
-                   has_triangles(tree) ? " -DSVO_PICTURE_TRIANGLES" : "");
+                   svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "");
     add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
     add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
     if (light->setup.finish_count > 0) {

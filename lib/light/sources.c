@@ -105,6 +105,7 @@ static svo_status check_setup(const svo_light *light, const svo_light_setup *set
 {
     SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SOURCES_MAX));
     SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, FINISHES_MAX));
+    /* Lists are not NULL here; the conditions say so to static analysis. */
     for (size_t i = 0; setup->sources != NULL && i < setup->source_count; ++i) {
         SVO_I_TRY(check_source(light, i, &setup->sources[i]));
     }
@@ -227,9 +228,10 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     const double unit = flux_unit(bound_flux(setup, &box));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
     SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
-    SVO_I_TRY(setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info)
-                                   : shoot_all(&photons, setup, &box));
+    const svo_status shot =
+        setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info) : shoot_all(&photons, setup, &box);
     svo_i_photons_release_bands(&photons);
+    SVO_I_TRY(shot);
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
     SVO_I_TRY(describe_flux(&photons, &light->info));

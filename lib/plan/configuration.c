@@ -141,6 +141,7 @@ static void configure_payload(svo_plan *plan)
     leave_out_payload(plan, SVO_NEED_NORMAL, "normal");
     leave_out_payload(plan, SVO_NEED_MATERIAL, "material");
     leave_out_payload(plan, SVO_NEED_FILL, "fill");
+    leave_out_payload(plan, SVO_NEED_PROJECTED_AREA, "projected area");
     leave_out_constants(work);
     if (work->made == SVO_NEED_PROJECTED_AREA) {
         leave_out(work, "filtered levels", "only leaves have projected areas");

@@ -231,6 +231,11 @@ svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, sv
     return SVO_OK;
 }
 
+bool svo_i_rays_of_triangles(const svo_tree_info *info)
+{
+    return (info->need & SVO_NEED_RAYS) != 0 && info->coverage != SVO_COVERAGE_THIN;
+}
+
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
 {
     SVO_I_TRY(svo_i_tree_check(tree, function));
@@ -254,8 +259,7 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
 {
     svo_ray_params params = {.depth = 0};
     /* Voxels need no BVH. */
-    const bool triangles = (tree->info.need & SVO_NEED_RAYS) != 0 && tree->info.coverage != SVO_COVERAGE_THIN;
-    if (triangles) {
+    if (svo_i_rays_of_triangles(&tree->info)) {
         SVO_I_TRY(svo_i_rays_check(tree, function));
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }

@@ -9,7 +9,9 @@
 #include "shared/layout.h"
 #include "svocl/nodes.h"
 
-/* Whether rays can be traced against the tree's triangles. function: for the message. */
+/* Whether a tree has triangles to meet; rays against others meet its voxels. */
+bool svo_i_rays_of_triangles(const svo_tree_info *info);
+/* Checks that rays can be traced against the tree's triangles. function: for the message. */
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
 /* Builds the BVH unless the tree has it, and waits for it. queue: NULL for the device's own. */
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);

@@ -31,8 +31,7 @@ static svo_status check_tree(svo_device *device, const char *function, const svo
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: trees[%u] is not on the scene's device", function,
                                  index);
     }
-    if ((need & SVO_NEED_RAYS) != 0 &&
-        ((tree->info.need & SVO_NEED_RAYS) == 0 || tree->info.coverage == SVO_COVERAGE_THIN)) {
+    if ((need & SVO_NEED_RAYS) != 0 && !svo_i_rays_of_triangles(&tree->info)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "%s: trees[%u] has no leaf lists for SVO_NEED_RAYS, or its coverage is thin", function,
                                  index);

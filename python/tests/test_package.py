@@ -74,10 +74,16 @@ def test_enumerations_are_complete():
         "svo_compact_buffer": (_enums.CompactBuffer, "SVO_COMPACT_"),
         "svo_solid_rule": (_enums.SolidRule, "SVO_SOLID_"),
         "svo_scene_flags": (_enums.SceneTrace, "SVO_SCENE_"),
+        "svo_light_form": (_enums.LightForm, "SVO_LIGHT_"),
+        "svo_opacity": (_enums.Opacity, "SVO_OPACITY_"),
+        "svo_light_buffer": (_enums.LightBuffer, "SVO_LIGHT_"),
+        "svo_march": (_enums.March, "SVO_MARCH_"),
+        "svo_light_view": (_enums.LightView, "SVO_LIGHT_VIEW_"),
     }
+    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT"}
     for name, (kind, prefix) in enumerations.items():
         expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
-        expected.pop("COUNT" if name == "svo_form" else "BUFFER_COUNT", None)
+        expected.pop(counts.get(name, "BUFFER_COUNT"), None)
         assert {member: int(value) for member, value in kind.__members__.items()} == expected, name
 
 
@@ -99,6 +105,8 @@ def test_structs_are_complete():
         "svo_voxel_file_info": (_structs.VoxelFileInfo, set()),
         "svo_voxels_save_info": (_structs.VoxelsSaveInfo, set()),
         "svo_scene_info": (_structs.SceneInfo, {"reserved"}),
+        "svo_light_info": (_structs.LightInfo, set()),
+        "svo_light_source": (svocl.LightSource, {"reserved"}),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
@@ -119,12 +127,15 @@ def test_records_have_the_layout_of_the_headers():
         "svo_scene_triangle_hit": svocl.scene_triangle_hit_dtype,
         "svo_instance": svocl.instance_dtype,
         "svo_voxel": svocl.voxel_dtype,
+        "svo_gather_point": svocl.gather_point_dtype,
+        "svo_gather_result": svocl.gather_result_dtype,
     }.items():
         offsets = {field: description.offset for field, description in ffi.typeof(name).fields}
         assert {field: dtype.fields[field][1] for field in dtype.names} == offsets
         assert dtype.itemsize == ffi.sizeof(name)
     assert lib.SVO_TREE_ARGUMENTS == svocl.TREE_ARGUMENTS
     assert lib.SVO_COMPACT_ARGUMENTS == svocl.COMPACT_ARGUMENTS
+    assert lib.SVO_LIGHT_ARGUMENTS == svocl.LIGHT_ARGUMENTS
 
 
 def test_all_names_exist_and_are_documented():

@@ -59,11 +59,51 @@ typedef struct light_bench {
     svo_tree_info info;
     svo_light *light; /* of the form that is measured */
     svo_light_info lit; /* of the last round */
+    svo_light_info counted; /* of the run that counts */
     double *times; /* by stage, round */
     double *scratch; /* a number for each round */
 } light_bench;
 
 /* ---- tables ---- */
+
+typedef struct table_column {
+    const char *name, *unit;
+} table_column;
+
+static const table_column stage_columns[] = {
+    {"scene", ""}, {"depth", ""}, {"form", ""}, {"stage", ""}, {"photons", ""}};
+static const table_column published_columns[] = {{"published", "ms"}, {"ratio", ""}, {"rate", "M/s"}};
+static const table_column byte_columns[] = {{"scene", ""},
+                                            {"depth", ""},
+                                            {"nodes", ""},
+                                            {"form", ""},
+                                            {"lit leaves", ""},
+                                            {"lit nodes", ""},
+                                            {"node-map items", ""},
+                                            {"missed leaves", ""},
+                                            {"opacity", "B"},
+                                            {"radiance", "B"},
+                                            {"all", "B"},
+                                            {"scratch", "B"},
+                                            {"dense", "B"},
+                                            {"share", "%"},
+                                            {"RGBA8 pyramid", "B"},
+                                            {"filters", "ms"},
+                                            {"RGBA8 pyramid, passes", "ms"},
+                                            {"published dense", "B"},
+                                            {"published neighbors", "B"},
+                                            {"published bricks", "B"}};
+static const table_column frame_columns[] = {{"scene", ""},   {"depth", ""},     {"form", ""},
+                                             {"pixels", ""},  {"points", ""},    {"first hits", "ms"},
+                                             {"cones", "ms"}, {"frames", "1/s"}, {"published", "1/s"}};
+
+static void add_columns(result_table *table, const table_column *columns, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        result_add_column(table, columns[i].name, columns[i].unit);
+    }
+}
+#define ADD_COLUMNS(table, columns) add_columns(table, columns, sizeof(columns) / sizeof(columns)[0])
 
 static void begin_stages(suite *all, size_t rounds)
 {
@@ -74,44 +114,24 @@ static void begin_stages(suite *all, size_t rounds)
         "tracing thesis (2016), Radeon HD 5850, the corresponding stage on a grid of the same size, with a view of "
         "4,096 photons along a side. Ratio: published time to svocl's; above 1 svocl is quicker. svocl needs no "
         "neighbors, and no exchange between the borders of bricks; its own exchange makes radiance of the photons' "
-        "sums. "
-        "Rate: rays per second of the light view.",
+        "sums. Rate: rays per second of the light view.",
         rounds);
-    result_add_column(table, "scene", "");
-    result_add_column(table, "depth", "");
-    result_add_column(table, "form", "");
-    result_add_column(table, "stage", "");
-    result_add_column(table, "photons", "");
+    ADD_COLUMNS(table, stage_columns);
     spread_add_columns(table, "time", "ms");
-    result_add_column(table, "published", "ms");
-    result_add_column(table, "ratio", "");
-    result_add_column(table, "rate", "M/s");
+    ADD_COLUMNS(table, published_columns);
 }
 
 static void begin_bytes(suite *all)
 {
     result_table *table = result_add_table(
         all->results, bytes_id, "Light: bytes",
-        "Dense: every voxel of the grid and of all levels, with the same numbers a voxel as the light stores a node. "
-        "RGBA8 pyramid: a dense one of six directions on all levels but the finest, as public engines hold it; its "
-        "passes from level to level run on the same device. Share: of the dense bytes. Published: dense voxels, "
+        "Lit leaves and nodes: those with radiance; bricks: inner nodes alone. Node-map items: that a pyramid over the "
+        "light view would start to filter the same photons (Crassin et al., 2011). Missed leaves: in the light without "
+        "a photon. Dense: every voxel of the grid and of all levels, with the same numbers a voxel as the light stores "
+        "a node. RGBA8 pyramid: a dense one of six directions on all levels but the finest, as public engines hold it; "
+        "its passes from level to level run on the same device. Share: of the dense bytes. Published: dense voxels, "
         "neighbors and bricks of a master's thesis on voxel cone tracing (2016) on a grid of the same size.");
-    result_add_column(table, "scene", "");
-    result_add_column(table, "depth", "");
-    result_add_column(table, "nodes", "");
-    result_add_column(table, "form", "");
-    result_add_column(table, "opacity", "B");
-    result_add_column(table, "radiance", "B");
-    result_add_column(table, "all", "B");
-    result_add_column(table, "scratch", "B");
-    result_add_column(table, "dense", "B");
-    result_add_column(table, "share", "%");
-    result_add_column(table, "RGBA8 pyramid", "B");
-    result_add_column(table, "filters", "ms");
-    result_add_column(table, "RGBA8 pyramid, passes", "ms");
-    result_add_column(table, "published dense", "B");
-    result_add_column(table, "published neighbors", "B");
-    result_add_column(table, "published bricks", "B");
+    ADD_COLUMNS(table, byte_columns);
 }
 
 static void begin_frames(suite *all)
@@ -120,15 +140,7 @@ static void begin_frames(suite *all)
         all->results, frames_id, "Light: frames",
         "First hits by exact rays, then five cones for each of them. Published: frames of 800 x 600 per second on a "
         "grid of the same size (thesis, 2016, Radeon HD 5850); 83 without cones.");
-    result_add_column(table, "scene", "");
-    result_add_column(table, "depth", "");
-    result_add_column(table, "form", "");
-    result_add_column(table, "pixels", "");
-    result_add_column(table, "points", "");
-    result_add_column(table, "first hits", "ms");
-    result_add_column(table, "cones", "ms");
-    result_add_column(table, "frames", "1/s");
-    result_add_column(table, "published", "1/s");
+    ADD_COLUMNS(table, frame_columns);
 }
 
 static size_t rounds_of(const suite *all)
@@ -182,8 +194,8 @@ static bool shoots(int stage)
     return stage == SVO_LIGHT_STAGE_VIEW || stage == SVO_LIGHT_STAGE_PHOTONS;
 }
 
-/* Makes the light anew, and keeps the times of its stages unless it warms up. */
-static svo_status run_round(light_bench *bench, svo_light_form form, size_t round)
+/* Makes the light anew. counts: also what setup.diagnose counts. */
+static svo_status make_light(light_bench *bench, svo_light_form form, bool counts, svo_light_info *info)
 {
     const svo_light_options stored = {.struct_size = sizeof stored, .form = form};
     const svo_light_source sun = {
@@ -192,6 +204,7 @@ static svo_status run_round(light_bench *bench, svo_light_form form, size_t roun
     setup.sources = &sun;
     setup.source_count = 1;
     setup.view_resolution = view_of(bench->all, form);
+    setup.diagnose = counts;
     svo_light_destroy(&bench->light);
     svo_status status = svo_light_create(bench->tree, &stored, bench->all->opened.queue, &bench->light);
     if (status == SVO_OK) {
@@ -200,24 +213,27 @@ static svo_status run_round(light_bench *bench, svo_light_form form, size_t roun
     if (status != SVO_OK) {
         return status;
     }
-    bench->lit = (svo_light_info)SVO_LIGHT_INFO_INIT;
-    for (size_t stage = 0; stage < SVO_LIGHT_STAGE_COUNT && round > 0; ++stage) {
-        svo_light_get_info(bench->light, &bench->lit);
-        bench->times[stage * bench->rounds + round - 1] = bench->lit.stage_ms[stage];
-    }
-    return SVO_OK;
+    *info = (svo_light_info)SVO_LIGHT_INFO_INIT;
+    return svo_light_get_info(bench->light, info);
 }
 
+/* The first round counts and warms up; the others are timed. */
 static svo_status measure_form(light_bench *bench, svo_light_form form)
 {
-    svo_status status = SVO_OK;
-    for (size_t round = 0; round <= bench->rounds; ++round) {
-        status = run_round(bench, form, round);
+    svo_status status = make_light(bench, form, true, &bench->counted);
+    if (status != SVO_OK) {
+        return status;
+    }
+    for (size_t round = 0; round < bench->rounds; ++round) {
+        status = make_light(bench, form, false, &bench->lit);
         if (status != SVO_OK) {
             return status;
         }
+        for (size_t stage = 0; stage < SVO_LIGHT_STAGE_COUNT; ++stage) {
+            bench->times[stage * bench->rounds + round] = bench->lit.stage_ms[stage];
+        }
     }
-    return status;
+    return SVO_OK;
 }
 
 /* ---- rows of stages and bytes ---- */
@@ -270,6 +286,10 @@ static void add_bytes(const light_bench *bench, double dense_ms)
     result_add_number(table, bench->depth);
     result_add_number(table, (double)bench->info.node_count);
     result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
+    result_add_number(table, (double)bench->counted.lit_leaves);
+    result_add_number(table, (double)bench->counted.lit_nodes);
+    result_add_number(table, (double)bench->counted.node_map_items);
+    result_add_number(table, (double)bench->counted.missed_leaves);
     result_add_number(table, (double)(bytes[SVO_LIGHT_OPACITY] + bytes[SVO_LIGHT_COVER]));
     result_add_number(table, (double)(bytes[SVO_LIGHT_LIT] + bytes[SVO_LIGHT_RADIANCE]));
     result_add_number(table, (double)bench->lit.total_bytes);

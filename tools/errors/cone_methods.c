@@ -8,22 +8,33 @@
 
 /* ---- trees and lights ---- */
 
-static svo_tree *find_tree(cone_lights *lights, unsigned depth)
+static bool share_tree(const cone_way *a, const cone_way *b)
+{
+    return a->depth == b->depth && a->coverage == b->coverage;
+}
+
+static bool share_light(const cone_way *a, const cone_way *b)
+{
+    return share_tree(a, b) && a->form == b->form && a->opacity == b->opacity;
+}
+
+static svo_tree *find_tree(cone_lights *lights, const cone_way *way)
 {
     const session *opened = &lights->run->opened;
     const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
                                            .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS |
-                                                   SVO_NEED_PROJECTED_AREA};
+                                                   SVO_NEED_PROJECTED_AREA,
+                                           .coverage = way->coverage};
     for (size_t i = 0; i < lights->tree_count; ++i) {
-        if (lights->trees[i].depth == depth) {
+        if (share_tree(&lights->trees[i].made_for, way)) {
             return lights->trees[i].tree;
         }
     }
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    if (svo_plan_create(opened->device, scene_mesh(lights->truth->made), depth, &plan_options, &plan) == SVO_OK &&
+    if (svo_plan_create(opened->device, scene_mesh(lights->truth->made), way->depth, &plan_options, &plan) == SVO_OK &&
         svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &tree, NULL) == SVO_OK) {
-        lights->trees[lights->tree_count].depth = depth;
+        lights->trees[lights->tree_count].made_for = *way;
         lights->trees[lights->tree_count++].tree = tree;
     }
     svo_plan_destroy(&plan);
@@ -34,17 +45,14 @@ static svo_light *find_light(cone_lights *lights, const cone_way *way)
 {
     const svo_light_options stored = {.struct_size = sizeof stored, .form = way->form, .opacity = way->opacity};
     for (size_t i = 0; i < lights->light_count; ++i) {
-        if (lights->lights[i].depth == way->depth && lights->lights[i].form == way->form &&
-            lights->lights[i].opacity == way->opacity) {
+        if (share_light(&lights->lights[i].made_for, way)) {
             return lights->lights[i].light;
         }
     }
-    svo_tree *tree = find_tree(lights, way->depth);
+    svo_tree *tree = find_tree(lights, way);
     svo_light *light = NULL;
     if (tree != NULL && svo_light_create(tree, &stored, lights->run->opened.queue, &light) == SVO_OK) {
-        lights->lights[lights->light_count].depth = way->depth;
-        lights->lights[lights->light_count].form = way->form;
-        lights->lights[lights->light_count].opacity = way->opacity;
+        lights->lights[lights->light_count].made_for = *way;
         lights->lights[lights->light_count++].light = light;
         if (svo_light_set_sources(light, &lights->truth->setup, lights->run->opened.queue) != SVO_OK) {
             return NULL;

@@ -6,12 +6,13 @@
 #include "errors/cone_truth.h"
 
 #define CONE_LIGHTS_MAX 8u
-#define CONE_DEPTHS_MAX 4u
+#define CONE_TREES_MAX  5u
 
 /* One way to gather. */
 typedef struct cone_way {
     const char *method; /* what the table calls it: ways that differ in one number have the same name */
     unsigned depth;
+    svo_coverage coverage;
     svo_light_form form;
     svo_opacity opacity;
     svo_march march;
@@ -25,13 +26,11 @@ typedef struct cone_lights {
     const cone_truth *truth;
     struct {
         svo_tree *tree;
-        unsigned depth;
-    } trees[CONE_DEPTHS_MAX];
+        cone_way made_for;
+    } trees[CONE_TREES_MAX];
     struct {
         svo_light *light;
-        unsigned depth;
-        svo_light_form form;
-        svo_opacity opacity;
+        cone_way made_for;
     } lights[CONE_LIGHTS_MAX];
     size_t tree_count, light_count;
 } cone_lights;

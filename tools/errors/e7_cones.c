@@ -22,7 +22,7 @@
 #define SAMPLES       16384u
 #define SAMPLES_QUICK 1024u
 #define ROUNDS        5u /* where --repeat says nothing: there are two dozen methods */
-#define WAYS          13u
+#define WAYS          15u
 #define RAY_METHODS   10u
 #define PATH_METHODS  3u
 #define METHODS       (WAYS + RAY_METHODS + PATH_METHODS)
@@ -83,18 +83,15 @@ static void begin_cones(const error_run *run)
     result_table *table = result_add_table(run->results, "e7-cones", "E7: cones", "");
     result_set_note(
         table,
-        "%u points of each scene, spread over its triangles by area; left out are points where surfaces within 1/64 of "
-        "the grid's width leave less than a tenth of the hemisphere open. The truth takes %u paths a point. AO: "
-        "ambient "
-        "occlusion of surfaces within a quarter of the grid's width; 1 is open. Light: irradiance after one bounce, "
-        "and "
-        "the sky's, relative to its mean over the points. Cones are varied one at a time: their number, their step in "
-        "widths, depth, opacity and form of the light, and how they march; without other words there are 16 cones of "
-        "step 0.5 in faces by area at the largest depth. The published march has five cones in isotropic bricks, one "
-        "sample a node. Exact rays end at any hit; their directions are stratified and made beforehand. Paths: as the "
-        "truth, but fewer. Embree: "
-        "rtcOccluded1 on %u threads. Time: of all points, gathered or traced. Size: the light. %s; methods run "
-        "interleaved.",
+        "%u points of each scene, spread over its triangles by area; left out are points where surfaces within 1/64 "
+        "of the grid's width leave less than a tenth of the hemisphere open. The truth takes %u paths a point. AO: "
+        "ambient occlusion of surfaces within a quarter of the grid's width; 1 is open. Light: irradiance after one "
+        "bounce, and the sky's, relative to its mean over the points. Cones are varied one at a time: their number, "
+        "their step in widths, depth, coverage of the voxels, opacity and form of the light, and how they march; "
+        "without other words there are 16 cones of step 0.5 in faces by area of half-open voxels at the largest "
+        "depth. The published march has five cones in isotropic bricks, one sample a node. Exact rays end at any hit;"
+        " their directions are stratified and made beforehand. Paths: as the truth, but fewer. Embree: rtcOccluded1 "
+        "on %u threads. Time: of all points, gathered or traced. Size: the light. %s; methods run interleaved.",
         run->quick ? POINTS_QUICK : POINTS, path_sample_count(run->quick ? SAMPLES_QUICK : SAMPLES), run->threads,
         run->rounds_note);
     result_add_column(table, "scene", "");
@@ -148,6 +145,7 @@ static cone_way usual_way(const error_run *run, const char *method)
 {
     return (cone_way){.method = method,
                       .depth = run->quick ? DEEPEST_QUICK : DEEPEST,
+                      .coverage = SVO_COVERAGE_HALF_OPEN,
                       .form = SVO_LIGHT_FACES,
                       .opacity = SVO_OPACITY_AREA,
                       .march = SVO_MARCH_STEPS,
@@ -172,6 +170,10 @@ static size_t list_ways(const error_run *run, cone_way ways[WAYS])
     }
     ways[count] = usual_way(run, "cones, full opacity");
     ways[count++].opacity = SVO_OPACITY_FULL;
+    ways[count] = usual_way(run, "cones, closed coverage");
+    ways[count++].coverage = SVO_COVERAGE_CLOSED;
+    ways[count] = usual_way(run, "cones, thin coverage");
+    ways[count++].coverage = SVO_COVERAGE_THIN;
     ways[count] = usual_way(run, "cones, bricks");
     ways[count++].form = SVO_LIGHT_BRICKS;
     ways[count] = usual_way(run, "cones, voxels");

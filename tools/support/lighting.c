@@ -2,45 +2,117 @@
 /* Makes the light of a tree. */
 #include "support/lighting.h"
 
+#include <stdlib.h>
+
 #include "support/picture.h"
+#include "support/table.h"
+
+#define PI 3.14159265F
+
+/* A light of a scene: a white surface that faces it shows its color. */
+static svo_light_source source_of(const svo_scene_light *light)
+{
+    svo_light_source source = {.kind = SVO_SOURCE_DIRECTIONAL};
+    for (int axis = 0; axis < 3; ++axis) {
+        source.direction[axis] = -light->direction[axis];
+        source.value[axis] = PI * light->color[axis];
+    }
+    return source;
+}
+
+/* The scene's file says what --lights does not: its camera, and its lights if there is no other file. */
+static int take_scene(program *state, lighting *out)
+{
+    light_file *file = &out->file;
+    int exit_code = scene_file_open(state, state->options.input, &out->scene);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (!file->has_camera && out->scene.has_camera) {
+        file->camera = out->scene.camera;
+        file->has_camera = true;
+    }
+    if (state->options.lights_path != NULL || out->scene.light_count == 0) {
+        return PROGRAM_DONE;
+    }
+    file->sources = calloc(out->scene.light_count, sizeof *file->sources);
+    if (file->sources == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory for %zu lights", out->scene.light_count);
+    }
+    file->source_count = out->scene.light_count;
+    for (size_t i = 0; i < file->source_count; ++i) {
+        file->sources[i] = source_of(&out->scene.lights[i]);
+    }
+    return PROGRAM_DONE;
+}
 
 int lighting_open(program *state, lighting *out)
 {
     *out = (lighting){.light = NULL};
-    return state->options.lights_path != NULL ? light_file_open(state, state->options.lights_path, &out->file)
-                                              : PROGRAM_DONE;
+    int exit_code = state->options.lights_path != NULL ? light_file_open(state, state->options.lights_path, &out->file)
+                                                       : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
+        exit_code = take_scene(state, out);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        lighting_close(out);
+    }
+    return exit_code;
 }
 
 void lighting_close(lighting *work)
 {
     svo_light_destroy(&work->light);
     light_file_close(&work->file);
+    scene_input_close(&work->placed);
+    scene_file_close(&work->scene);
 }
 
 /* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
-static uint32_t need_of(const input *source, uint32_t asked)
+static uint32_t need_of(const options *given, const input *source)
 {
-    const uint32_t of_picture = picture_need(source, asked);
-    if (source->mesh == NULL || asked != (uint32_t)SVO_NEED_DEFAULT) {
+    const uint32_t of_picture = picture_need(source, given->need);
+    if (source->mesh == NULL || given->need != (uint32_t)SVO_NEED_DEFAULT) {
         return of_picture;
     }
-    return of_picture | (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA |
+    return of_picture | (uint32_t)SVO_NEED_RAYS |
+           (given->opacity == SVO_OPACITY_AREA ? (uint32_t)SVO_NEED_PROJECTED_AREA : 0u) |
            (source->mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0u);
 }
 
-int lighting_tree(program *state, unsigned further_steps, job *done)
+/* The first part of a job whose source is what a scene places. */
+static int open_scene(program *state, unsigned further_steps, lighting *work, job *done)
 {
-    if (input_is_tree(state)) {
-        return job_load(state, further_steps, done);
+    *done = (job){.source = {.name = state->options.input}};
+    program_begin_progress(state,
+                           (unsigned)work->scene.tree_count + 2 * (unsigned)state->options.repeat + further_steps);
+    int exit_code = scene_input_open(state, &work->scene, &work->placed);
+    if (exit_code == PROGRAM_DONE) {
+        done->source.mesh = &work->placed.placed.mesh;
+        exit_code = session_open(state, &done->opened);
     }
-    int exit_code = job_open(state, state->options.need, further_steps, done);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = job_build(state, need_of(&done->source, state->options.need), done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
+    return exit_code;
+}
+
+int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done)
+{
+    const double started_ms = input_now_ms();
+    if (input_is_tree(state)) {
+        return job_load(state, further_steps, done);
+    }
+    int exit_code = work->scene.tree_count > 0 ? open_scene(state, further_steps, work, done)
+                                               : job_open(state, state->options.need, further_steps, done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = job_build(state, need_of(&state->options, &done->source), done);
+    if (exit_code != PROGRAM_DONE) {
+        job_release(done);
+    }
+    work->tree_ms = input_now_ms() - started_ms;
     return exit_code;
 }
 
@@ -58,10 +130,26 @@ svo_light_setup lighting_setup(const lighting *work, const input *source)
     return setup;
 }
 
+/* Lights the tree once more for what only --json prints, so that the times are those without it. */
+static int count_missed(program *state, const job *done, const svo_light_setup *shining, lighting *work)
+{
+    svo_light_setup counting = *shining;
+    svo_light_info counted = SVO_LIGHT_INFO_INIT;
+    counting.diagnose = 1;
+    if (svo_light_set_sources(work->light, &counting, done->opened.queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    (void)svo_light_get_info(work->light, &counted);
+    work->info.missed_leaves = counted.missed_leaves;
+    work->info.node_map_items = counted.node_map_items;
+    return PROGRAM_DONE;
+}
+
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work)
 {
     const svo_light_options light_options = {.struct_size = sizeof light_options,
-                                             .form = (svo_light_form)state->options.light_form};
+                                             .form = (svo_light_form)state->options.light_form,
+                                             .opacity = (svo_opacity)state->options.opacity};
     svo_light_setup shining = *setup;
     shining.no_photons = state->options.photons == 0;
     progress_step(state->progress, "spreading the light");
@@ -73,7 +161,8 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     work->light_ms = input_now_ms() - started_ms;
     work->info = (svo_light_info)SVO_LIGHT_INFO_INIT;
     (void)svo_light_get_info(work->light, &work->info);
-    return PROGRAM_DONE;
+    const bool counts = state->options.json && shining.source_count > 0;
+    return counts ? count_missed(state, done, &shining, work) : PROGRAM_DONE;
 }
 
 svo_gather_options lighting_gather(const options *given)
@@ -83,6 +172,38 @@ svo_gather_options lighting_gather(const options *given)
                                 .range = (float)given->range,
                                 .falloff = (float)given->falloff,
                                 .no_light = given->gi == 0};
+}
+
+/* Bytes of the tree on the device, without what building it took besides. */
+static uint64_t tree_bytes(const build_result *built)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < built->buffer_count; ++i) {
+        bytes += built->buffers[i].persistent != 0 ? built->buffers[i].bytes : 0;
+    }
+    return bytes;
+}
+
+void lighting_report_scene(const lighting *work, const job *done)
+{
+    if (work->scene.tree_count > 0) {
+        table_line("a tree of all %s instances: %s triangles, depth %u, %s, made in %s",
+                   figure_count(work->scene.instance_count).text, figure_count(done->source.mesh->triangle_count).text,
+                   done->result.info.depth, figure_bytes(tree_bytes(&done->result)).text,
+                   figure_ms(work->tree_ms).text);
+    }
+}
+
+void lighting_report_scene_json(cJSON *document, const lighting *work, const job *done)
+{
+    if (work->scene.tree_count > 0) {
+        json_add_count(document, "trees", work->scene.tree_count);
+        json_add_count(document, "instances", work->scene.instance_count);
+        json_add_count(document, "triangles", done->source.mesh->triangle_count);
+        json_add_count(document, "depth", done->result.info.depth);
+        json_add_count(document, "tree_bytes", tree_bytes(&done->result));
+        cJSON_AddNumberToObject(document, "tree_ms", work->tree_ms);
+    }
 }
 
 void lighting_report_json(cJSON *document, const lighting *work)
@@ -95,6 +216,8 @@ void lighting_report_json(cJSON *document, const lighting *work)
     json_add_count(document, "photon_hits", work->info.photon_hits);
     json_add_count(document, "lit_leaves", work->info.lit_leaves);
     json_add_count(document, "lit_nodes", work->info.lit_nodes);
+    json_add_count(document, "node_map_items", work->info.node_map_items);
+    json_add_count(document, "missed_leaves", work->info.missed_leaves);
     cJSON_AddNumberToObject(document, "lost_flux", work->info.lost_flux);
     cJSON_AddNumberToObject(document, "light_ms", work->light_ms);
     for (int i = 0; i < (int)SVO_LIGHT_STAGE_COUNT; ++i) {

@@ -5,33 +5,43 @@
 
 #include "support/job.h"
 #include "support/light_file.h"
+#include "support/scene_input.h"
 #include "svocl/light.h"
 
 typedef struct lighting {
-    light_file file; /* of --lights; empty without */
+    light_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */
+    scene_file scene; /* INPUT, if that is one; else without trees */
+    scene_input placed; /* what it places */
+    double tree_ms; /* wall-clock time of reading and building the tree */
     svo_light *light;
     svo_light_info info;
     double light_ms; /* wall-clock time of opacity, photons and all stages between */
 } lighting;
 
-/* Reads and checks --lights, if it is given. Returns the exit code; on failure nothing stays open. */
+/* Reads and checks --lights, if it is given, and INPUT, if it is the file of a scene. Returns the exit code; on failure
+   nothing stays open. */
 int lighting_open(program *state, lighting *out);
 void lighting_close(lighting *work);
 
-/* Loads or builds the tree to be lit: with what --need says, or else all that makes light exact. Begins the progress
-   bar, as job_run does. Returns the exit code; on failure nothing is left to release. */
-int lighting_tree(program *state, unsigned further_steps, job *done);
+/* Loads or builds the tree to be lit: with what --need says, or else all that makes light exact. A scene becomes one
+   tree of all that it places, of --depth. Begins the progress bar, as job_run does. Returns the exit code; on failure
+   nothing is left to release. */
+int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done);
 
 /* What lights the source's tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
 svo_light_setup lighting_setup(const lighting *work, const input *source);
 
-/* Makes the light of a tree on the device, by --form and --photons; one step of the progress bar. */
+/* Makes the light of a tree on the device, by --form, --opacity and --photons; one step of the progress bar. */
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work);
 
 /* --cones, --range and --lambda. */
 svo_gather_options lighting_gather(const options *given);
 
-/* Adds what the light is: form, opacity, bytes, photons, times. */
+/* Says of a scene what its tree is: a line of text, or members of the document. Nothing of other inputs. */
+void lighting_report_scene(const lighting *work, const job *done);
+void lighting_report_scene_json(cJSON *document, const lighting *work, const job *done);
+
+/* Adds what the light is: form, opacity, bytes, photons, what they light and miss, times. */
 void lighting_report_json(cJSON *document, const lighting *work);
 
 #endif

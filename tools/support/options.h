@@ -108,7 +108,7 @@ typedef struct options {
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
-    int light; /* hash: 0 not given, else 1 + svo_light_form */
+    bool has_light; /* hash: the light is hashed, of light_form */
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
     uint32_t width, height; /* pixels */
@@ -129,6 +129,7 @@ typedef struct options {
     const char *lights_path; /* light: NULL: not given */
     int cones; /* light: 0: not given */
     int light_form; /* light: svo_light_form */
+    int opacity; /* light: svo_opacity */
     int photons, gi; /* light: 0: off */
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */

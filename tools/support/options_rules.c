@@ -56,6 +56,7 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {NULL, 0}};
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
+static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
@@ -69,8 +70,6 @@ static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {"all", OPTION_FORM_ALL},
                                {NULL, 0}};
-static const choice lights[] = {
-    {"faces", 1 + SVO_LIGHT_FACES}, {"bricks", 1 + SVO_LIGHT_BRICKS}, {"voxels", 1 + SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"normal", SVO_NEED_NORMAL},
                                {"rays", SVO_NEED_RAYS},
@@ -272,6 +271,12 @@ static int read_builder(program *state, const rule *option, const char *value)
     return read_choice(state, option, value);
 }
 
+static int read_light(program *state, const rule *option, const char *value)
+{
+    state->options.has_light = true;
+    return read_choice(state, option, value);
+}
+
 static int read_repeat(program *state, const rule *option, const char *value)
 {
     state->options.has_repeat = true;
@@ -356,11 +361,13 @@ static const rule rules[] = {
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
-     "JSON file with lights, sky and camera (pictures: a sun behind the camera and a sky; points: none)"},
+     "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
      "how light is stored: faces, bricks, voxels (faces)"},
+    {"opacity", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(opacity), 0, 0, opacities,
+     "how opaque leaves are: area, by the area in them that each direction meets; full (area)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
      "whether surfaces that the lights reach light others: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,
@@ -411,7 +418,7 @@ static const rule rules[] = {
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
-    {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_choice, FIELD(light), 0, 0, lights,
+    {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_light, FIELD(light_form), 0, 0, light_forms,
      "hash the light of a sun and a lamp, stored as faces, bricks or voxels (the tree)"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,
      "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},

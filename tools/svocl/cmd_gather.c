@@ -207,6 +207,7 @@ static int report_json(const gathering *work)
         cJSON_AddNumberToObject(document, "irradiance_rmse", work->irradiance_error);
         cJSON_AddNumberToObject(document, "trace_ms", work->trace_ms);
     }
+    lighting_report_scene_json(document, &work->lit, &work->done);
     lighting_report_json(document, &work->lit);
     cJSON_AddNumberToObject(document, "gather_ms", work->gather_ms);
     json_add_text(document, "device", svo_device_name(work->done.opened.device));
@@ -226,6 +227,7 @@ static int report(const gathering *work)
     table_line("%s: %s points of %s in %s; light in %s", output_name(given->output_path),
                figure_count(work->at.count).text, given->input, figure_ms(work->gather_ms).text,
                figure_ms(work->lit.light_ms).text);
+    lighting_report_scene(&work->lit, &work->done);
     if (work->paths != NULL) {
         table_line("against %u paths a point, in %s: RMSE of ambient occlusion %.4f, of irradiance %.4f",
                    path_sample_count((unsigned)given->reference), figure_ms(work->trace_ms).text, work->openness_error,
@@ -286,7 +288,7 @@ int command_gather(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = lighting_tree(state, 4, &work.done);
+    exit_code = lighting_tree(state, 4, &work.lit, &work.done);
     if (exit_code == PROGRAM_DONE && state->options.reference > 0 && work.done.source.mesh == NULL) {
         exit_code = program_fail(state, PROGRAM_WRONG_USAGE, "%s is no mesh: --reference needs triangles",
                                  state->options.input);

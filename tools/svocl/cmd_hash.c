@@ -64,7 +64,7 @@ static svo_status make_light(const job *done, svo_light_form form, svo_light **l
 
 static int print_light_hash(program *state, const job *done)
 {
-    const svo_light_form form = (svo_light_form)(state->options.light - 1);
+    const svo_light_form form = (svo_light_form)state->options.light_form;
     char text[SVO_HASH_TEXT_BYTES];
     svo_light *light = NULL;
     progress_step(state->progress, "hashing");
@@ -120,10 +120,10 @@ static int hash_tree_file(program *state)
 
 int command_hash(program *state)
 {
-    if (state->options.light != 0 && state->options.nodes) {
+    if (state->options.has_light && state->options.nodes) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--light and --nodes exclude each other");
     }
-    if (state->options.light != 0) {
+    if (state->options.has_light) {
         return hash_light(state);
     }
     if (input_is_tree(state)) {

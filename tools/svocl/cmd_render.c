@@ -86,11 +86,7 @@ static int build_tree(program *state, job *done)
 /* Options that the view does not take. */
 static int check_view(program *state)
 {
-    const bool by_cones = render_light_is_asked(&state->options);
-    if (by_cones && scene_file_is_input(state)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "option --view does not apply to a scene");
-    }
-    return by_cones || (state->options.given_groups & (unsigned)OPTION_LIGHT) == 0
+    return render_light_is_asked(&state->options) || (state->options.given_groups & (unsigned)OPTION_LIGHT) == 0
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE,
                               "options of lights and cones require --view ao, direct, gi, specular or full");

@@ -65,8 +65,8 @@ static int make_light(light_render *work)
     svo_light_setup setup = lighting_setup(&work->lit, &work->done.source);
     const svo_light_source sun = make_sun(&work->camera);
     if (work->state->options.lights_path == NULL) {
-        setup.sources = &sun;
-        setup.source_count = 1;
+        setup.sources = setup.source_count > 0 ? setup.sources : &sun;
+        setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
         for (int channel = 0; channel < 3; ++channel) {
             setup.sky[channel] = sky[channel];
         }
@@ -114,6 +114,7 @@ static int report(const light_render *work)
         json_add_text(document, "file", given->output_path);
         json_add_count(document, "width", given->width);
         json_add_count(document, "height", given->height);
+        lighting_report_scene_json(document, &work->lit, &work->done);
         lighting_report_json(document, &work->lit);
         cJSON_AddNumberToObject(document, "render_ms", work->render_ms);
         json_add_text(document, "device", svo_device_name(work->done.opened.device));
@@ -125,6 +126,7 @@ static int report(const light_render *work)
         progress_hide(work->state->progress);
         table_line("%s: %ux%u pixels of %s in %s; light in %s", output_name(given->output_path), given->width,
                    given->height, given->input, figure_ms(work->render_ms).text, figure_ms(work->lit.light_ms).text);
+        lighting_report_scene(&work->lit, &work->done);
     }
     return PROGRAM_DONE;
 }
@@ -148,7 +150,7 @@ int render_light(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = lighting_tree(state, 3, &work.done);
+    exit_code = lighting_tree(state, 3, &work.lit, &work.done);
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(&work);
         svo_light_destroy(&work.lit.light);

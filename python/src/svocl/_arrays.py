@@ -50,6 +50,23 @@ scene_triangle_hit_dtype = np.dtype(
 instance_dtype = np.dtype([("tree", "<u4"), ("transform", "<f4", (3, 4))])
 """svo_instance, 52 bytes: world = transform * (x, y, z, 1), where x, y, z are in the tree's world coordinates."""
 
+gather_point_dtype = np.dtype(
+    [
+        ("position", "<f4", (3,)),
+        ("normal", "<f4", (3,)),
+        ("reflected", "<f4", (3,)),
+        ("exponent", "<f4"),
+        ("reserved", "<u4", (2,)),
+    ]
+)
+"""svo_gather_point, 48 bytes: world coordinates. reflected: direction of the specular cone, zero for none; exponent: of
+its lobe; reserved is 0."""
+
+gather_result_dtype = np.dtype(
+    [("openness", "<f4"), ("irradiance", "<f4", (3,)), ("specular", "<f4", (3,)), ("steps", "<u4")]
+)
+"""svo_gather_result, 32 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones."""
+
 voxel_dtype = np.dtype(
     [("x", "<i4"), ("y", "<i4"), ("z", "<i4"), ("rgba", "u1", (4,)), ("material", "<u2"), ("reserved", "<u2")]
 )
@@ -113,7 +130,8 @@ def integers(name: str, value: Any, dtype: Any, shape: Shape) -> Array:
 
 
 def records(name: str, value: Any, dtype: "np.dtype[Any]") -> Array:
-    """Records of ray_dtype or query_dtype, C-contiguous, from such an array or one of float32 (..., numbers)."""
+    """Records of ray_dtype, query_dtype or gather_point_dtype, C-contiguous, from such an array or one of float32
+    (..., numbers)."""
     if isinstance(value, np.void):  # one element of such an array
         value = np.asarray(value)
     if not isinstance(value, np.ndarray):
@@ -140,7 +158,8 @@ def exact_records(name: str, value: Any, dtype: "np.dtype[Any]", what: str) -> A
 
 
 def _record_name(dtype: "np.dtype[Any]") -> str:
-    return "ray_dtype" if dtype == ray_dtype else "query_dtype"
+    names = {"ray_dtype": ray_dtype, "query_dtype": query_dtype, "gather_point_dtype": gather_point_dtype}
+    return next(name for name, known in names.items() if known == dtype)
 
 
 def output(name: str, value: Optional[Array], dtype: "np.dtype[Any]", shape: tuple[int, ...]) -> Array:

@@ -128,26 +128,6 @@ class Compact(Resident):
         memory = ffi.from_buffer(content)
         return _loaded(lib.svo_compact_load_memory, memory, len(memory), name.encode())
 
-    def save(self, path: Path, *, compress: bool = False) -> None:
-        """Writes a .svc file, downloading first if need be. An existing file is replaced at once, or stays.
-
-        Args:
-            path: of the file.
-            compress: zstd for each array that becomes smaller.
-
-        Raises:
-            FileError: the file cannot be written.
-        """
-        need_io("Compact.save")
-        name = encode(path)
-        options = _structs.new("svo_save_options")
-        options.compress = bool(compress)
-        message = ffi.new("svo_message *")
-        with self._downloaded(None) as pointer:
-            status = call(lib.svo_compact_save, pointer, name, options, message)
-            if status != lib.SVO_OK:
-                raise error(status, text(message.text))
-
     # --- what it holds ----------------------------------------------------------------------------------------------
 
     @property

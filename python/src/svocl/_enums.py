@@ -167,3 +167,68 @@ class SceneTrace(IntFlag):
     """Whether there is a hit; the record is that of some instance."""
     EVERY_INSTANCE = lib.SVO_SCENE_EVERY_INSTANCE
     """Asks every instance in turn, without the hierarchy: the same hits, to check them."""
+
+
+class LightForm(IntEnum):
+    """How a light stores opacity and radiance; light.h describes each."""
+
+    FACES = lib.SVO_LIGHT_FACES
+    """Six directions a node."""
+    BRICKS = lib.SVO_LIGHT_BRICKS
+    """27 samples an inner node, without direction."""
+    VOXELS = lib.SVO_LIGHT_VOXELS
+    """One value a node, without interpolation."""
+
+
+class Opacity(IntEnum):
+    """How opaque the leaves of a light are."""
+
+    AREA = lib.SVO_OPACITY_AREA
+    """Alpha times min(1, projected area), by direction, for trees with Need.PROJECTED_AREA."""
+    FULL = lib.SVO_OPACITY_FULL
+    """Alpha."""
+
+
+class LightBuffer(IntEnum):
+    """The buffers of a light; light.h describes what each form has in them."""
+
+    OPACITY = lib.SVO_LIGHT_OPACITY
+    COVER = lib.SVO_LIGHT_COVER
+    LIT = lib.SVO_LIGHT_LIT
+    RADIANCE = lib.SVO_LIGHT_RADIANCE
+    FLUX = lib.SVO_LIGHT_FLUX
+
+
+class SourceKind(IntEnum):
+    """What a source of light is."""
+
+    DIRECTIONAL = lib.SVO_SOURCE_DIRECTIONAL
+    """Parallel light; its value is an irradiance."""
+    POINT = lib.SVO_SOURCE_POINT
+    """Its value is an intensity, per unit of solid angle."""
+    SPOT = lib.SVO_SOURCE_SPOT
+    """A point source within a cone; its value is the intensity on the axis."""
+
+
+class March(IntEnum):
+    """How cones march."""
+
+    STEPS = lib.SVO_MARCH_STEPS
+    """Steps in proportion to the cone's width, blended between two levels."""
+    PUBLISHED = lib.SVO_MARCH_PUBLISHED
+    """Node to node, as published by Crassin et al. 2011, for comparison; needs LightForm.BRICKS and 5 cones."""
+
+
+class LightView(IntEnum):
+    """What a picture of a light shows."""
+
+    FULL = lib.SVO_LIGHT_VIEW_FULL
+    """Direct, indirect and specular light and emission."""
+    AO = lib.SVO_LIGHT_VIEW_AO
+    """Ambient occlusion: open is white."""
+    DIRECT = lib.SVO_LIGHT_VIEW_DIRECT
+    """The sources alone, with exact shadows."""
+    INDIRECT = lib.SVO_LIGHT_VIEW_INDIRECT
+    """What cones bring, on the surfaces' colors."""
+    SPECULAR = lib.SVO_LIGHT_VIEW_SPECULAR
+    """Specular cones."""

@@ -115,7 +115,9 @@ class Native:
 
     def device_message(self) -> str:
         """The message of the last failure; under the guard. "" without a device."""
-        device = self if self.parent is None else self.parent
+        device = self
+        while device.parent is not None:
+            device = device.parent
         if device._pointer and ffi.typeof(device._pointer[0]) is ffi.typeof("svo_device *"):
             return text(lib.svo_device_message(device._pointer[0]))
         return ""

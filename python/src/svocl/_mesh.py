@@ -148,7 +148,7 @@ class Mesh:
             mesh.materials = keep(ffi.new("svo_material[]", [_material(material) for material in self.materials]))
             mesh.material_count = len(self.materials)
         if self.finishes:
-            mesh.finishes = keep(ffi.new("svo_finish[]", [_finish(finish) for finish in self.finishes]))
+            mesh.finishes = keep(ffi.new("svo_finish[]", [finish_record(finish) for finish in self.finishes]))
         if self.textures:
             mesh.textures = keep(ffi.new("svo_texture[]", len(self.textures)))
             mesh.texture_count = len(self.textures)
@@ -170,7 +170,7 @@ def _material(material: Material) -> tuple[list[int], int]:
     return rgba.tolist(), lib.SVO_NO_TEXTURE if index is None else _arrays.integer("Material.texture_index", index)
 
 
-def _finish(finish: Finish) -> tuple[list[float], list[float], float]:
+def finish_record(finish: Finish) -> tuple[list[float], list[float], float]:
     emission = _arrays.floats("Finish.emission", finish.emission, (3,))
     specular = _arrays.floats("Finish.specular", finish.specular, (3,))
     return emission.tolist(), specular.tolist(), float(finish.exponent)

@@ -6,8 +6,9 @@ with the other, since OpenCL's calls go to the driver through the object itself.
 """
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Callable
 
+from . import _arrays
 from ._native import ffi
 
 # By C type: the class of pyopencl, or a base of it.
@@ -40,6 +41,22 @@ def pointer(kind: str, value: Any, name: str) -> Any:
     if not 0 < address < 2 ** (8 * ffi.sizeof("void *")):
         raise ValueError(f"{name}: {address} is not the address of an OpenCL object")
     return ffi.cast(kind, address)
+
+
+def enqueue(
+    run: Callable[..., None], buffers: Iterable[Any], count: int, flags: Iterable[Any], queue: Any, wait_for: Any
+) -> int:
+    """Calls run(buffers..., count, flags..., queue, number of events, events, event) for a batch in device buffers.
+
+    Returns:
+        The cl_event of the batch, which is the caller's to release.
+    """
+    memory = [pointer("cl_mem", buffer, "buffer") for buffer in buffers]
+    number = _arrays.integer("count", count, 64)
+    cl_queue = pointer("cl_command_queue", queue, "queue")
+    event = ffi.new("cl_event *")
+    run(*memory, number, *flags, cl_queue, *events(wait_for), event)
+    return int(ffi.cast("uintptr_t", event[0]))
 
 
 def events(wait_for: Iterable[Any]) -> tuple[int, Any]:

@@ -2,14 +2,16 @@
 """What trees and compact trees have in common: they are on a device, on the host, or both."""
 
 import contextlib
+import functools
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from . import _arrays, _opencl
+from . import _opencl, _structs
 from ._callbacks import call
 from ._enums import Status
-from ._errors import InvalidArgumentError, error
+from ._errors import InvalidArgumentError, error, text
 from ._handle import Handle, Native
+from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
 
 if TYPE_CHECKING:
@@ -51,6 +53,27 @@ class Resident(Handle):
             elif self._native.parent is not device._native:
                 raise self._invalid("upload", "is on another device")
 
+    def save(self, path: Path, *, compress: bool = False) -> None:
+        """Writes a file, .svo of a tree and .svc of a compact tree, downloading first if need be. An existing file is
+        replaced at once, or stays.
+
+        Args:
+            path: of the file.
+            compress: zstd for each array that becomes smaller.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        need_io(f"{type(self).__name__}.save")
+        name = encode(path)
+        options = _structs.new("svo_save_options")
+        options.compress = bool(compress)
+        message = ffi.new("svo_message *")
+        with self._downloaded(None) as pointer:
+            status = call(self._function("save"), pointer, name, options, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+
     def _function(self, name: str) -> Any:
         return getattr(lib, f"{self._prefix}_{name}")
 
@@ -89,10 +112,5 @@ class Resident(Handle):
     def _enqueue(
         self, what: str, function: Any, buffers: Any, count: int, flags: Any, queue: Any, wait_for: Iterable[Any]
     ) -> int:
-        memory = [_opencl.pointer("cl_mem", buffer, "buffer") for buffer in buffers]
-        wait_count, wait = _opencl.events(wait_for)
-        event = ffi.new("cl_event *")
-        number = _arrays.integer("count", count, 64)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._device_call(what, function, *memory, number, *flags, cl_queue, wait_count, wait, event)
-        return int(ffi.cast("uintptr_t", event[0]))
+        run = functools.partial(self._device_call, what, function)
+        return _opencl.enqueue(run, buffers, count, flags, queue, wait_for)

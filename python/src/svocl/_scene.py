@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Scenes: many placed trees that rays traverse together."""
 
+import functools
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
@@ -15,7 +16,7 @@ from ._errors import InvalidArgumentError, error
 from ._handle import Handle, Native
 from ._native import ffi, lib
 from ._resident import Resident
-from ._tree import Camera, Tree, address, new_picture, read_camera, write_camera
+from ._tree import Camera, Tree, address, framed, new_picture, write_camera
 
 
 class SceneLight(NamedTuple):
@@ -200,14 +201,9 @@ class Scene(Handle):
         Returns:
             As Tree.trace_enqueue.
         """
-        memory = [_opencl.pointer("cl_mem", buffer, "buffer") for buffer in (rays, hits)]
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        events = _opencl.events(wait_for)
-        event = ffi.new("cl_event *")
-        count = _arrays.integer("ray_count", ray_count, 64)
+        run = functools.partial(self._call, lib.svo_scene_trace_enqueue)
         flags = (footprint, SceneTrace(mode))
-        self._call(lib.svo_scene_trace_enqueue, *memory, count, *flags, cl_queue, *events, event)
-        return int(ffi.cast("uintptr_t", event[0]))
+        return _opencl.enqueue(run, (rays, hits), ray_count, flags, queue, wait_for)
 
     # --- pictures ---------------------------------------------------------------------------------------------------
 
@@ -217,10 +213,8 @@ class Scene(Handle):
         Args:
             aspect: width / height of the picture, above 0.
         """
-        camera = ffi.new("svo_camera *")
         with self._use() as pointer:
-            call(lib.svo_scene_camera_frame, pointer, aspect, camera)
-        return read_camera(camera)
+            return framed(lib.svo_scene_camera_frame, pointer, aspect)
 
     def render(
         self,

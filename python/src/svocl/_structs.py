@@ -3,7 +3,7 @@
 
 from typing import Any, NamedTuple, Optional, TypeVar
 
-from ._enums import Certainty, Coverage, Form, Need, Weights
+from ._enums import Certainty, Coverage, Form, LightForm, Need, Opacity, Weights
 from ._errors import text
 from ._native import ffi, lib
 
@@ -239,6 +239,39 @@ class SolidInfo(NamedTuple):
     """Device memory that finding the inside took; it is released."""
 
 
+class LightInfo(NamedTuple):
+    """What a light holds, and what its last stages did."""
+
+    form: LightForm
+    opacity: Opacity
+    """Opacity.FULL where the tree holds no areas."""
+    photons: int
+    """Rays from the sources."""
+    photon_hits: int
+    """Of those, that met the tree."""
+    lit_leaves: int
+    """Leaves with light: photons or emission."""
+    lit_nodes: int
+    """Of all levels."""
+    missed_leaves: int
+    """Leaves that a source sees, but without a photon; 0 without Light.set_sources(diagnose=True)."""
+    flux: tuple[float, float, float]
+    """Of all photons that hit: red, green, blue, world units."""
+    lost_flux: float
+    """Share of it that found no leaf."""
+    bytes: tuple[int, ...]
+    """Of each buffer, in the order of LightBuffer; 0: not held."""
+    total_bytes: int
+    """Of all buffers."""
+    scratch_bytes: int
+    """The most that making it and Light.set_sources took besides at a time; it is released."""
+    stage_ms: dict[str, float]
+    """Wall-clock milliseconds of the last run of each stage, by name, in order; 0: it did not run."""
+    node_map_items: int
+    """Items that a node map would start to filter the same photons (Crassin et al., 2011); 0 without
+    Light.set_sources(diagnose=True)."""
+
+
 class VoxelsInfo(NamedTuple):
     """What a list of voxels holds."""
 
@@ -361,6 +394,19 @@ def read_compact_info(struct: Any) -> CompactInfo:
     info = read(struct, CompactInfo)
     levels = info.depth + 1
     return info._replace(level_inner=info.level_inner[:levels], level_leaf=info.level_leaf[:levels])
+
+
+def read_light_info(struct: Any) -> LightInfo:
+    values = {name: getattr(struct, name) for name in LightInfo._fields}
+    stages = {text(lib.svo_light_stage_name(i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
+    own = {
+        "form": LightForm(struct.form),
+        "opacity": Opacity(struct.opacity),
+        "flux": tuple(struct.flux),
+        "bytes": tuple(struct.bytes),
+        "stage_ms": stages,
+    }
+    return LightInfo(**{**values, **own})
 
 
 def read_file_info(struct: Any, kind: type[_T]) -> _T:

@@ -131,26 +131,6 @@ class Tree(Resident):
         chars = name.encode()
         return _loaded(lib.svo_tree_load_memory, memory, len(memory), chars)
 
-    def save(self, path: Path, *, compress: bool = False) -> None:
-        """Writes a .svo file, downloading the tree first if need be. An existing file is replaced at once, or stays.
-
-        Args:
-            path: of the file.
-            compress: zstd for each array that becomes smaller.
-
-        Raises:
-            FileError: the file cannot be written.
-        """
-        need_io("Tree.save")
-        name = encode(path)
-        options = _structs.new("svo_save_options")
-        options.compress = bool(compress)
-        message = ffi.new("svo_message *")
-        with self._downloaded(None) as pointer:
-            status = call(lib.svo_tree_save, pointer, name, options, message)
-            if status != lib.SVO_OK:
-                raise error(status, text(message.text))
-
     # --- what it holds ----------------------------------------------------------------------------------------------
 
     @property
@@ -427,10 +407,8 @@ class Tree(Resident):
         Args:
             aspect: width / height of the picture, above 0.
         """
-        camera = ffi.new("svo_camera *")
         with self._downloaded(None) as pointer:
-            call(lib.svo_camera_frame, pointer, aspect, camera)
-        return read_camera(camera)
+            return framed(lib.svo_camera_frame, pointer, aspect)
 
     def render(
         self,
@@ -470,7 +448,10 @@ class Tree(Resident):
         return f"<svocl.Tree: depth {info.depth}, {info.node_count} nodes, {info.leaf_count} leaves>"
 
 
-def read_camera(camera: Any) -> Camera:
+def framed(function: Any, pointer: Any, aspect: float) -> Camera:
+    """The camera that one of the library's functions chooses, under the guard."""
+    camera = ffi.new("svo_camera *")
+    call(function, pointer, aspect, camera)
     return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
 
 

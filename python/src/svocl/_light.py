@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: MIT
+"""Light in a tree: photons from sources, and cones that gather ambient occlusion and indirect light."""
+
+import functools
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _opencl, _structs
+from ._callbacks import call
+from ._enums import LightBuffer, LightForm, LightView, March, Opacity, SourceKind, Status
+from ._errors import InvalidArgumentError, error, text
+from ._handle import Handle, Native
+from ._mesh import Finish, finish_record
+from ._native import ffi, lib
+from ._tree import Camera, Tree, address, framed, new_picture, write_camera
+
+
+class LightSource(NamedTuple):
+    """A source of light, in world coordinates and linear units."""
+
+    kind: SourceKind
+    value: tuple[float, float, float]
+    """Red, green, blue, not negative: irradiance of SourceKind.DIRECTIONAL, intensity of the others."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of SourceKind.POINT and SourceKind.SPOT."""
+    direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of SourceKind.DIRECTIONAL and SourceKind.SPOT: where the light goes, any length above 0."""
+    inner_angle: float = 0.0
+    """Of SourceKind.SPOT: radians from the axis up to which it has its full value."""
+    outer_angle: float = 0.0
+    """Of SourceKind.SPOT: radians at which it ends, above inner_angle and below pi / 2."""
+
+
+def make_gather_points(
+    positions: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    reflected: npt.ArrayLike = (0.0, 0.0, 0.0),
+    exponents: npt.ArrayLike = 0.0,
+) -> _arrays.Array:
+    """Points for Light.gather, from arrays that are broadcast against each other.
+
+    Args:
+        positions: (..., 3) world coordinates, on a surface or in the open.
+        normals: (..., 3) of any length above 0.
+        reflected: (..., 3) directions of specular cones, of any length; zero: none.
+        exponents: (...) or a number: of the specular lobes, not negative.
+
+    Returns:
+        (...) records of gather_point_dtype.
+    """
+    names = ("positions", "normals", "reflected", "exponents")
+    parts = [np.asarray(part) for part in (positions, normals, reflected, exponents)]
+    for name, part in zip(names, parts):
+        if part.dtype.kind not in "fiu":
+            raise TypeError(f"{name}: dtype {part.dtype}, expected float32")
+    for name, part in zip(names[:3], parts):
+        if part.ndim < 1 or part.shape[-1] != 3:
+            raise ValueError(f"{name}: shape {part.shape}, expected (..., 3)")
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts[:3]), parts[3].shape)
+    points = np.zeros(shape, _arrays.gather_point_dtype)
+    for name, part in zip(("position", "normal", "reflected", "exponent"), parts):
+        points[name] = part
+    return points
+
+
+class Light(Handle):
+    """The light of a tree: opacity on all levels, and radiance after set_sources. It keeps the tree alive, which must
+    stay as it is. There is no light at first, and the sky is black.
+
+    Args:
+        tree: on a device. Colors give albedo and opacity (without: opaque, albedo 0.6); Need.NORMAL,
+            Need.PROJECTED_AREA and Need.RAYS make cones, opacity and photons exact.
+        form: how to store opacity and radiance.
+        opacity: how opaque leaves are.
+        queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+    Raises:
+        InvalidArgumentError: the tree is on no device, or its payload does not begin at level 0.
+        OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
+    """
+
+    def __init__(
+        self, tree: Tree, form: LightForm = LightForm.FACES, *, opacity: Opacity = Opacity.AREA, queue: Any = None
+    ) -> None:
+        if not isinstance(tree, Tree):
+            raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
+        options = _structs.new("svo_light_options")
+        options.form, options.opacity = LightForm(form), Opacity(opacity)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out = ffi.new("svo_light **")
+        with tree._use() as pointer:
+            if not tree.on_device:
+                problem = "Light: the tree is on no device; call Tree.upload first"
+                raise InvalidArgumentError(problem, Status.INVALID_ARGUMENT)
+            status = call(
+                lib.svo_light_create, pointer, options, cl_queue, out, undo=lambda: lib.svo_light_destroy(out)
+            )
+            if status != lib.SVO_OK:
+                raise error(status, tree._native.device_message())
+            self._open(Native(out[0], _destroy, tree._native.guard, tree._native))
+
+    @property
+    def info(self) -> _structs.LightInfo:
+        """What it holds, and what its last stages did."""
+        struct = _structs.new("svo_light_info")
+        self._call(lib.svo_light_get_info, struct)
+        return _structs.read_light_info(struct)
+
+    # --- sources ----------------------------------------------------------------------------------------------------
+
+    def set_sources(
+        self,
+        sources: Sequence[LightSource] = (),
+        *,
+        finishes: Sequence[Finish] = (),
+        sky: Sequence[float] = (0.0, 0.0, 0.0),
+        view_resolution: int = 0,
+        photons: bool = True,
+        diagnose: bool = False,
+        queue: Any = None,
+    ) -> None:
+        """Lights the tree and waits: shoots photons, sums them in the leaves, and filters radiance upwards. Replaces
+        the light of earlier calls; a failed call leaves it dark. Opacity stays.
+
+        Args:
+            sources: at most 1024.
+            finishes: by material, for trees with Need.MATERIAL: Mesh.finishes. Materials beyond are diffuse.
+            sky: radiance from outside: linear red, green, blue, not negative.
+            view_resolution: photons along a side of each source's view, 1 .. 16384; 0: four per facing leaf.
+            photons: False: sources light the surfaces of pictures, but these light no others.
+            diagnose: also count LightInfo.missed_leaves and LightInfo.node_map_items.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            InvalidArgumentError: a value that is not finite or is negative, a zero direction, angles.
+            OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
+        """
+        setup = _structs.new("svo_light_setup")
+        given = ffi.new("svo_light_source[]", [_source(source) for source in sources])
+        finished = ffi.new("svo_finish[]", [finish_record(finish) for finish in finishes])
+        setup.sources, setup.source_count = given if sources else ffi.NULL, len(sources)
+        setup.finishes, setup.finish_count = finished if finishes else ffi.NULL, len(finishes)
+        setup.sky = _arrays.three("sky", sky)
+        setup.view_resolution = _arrays.integer("view_resolution", view_resolution)
+        setup.diagnose, setup.no_photons = bool(diagnose), not photons
+        self._call(lib.svo_light_set_sources, setup, _opencl.pointer("cl_command_queue", queue, "queue"))
+
+    # --- cones ------------------------------------------------------------------------------------------------------
+
+    def gather(
+        self,
+        points: _arrays.Array,
+        *,
+        cones: int = 16,
+        march: March = March.STEPS,
+        step: float = 0.5,
+        max_distance: float = np.inf,
+        falloff: float = 0.0,
+        with_light: bool = True,
+        out: Optional[_arrays.Array] = None,
+        queue: Any = None,
+    ) -> _arrays.Array:
+        """Gathers ambient occlusion, irradiance and specular radiance at points by cones, and waits. The direct light
+        of the sources is not part of it. Points outside the grid, and those with a zero normal, are open and dark.
+
+        Args:
+            points: (...) records of gather_point_dtype, as make_gather_points makes them. Used without a copy if
+                C-contiguous.
+            cones: 1, 5, 6, 16 or 64.
+            march: how they march.
+            step: of a cone, in its widths: 0.25 .. 1.
+            max_distance: that cones reach, above 0, world units.
+            falloff: occlusion at a distance t counts 1 / (1 + falloff * t); per world unit, not negative.
+            with_light: False: ambient occlusion alone; irradiance and specular are 0.
+            out: (...) records of gather_result_dtype, C-contiguous; receives the result.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (...) records of gather_result_dtype, in the order of the points.
+        """
+        records = _arrays.records("points", points, _arrays.gather_point_dtype)
+        results = _arrays.output("out", out, _arrays.gather_result_dtype, records.shape)
+        options = _gather_options(cones, march, step, max_distance, falloff, with_light)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        source, result = address("svo_gather_point *", records), address("svo_gather_result *", results)
+        self._call(lib.svo_gather, source, result, records.size, options, cl_queue)
+        return results
+
+    def gather_enqueue(
+        self,
+        points: Any,
+        results: Any,
+        point_count: int,
+        queue: Any,
+        *,
+        cones: int = 16,
+        march: March = March.STEPS,
+        step: float = 0.5,
+        max_distance: float = np.inf,
+        falloff: float = 0.0,
+        with_light: bool = True,
+        wait_for: Iterable[Any] = (),
+    ) -> int:
+        """Light.gather for device buffers; does not wait.
+
+        Args:
+            points: a pyopencl.Buffer of point_count records of gather_point_dtype, or its int_ptr.
+            results: a pyopencl.Buffer that receives point_count records of gather_result_dtype, or its int_ptr.
+            point_count, queue, wait_for: see Tree.trace_enqueue.
+            cones, march, step, max_distance, falloff, with_light: see Light.gather.
+
+        Returns:
+            As Tree.trace_enqueue.
+        """
+        options = _gather_options(cones, march, step, max_distance, falloff, with_light)
+        run = functools.partial(self._call, lib.svo_gather_enqueue)
+        return _opencl.enqueue(run, (points, results), point_count, [options], queue, wait_for)
+
+    # --- pictures ---------------------------------------------------------------------------------------------------
+
+    def render(
+        self,
+        width: int,
+        height: int,
+        *,
+        camera: Optional[Camera] = None,
+        view: LightView = LightView.FULL,
+        exposure: float = 1.0,
+        cones: int = 16,
+        march: March = March.STEPS,
+        step: float = 0.5,
+        max_distance: float = np.inf,
+        falloff: float = 0.0,
+        with_light: bool = True,
+        queue: Any = None,
+    ) -> npt.NDArray[np.uint8]:
+        """Draws a picture of the lit tree and waits: first hits and shadows by exact rays, the rest by cones.
+
+        Args:
+            width, height: pixels, 1 .. 16384.
+            camera: None: Tree.frame of the tree.
+            view: what to show.
+            exposure: radiance is multiplied by it before the tone curve, above 0.
+            cones, march, step, max_distance, falloff, with_light: see Light.gather.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Returns:
+            (height, width, 4) uint8: RGBA, top to bottom.
+        """
+        picture = _structs.new("svo_light_picture")
+        picture.width, picture.height = _arrays.integer("width", width), _arrays.integer("height", height)
+        write_camera(picture.camera, self._frame(width / max(height, 1)) if camera is None else camera)
+        picture.view = LightView(view)
+        picture.gather = _gather_options(cones, march, step, max_distance, falloff, with_light)[0]
+        picture.exposure = exposure
+        pixels = new_picture(width, height)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        self._call(lib.svo_light_render, picture, cl_queue, ffi.from_buffer("uint8_t[]", pixels))
+        return pixels
+
+    def _frame(self, aspect: float) -> Camera:
+        """Tree.frame of the tree, which may be closed."""
+        tree = self._native.parent
+        assert tree is not None
+        with self._use():
+            pointer = tree._pointer[0]
+            status = call(lib.svo_tree_download, pointer, ffi.NULL)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+            return framed(lib.svo_camera_frame, pointer, aspect)
+
+    # --- the device -------------------------------------------------------------------------------------------------
+
+    def hash(self, *, queue: Any = None) -> str:
+        """32 hexadecimal digits of all that it stores, the same on every device.
+
+        Args:
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+        """
+        digits = ffi.new("char[]", lib.SVO_HASH_TEXT_BYTES)
+        self._call(lib.svo_light_hash, _opencl.pointer("cl_command_queue", queue, "queue"), digits)
+        return text(digits)
+
+    def buffer_int_ptr(self, buffer: LightBuffer) -> Optional[int]:
+        """The cl_mem of one buffer: pyopencl.Buffer.from_int_ptr(...) retains it. LightInfo.bytes has its length.
+
+        Returns:
+            None where it is not held.
+        """
+        with self._use() as pointer:
+            memory = lib.svo_light_get_buffer(pointer, LightBuffer(buffer))
+            return None if memory == ffi.NULL else int(ffi.cast("uintptr_t", memory))
+
+    def kernel_options(self) -> str:
+        """Compiler options for svocl.light_kernel_source: they select the form."""
+        with self._use() as pointer:
+            return text(lib.svo_light_kernel_options(pointer))
+
+    def set_kernel_args(self, kernel: Any, first_index: int) -> None:
+        """Sets the arguments that SVO_LIGHT_PARAMETERS declares (light_kernel_source) in a kernel of the caller's. They
+        hold until Light.set_sources; the light must not be closed before the kernel's launches end.
+
+        Args:
+            kernel: a pyopencl.Kernel, or its int_ptr.
+            first_index: of LIGHT_ARGUMENTS consecutive arguments.
+        """
+        cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
+        self._call(lib.svo_light_set_args, cl_kernel, _arrays.integer("first_index", first_index))
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<svocl.Light: closed>"
+        info = self.info
+        return f"<svocl.Light: {info.form.name.lower()}, {info.lit_leaves} lit leaves, {info.total_bytes} bytes>"
+
+
+def _source(source: LightSource) -> dict[str, Any]:
+    return {
+        "kind": SourceKind(source.kind),
+        "position": _arrays.three("LightSource.position", source.position),
+        "direction": _arrays.three("LightSource.direction", source.direction),
+        "value": _arrays.three("LightSource.value", source.value),
+        "inner_angle": source.inner_angle,
+        "outer_angle": source.outer_angle,
+    }
+
+
+def _gather_options(
+    cones: int, march: March, step: float, max_distance: float, falloff: float, with_light: bool
+) -> Any:
+    options = _structs.new("svo_gather_options")
+    options.cones = _arrays.integer("cones", cones)
+    options.march = March(march)
+    options.step = step
+    options.range = 0 if max_distance == np.inf else max_distance
+    options.falloff = falloff
+    options.no_light = not with_light
+    return options
+
+
+def _destroy(pointer: Any) -> None:
+    lib.svo_light_destroy(ffi.new("svo_light **", pointer))
+
+
+LIGHT_ARGUMENTS: int = lib.SVO_LIGHT_ARGUMENTS
+"""Number of kernel arguments that SVO_LIGHT_PARAMETERS declares."""
+
+
+def light_kernel_source() -> str:
+    """OpenCL C to put before the source of a kernel that traces cones itself; light.h describes what it declares."""
+    return text(lib.svo_light_kernel_source())

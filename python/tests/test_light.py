@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""Light: what closed forms say of a floor under a sun and a sky, refusals, lifetimes."""
+
+import numpy as np
+import pytest
+
+import svocl
+
+NEED = svocl.Need.NORMAL | svocl.Need.RAYS | svocl.Need.PROJECTED_AREA
+SUN = svocl.LightSource(svocl.SourceKind.DIRECTIONAL, (4, 2, 1), direction=(0, -1, 0))
+FLOOR = np.array([[0, 0.5, 0], [1, 0.5, 0], [1, 0.5, 1], [0, 0.5, 1]], np.float32)
+
+
+@pytest.fixture(scope="module")
+def floor(device):
+    """A square of edge 1 across the middle of the grid."""
+    mesh = svocl.Mesh(FLOOR, np.array([[0, 2, 1], [0, 3, 2]], np.uint32))
+    with device.build(mesh, 5, need=NEED, origin=(0, 0, 0), edge=1.01) as made:
+        yield made
+
+
+@pytest.fixture
+def points(random):
+    """Above the floor, looking up."""
+    positions = random.uniform(0.3, 0.7, (2, 25, 3))
+    positions[..., 1] = 0.5
+    return svocl.make_gather_points(positions, (0, 1, 0))
+
+
+@pytest.mark.parametrize("form", list(svocl.LightForm))
+def test_a_bare_floor_is_open_and_sees_the_sky(floor, points, form):
+    with svocl.Light(floor, form) as light:
+        assert light.info.form == form and light.info.opacity == svocl.Opacity.AREA and light.info.lit_leaves == 0
+        light.set_sources(sky=(1, 0.5, 0))
+        results = light.gather(points)
+        assert results.shape == (2, 25) and results["openness"].min() > 0.95
+        assert np.allclose(results["irradiance"], np.pi * np.array([1, 0.5, 0]), rtol=0.05)
+        dark = light.gather(points, with_light=False)
+        assert np.array_equal(dark["openness"], results["openness"]) and not dark["irradiance"].any()
+
+
+def test_a_ceiling_reflects_the_floor(device, random):
+    """Between two large sheets a ceiling gets what the floor reflects: albedo times the sun's irradiance."""
+    low, high = FLOOR.copy(), FLOOR.copy()
+    low[:, 1], high[:, 1] = 0.3, 0.4
+    high[:, [0, 2]] = high[:, [0, 2]] * 0.2 + 0.4
+    mesh = svocl.Mesh(np.concatenate([low, high]), np.array([[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6]], np.uint32))
+    point = svocl.make_gather_points([[0.52, 0.4, 0.4]], (0, -1, 0))
+    with device.build(mesh, 6, need=NEED, origin=(0, 0, 0), edge=1.01) as tree, svocl.Light(tree) as light:
+        light.set_sources([SUN])
+        irradiance = light.gather(point, cones=64)["irradiance"][0]
+        assert 0.2 * 0.6 * 4 < irradiance[0] < 0.6 * 4
+        assert np.allclose(irradiance / irradiance[0], [1, 0.5, 0.25], rtol=0.02)
+
+
+def test_sources_make_the_light_of_each_call(floor, points):
+    with svocl.Light(floor) as light:
+        dark = light.hash()
+        light.set_sources([SUN], view_resolution=100, diagnose=True)
+        lit, info = light.hash(), light.info
+        assert info.lit_leaves == 32 * 32 and info.missed_leaves == 0
+        assert 0.95 * info.photons < info.photon_hits <= info.photons <= 100 * 100
+        assert info.node_map_items > info.lit_nodes - info.lit_leaves > 0
+        assert np.allclose(info.flux, [4, 2, 1], rtol=0.02) and info.lost_flux == 0
+        assert info.stage_ms["photons"] > 0 and sum(info.bytes) == info.total_bytes
+        light.set_sources()
+        assert light.hash() == dark and light.buffer_int_ptr(svocl.LightBuffer.RADIANCE) is None
+        light.set_sources([SUN], view_resolution=100)
+        assert light.hash() == lit and light.info.node_map_items == 0
+        light.set_sources([SUN], view_resolution=100, photons=False)
+        assert light.hash() == dark
+
+
+def test_pictures(floor):
+    with svocl.Light(floor) as light:
+        light.set_sources([SUN])
+        open_floor = light.render(32, 24, view=svocl.LightView.AO, cones=5)
+        assert open_floor.shape == (24, 32, 4) and open_floor.dtype == np.uint8
+        direct = light.render(32, 24, view=svocl.LightView.DIRECT)
+        assert direct[12, 16, 0] > direct[12, 16, 2] > 0 and not direct[0, 0, :3].any()
+        camera = svocl.Camera((0.5, 3, 0.5), (0.5, 0.5, 0.5), (0, 0, 1), 0.2)
+        above = light.render(8, 8, camera=camera, view=svocl.LightView.DIRECT, exposure=0.1)
+        # 0.1 times albedo 0.6 / pi times the irradiance 4, by the sRGB curve
+        share = 0.1 * 0.6 / np.pi * 4
+        assert abs(int(above[4, 4, 0]) - 255 * (1.055 * share ** (1 / 2.4) - 0.055)) <= 2
+
+
+def test_wrong_arguments(floor, points):
+    with pytest.raises(TypeError, match=r"tree: Light, expected svocl\.Tree"):
+        svocl.Light(svocl.Light(floor))
+    with svocl.Light(floor) as light:
+        with pytest.raises(svocl.InvalidArgumentError, match=r"setup\.sources\[0\]\.direction is zero"):
+            light.set_sources([svocl.LightSource(svocl.SourceKind.DIRECTIONAL, (1, 1, 1))])
+        with pytest.raises(svocl.InvalidArgumentError, match=r"setup\.sky\[1\] -1 is negative"):
+            light.set_sources(sky=(0, -1, 0))
+        with pytest.raises(svocl.InvalidArgumentError, match="cones 7"):
+            light.gather(points, cones=7)
+        with pytest.raises(TypeError, match=r"points: dtype float64, expected svocl\.gather_point_dtype"):
+            light.gather(np.zeros((3, 12)))
+        with pytest.raises(svocl.InvalidArgumentError):
+            light.gather(points, cones=5, march=svocl.March.PUBLISHED)
+        with pytest.raises(ValueError, match="positions: shape"):
+            svocl.make_gather_points([0, 0], (0, 1, 0))
+
+
+def test_a_light_keeps_its_tree(device, cube, points):
+    tree = device.build(cube, 4, need=svocl.Need.NONE)
+    light = svocl.Light(tree, svocl.LightForm.VOXELS)
+    tree.close()
+    light.set_sources(sky=(1, 1, 1))
+    assert light.gather(points).shape == points.shape
+    assert light.render(4, 4).shape == (4, 4, 4)
+    assert "voxels" in repr(light)
+    light.close()
+    assert "closed" in repr(light)
+    with pytest.raises(ValueError, match="^Light is closed$"):
+        light.hash()
+
+
+def test_trees_without_a_device(tmp_path, floor, device):
+    if not svocl.has_io:
+        pytest.skip("no files")
+    floor.save(tmp_path / "floor.svo")
+    loaded = svocl.Tree.load(tmp_path / "floor.svo")
+    with pytest.raises(svocl.InvalidArgumentError, match=r"Light: the tree is on no device; call Tree\.upload"):
+        svocl.Light(loaded)
+    loaded.upload(device)
+    with svocl.Light(loaded) as again, svocl.Light(floor) as light:
+        assert again.hash() == light.hash()

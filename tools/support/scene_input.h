@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/* The surfaces of a scene's file in its world, as the mesh of one tree. */
+#ifndef SVOCL_TOOLS_SUPPORT_SCENE_INPUT_H
+#define SVOCL_TOOLS_SUPPORT_SCENE_INPUT_H
+
+#include "support/input.h"
+#include "support/placed_mesh.h"
+#include "support/scene_file.h"
+
+/* Surfaces that are placed, and what they borrow. */
+typedef struct scene_input {
+    input *sources; /* of the scene's trees: meshes, or nothing */
+    placed_mesh *voxels; /* of the others: the surfaces of their voxels */
+    size_t count; /* of both */
+    placed_mesh placed;
+} scene_input;
+
+/* Reads all trees of the file, a step of the progress bar each, and places them: meshes themselves, and of finished
+   trees the surfaces of their voxels. Returns the exit code; on failure nothing stays open. */
+int scene_input_open(program *state, const scene_file *file, scene_input *out);
+void scene_input_close(scene_input *opened);
+
+#endif
