@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The sums of photons on the host, from traced rays: exact arithmetic with 128 bits, and for each photon a search of
- * all leaves for the one that its triangle is in and that holds its point or is nearest.
+ * The sums of photons on the host, from traced rays: exact arithmetic with 128 bits, for each photon a search of all
+ * leaves for the one that its triangle is in and that holds its point or is nearest, and the leaves that its parts
+ * spread to.
  */
 #ifndef SVOCL_TESTS_PHOTON_REFERENCE_H
 #define SVOCL_TESTS_PHOTON_REFERENCE_H

@@ -257,7 +257,8 @@ static bool is_inner(const double middle[3])
            middle[2] > WALL_EDGE && middle[2] < 1 - WALL_EDGE;
 }
 
-/* White walls: the mesh has no colors, and the tree's are white. From above: a ray that goes along -y sees it. */
+/* White walls: the mesh has no colors, and the tree's are white. From above: a ray that goes along -y sees it. Four
+   photons a leaf are enough, since they spread. */
 static void test_parallel_light_obeys_lambert(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -276,7 +277,7 @@ static void test_parallel_light_obeys_lambert(void **state)
         svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
         setup.sources = &source;
         setup.source_count = 1;
-        setup.view_resolution = 1500;
+        setup.view_resolution = n == 2 ? 1500 : 0; /* grazing light needs more: photons reach too many leaves */
         const double length = sqrt((double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
         const double cosine = fabs((double)d[1]) / length;
         const unsigned lit_side = d[1] < 0 ? 3 : 2;

@@ -378,7 +378,7 @@ static void close_room(lit_room *room)
 
 /* Gathers with a light whose intensity is the square of the grid's width, so that irradiance is that of a grid of
    width 1. */
-static void gather_in_room(const fixture *opened, lit_room *room, const double at[3], uint32_t view_resolution)
+static void gather_in_room(const fixture *opened, lit_room *room, const double at[3])
 {
     const double size = ldexp(1, (int)room->scene->depth);
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
@@ -389,7 +389,6 @@ static void gather_in_room(const fixture *opened, lit_room *room, const double a
     }
     setup.sources = &source;
     setup.source_count = 1;
-    setup.view_resolution = view_resolution;
     light_succeed(opened, svo_light_set_sources(room->light, &setup, opened->queue));
     cone_scene_gather(opened, room->scene, room->light, NULL);
 }
@@ -408,7 +407,7 @@ static void one_bounce_is_the_same_at_each_depth(void **state)
         cone_errors errors = {.count = 0};
         open_room(&opened, depth, POINTS, &room);
         light_at(0.3, light);
-        gather_in_room(&opened, &room, light, 0);
+        gather_in_room(&opened, &room, light);
         sum_one_bounce(light, room.points, POINTS, truth);
         for (size_t k = 0; k < POINTS; ++k) {
             mean += (double)room.scene->results[k].irradiance[1] / POINTS;
@@ -427,11 +426,11 @@ static void one_bounce_is_the_same_at_each_depth(void **state)
     }
 }
 
-/* The photons of a leaf come and go one by one as the light moves, so the view is finer than by default: 300 photons a
-   leaf. With four of them a jump can be a fifth of the mean. The truth's own jumps, three times, are allowed for. */
+/* At the default of four photons a leaf. The truth's own jumps, three times, are allowed for; with ever more photons
+   the cones' own error leaves 0.009. */
 static void a_moving_light_does_not_flicker(void **state)
 {
-    enum { POINTS = 256, STEPS = 100, VIEW = 512 };
+    enum { POINTS = 256, STEPS = 100 };
     static double truth[2][POINTS];
     static double gathered[2][POINTS];
     const fixture opened = fixture_cl_of_group(state);
@@ -443,7 +442,7 @@ static void a_moving_light_does_not_flicker(void **state)
         const int now = step % 2;
         double light[3];
         light_at(0.01 * step, light);
-        gather_in_room(&opened, &room, light, VIEW);
+        gather_in_room(&opened, &room, light);
         sum_one_bounce(light, room.points, POINTS, truth[now]);
         for (size_t k = 0; k < POINTS; ++k) {
             gathered[now][k] = (double)room.scene->results[k].irradiance[1];
@@ -454,7 +453,7 @@ static void a_moving_light_does_not_flicker(void **state)
             worst = fmax(worst, (jump - 3 * fabs(truth[now][k] - truth[!now][k])) / mean);
         }
     }
-    check_below("jumps beyond three times the truth's, of its mean", worst, 0.03);
+    check_below("jumps beyond three times the truth's, of its mean", worst, 0.016);
     close_room(&room);
 }
 

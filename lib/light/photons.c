@@ -11,8 +11,6 @@
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
-/* Photons of a work-item of those that find and add. */
-#define ITEM_PHOTONS 4
 /* The first room for slots. */
 #define FIRST_SLOTS (UINT32_C(1) << 16)
 
@@ -65,6 +63,8 @@ svo_status svo_i_photons_make_bands(svo_i_photons *photons)
                                &photons->weights));
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", SVO_I_BAND_PHOTONS * sizeof(svo_hit), &photons->met));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_spreads",
+                               SVO_I_BAND_PHOTONS / SVO_ITEM_PHOTONS * sizeof(svo_photon_spread), &photons->spreads));
     return svo_i_work_alloc(photons->work, "photon_leaves", SVO_I_BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
 }
 
@@ -73,6 +73,7 @@ void svo_i_photons_release_bands(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->weights);
     svo_i_work_free(photons->work, &photons->rays);
     svo_i_work_free(photons->work, &photons->met);
+    svo_i_work_free(photons->work, &photons->spreads);
     svo_i_work_free(photons->work, &photons->leaves);
 }
 
@@ -140,18 +141,21 @@ svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
     return SVO_OK;
 }
 
-svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims)
+svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count)
 {
+    static const svo_light_view_params no_view = {.count = 0};
     const svo_tree *tree = photons->tree;
+    const double leaf_edge = ldexp(1 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth));
     const svo_photon_params params = {.depth = tree->info.depth,
                                       .snap_bits = tree->info.snap_bits,
                                       .leaf_begin = (cl_uint)tree->info.inner_count,
                                       .leaf_count = (cl_uint)tree->info.leaf_count,
                                       .triangle_count = (cl_uint)tree->info.list_triangle_count,
                                       .count = count,
-                                      .claims = claims};
+                                      .spreads = view != NULL ? 1 : 0,
+                                      .cells = (cl_float)(1 / leaf_edge)};
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
-    const uint64_t items = (count + ITEM_PHOTONS - 1) / ITEM_PHOTONS;
+    const uint64_t items = (count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
@@ -161,15 +165,17 @@ svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t c
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
                                         SVO_I_ARGUMENT(photons->met),
                                         SVO_I_ARGUMENT(photons->leaves),
+                                        SVO_I_ARGUMENT(photons->spreads),
                                         SVO_I_ARGUMENT(photons->slots),
                                         SVO_I_ARGUMENT(photons->counters),
                                         scratch,
-                                        SVO_I_ARGUMENT(params)};
-    const svo_i_argument *of_voxels = &arguments[7]; /* without lists */
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_ARGUMENT(*(view != NULL ? view : &no_view))};
+    const svo_i_argument *of_voxels = &arguments[7]; /* without lists and view */
     const cl_uint argument_count = (cl_uint)(sizeof arguments / sizeof arguments[0]);
     return photons->of_triangles
                ? svo_i_work_launch(photons->work, "svo_k_photon_find", arguments, argument_count, items)
-               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 7, items);
+               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 8, items);
 }
 
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
@@ -178,19 +184,19 @@ static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *vie
     const double start = svo_i_now_ms();
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
                                    SVO_I_ARGUMENT(*params)};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),
-                                  SVO_I_ARGUMENT(photons->leaves),  SVO_I_ARGUMENT(photons->slots),
-                                  SVO_I_ARGUMENT(photons->sums),    SVO_I_ARGUMENT(photons->counters),
-                                  SVO_I_ARGUMENT(*params)};
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
+                                  SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->spreads),
+                                  SVO_I_ARGUMENT(photons->slots),    SVO_I_ARGUMENT(photons->sums),
+                                  SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
     SVO_I_TRY(svo_i_photons_trace(photons, params->count));
     SVO_I_TRY(svo_i_work_wait(work));
     const double traced = svo_i_now_ms();
-    SVO_I_TRY(svo_i_photons_find(photons, params->count, 1));
+    SVO_I_TRY(svo_i_photons_find(photons, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
-                                (params->count + ITEM_PHOTONS - 1) / ITEM_PHOTONS));
+                                (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += traced - start;
     photons->sum_ms += svo_i_now_ms() - traced;
