@@ -47,7 +47,7 @@ static void photon_place(const svo_light_view_params *view, uint32_t photon, flo
     *y = (float)((int)(2 * row + 1) - (int)view->rows) * view->half_y;
 }
 
-static svo_ray photon_ray(const svo_light_view_params *view, uint32_t photon, bool shot)
+svo_ray reference_photon_ray(const svo_light_view_params *view, uint32_t photon, bool shot)
 {
     svo_ray ray = {.t_min = shot ? 0.0F : 1.0F, .t_max = shot ? INFINITY : 0.0F};
     float x = 0;
@@ -378,7 +378,7 @@ uint64_t reference_shoot(const fixture *opened, const built *made, const svo_i_l
     }
     (void)svo_i_view_weights(view, 0, count, weights);
     for (uint32_t i = 0; i < count; ++i) {
-        rays[i] = photon_ray(&view->params, i, weights[i].flux > 0);
+        rays[i] = reference_photon_ray(&view->params, i, weights[i].flux > 0);
     }
     assert_int_equal(svo_tree_trace(made->tree, rays, hits, count, SVO_TRACE_CLOSEST, opened->queue), SVO_OK);
     for (uint32_t first = 0; first < count; first += SVO_ITEM_PHOTONS) { /* whole tiles */

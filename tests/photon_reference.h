@@ -7,6 +7,8 @@
 #ifndef SVOCL_TESTS_PHOTON_REFERENCE_H
 #define SVOCL_TESTS_PHOTON_REFERENCE_H
 
+#include <stdbool.h>
+
 #include "fixture.h"
 #include "light/light_view.h"
 
@@ -16,6 +18,9 @@ typedef struct photon_sums {
     int64_t faces[18]; /* times the cosine, by direction and channel */
     uint64_t photons;
 } photon_sums;
+
+/* The ray of a view's photon; shot: whether it has flux. */
+svo_ray reference_photon_ray(const svo_light_view_params *view, uint32_t photon, bool shot);
 
 /* Adds the photons of a view to the sums of leaves. value: of the source; unit: of flux. Returns those that hit. */
 uint64_t reference_shoot(const fixture *opened, const built *made, const svo_i_light_view *view, const float value[3],

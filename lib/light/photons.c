@@ -111,19 +111,6 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 /* ---- a band ---- */
 
-static svo_status upload_weights(svo_i_photons *photons, const svo_i_light_view *view, uint32_t first, uint32_t count)
-{
-    svo_photon_weight *weights = svo_i_alloc(&photons->tree->device->memory, count * sizeof *weights);
-    if (weights == NULL) {
-        return svo_i_device_fail(photons->tree->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "%s: no memory for the weights of %u photons", photons->work->function, count);
-    }
-    photons->shot += svo_i_view_weights(view, first, count, weights);
-    const svo_status status = svo_i_work_write(photons->work, photons->weights, weights, count * sizeof *weights);
-    svo_i_free(weights);
-    return status;
-}
-
 svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
 {
     svo_i_compact_work *work = photons->work;
@@ -178,28 +165,54 @@ svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_param
                : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 8, items);
 }
 
+/* What a band's photons meet, by their weights. */
+static svo_status see_band(svo_i_photons *photons, const svo_light_view_params *params,
+                           const svo_photon_weight *weights)
+{
+    svo_i_compact_work *work = photons->work;
+    const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
+                                   SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(svo_i_work_write(work, photons->weights, weights, params->count * sizeof *weights));
+    if (photons->viewer != NULL) {
+        SVO_I_TRY(svo_i_work_wait(work));
+        return photons->viewer->draw(photons->viewer->self, params, weights, work->queue, photons->met);
+    }
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
+    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
+    return svo_i_work_wait(work);
+}
+
+static svo_status weigh_and_see(svo_i_photons *photons, const svo_i_light_view *view,
+                                const svo_light_view_params *params)
+{
+    svo_photon_weight *weights = svo_i_alloc(&photons->tree->device->memory, params->count * sizeof *weights);
+    if (weights == NULL) {
+        return svo_i_device_fail(photons->tree->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "%s: no memory for the weights of %u photons", photons->work->function, params->count);
+    }
+    photons->shot += svo_i_view_weights(view, params->first, params->count, weights);
+    const svo_status status = see_band(photons, params, weights);
+    svo_i_free(weights);
+    return status;
+}
+
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
 {
     svo_i_compact_work *work = photons->work;
     const double start = svo_i_now_ms();
-    const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
-                                   SVO_I_ARGUMENT(*params)};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
                                   SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->spreads),
                                   SVO_I_ARGUMENT(photons->slots),    SVO_I_ARGUMENT(photons->sums),
                                   SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(*params)};
-    SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
-    SVO_I_TRY(svo_i_work_wait(work));
-    const double traced = svo_i_now_ms();
+    SVO_I_TRY(weigh_and_see(photons, view, params));
+    const double seen = svo_i_now_ms();
     SVO_I_TRY(svo_i_photons_find(photons, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
     SVO_I_TRY(svo_i_work_wait(work));
-    photons->view_ms += traced - start;
-    photons->sum_ms += svo_i_now_ms() - traced;
+    photons->view_ms += seen - start;
+    photons->sum_ms += svo_i_now_ms() - seen;
     return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "core/tree.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
+#include "light/viewer.h"
 
 /* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
 #define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)
@@ -27,6 +28,7 @@ typedef struct svo_i_photons {
     uint64_t hits; /* 64 bits of what the counter has 32 of */
     cl_mem weights, rays, met, leaves; /* of a band */
     cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
+    const svo_i_light_viewer *viewer; /* NULL: rays see */
     svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
     double view_ms, sum_ms; /* rays; leaves and sums */
 } svo_i_photons;

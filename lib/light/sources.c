@@ -227,6 +227,7 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     const double unit = flux_unit(bound_flux(setup, &box));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
     SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
+    photons.viewer = light->viewer;
     SVO_I_TRY(setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info)
                                    : shoot_all(&photons, setup, &box));
     svo_i_photons_release_bands(&photons);
@@ -300,4 +301,13 @@ svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup,
         light->params.sky[channel] = asked.sky[channel];
     }
     return SVO_OK;
+}
+
+svo_status svo_i_light_set_sources_by(const svo_i_light_viewer *viewer, svo_light *light, const svo_light_setup *setup,
+                                      cl_command_queue queue)
+{
+    light->viewer = viewer;
+    const svo_status status = svo_light_set_sources(light, setup, queue);
+    light->viewer = NULL;
+    return status;
 }

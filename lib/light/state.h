@@ -5,6 +5,7 @@
 
 #include "compact/work.h"
 #include "core/tree.h"
+#include "light/viewer.h"
 #include "shared/layout.h"
 #include "svocl/light.h"
 
@@ -23,6 +24,7 @@ struct svo_light {
     svo_light_params params; /* of its kernels */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
+    const svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */
