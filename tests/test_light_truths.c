@@ -261,9 +261,9 @@ static void a_room_that_emits_is_even(void **state)
 
 /* ---- walls without direction ---- */
 
-/* What a cone brings of a wall that emits 1, is one voxel thick and of a form without direction. A cell of level L above
-   the leaves holds 2^-L of it, and the layer of such cells passes 1 - 2^-L, whatever their width. The march blends the
-   extinctions of the two levels around half of the cone's width. */
+/* What a cone brings of a wall that emits 1, is one voxel thick and of a form without direction. A cell of level L
+   above the leaves holds 2^-L of it, and the layer of such cells passes 1 - 2^-L, however wide it is. The march blends
+   the extinctions of the two levels around half of the cone's width. */
 static double isotropic_wall(double width)
 {
     const int finer = ilogb(width) - 1;

@@ -67,6 +67,7 @@ static svo_status build_program(svo_i_light_raster *raster)
     SVO_I_TRY_CLEANUP(compile_shader(raster, GL_FRAGMENT_SHADER, &shaders[1]));
     SVO_I_TRY_CLEANUP(svo_i_shader_link(&maker, shaders, 2, &raster->program));
     raster->step_number = raster->gl->GetUniformLocation(raster->program, "step_number");
+    SVO_I_TRY_CLEANUP(check(raster, "finding the uniform"));
 cleanup:
     raster->gl->DeleteShader(shaders[0]);
     raster->gl->DeleteShader(shaders[1]);

@@ -5,9 +5,10 @@
 
 #include "compact/work.h"
 #include "core/tree.h"
-#include "light/viewer.h"
 #include "shared/layout.h"
 #include "svocl/light.h"
+
+struct svo_i_light_viewer;
 
 /* What lights the tree directly, for pictures: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
@@ -24,7 +25,7 @@ struct svo_light {
     svo_light_params params; /* of its kernels */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
-    const svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
+    const struct svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */

@@ -9,8 +9,8 @@
 
 typedef struct svo_i_light_viewer {
     void *self;
-    /* Makes the hits of the photons view->first .. view->first + view->count - 1: svo_hit each, in world units. weights:
-       of these photons; those without flux meet nothing. The queue is idle, and must be on return. */
+    /* Makes the hits of view->count photons from view->first on, svo_hit each, in world units. weights: of these
+       photons; those without flux meet nothing. The queue is idle, and must be on return. */
     svo_status (*draw)(void *self, const svo_light_view_params *view, const svo_photon_weight *weights,
                        cl_command_queue queue, cl_mem hits);
 } svo_i_light_viewer;

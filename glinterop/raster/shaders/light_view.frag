@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The nearest triangle of each pixel, in three steps over the same triangles: the least distance along the pixel's ray,
- * by an atomic minimum of its bits; of the triangles at that distance the first one; and its hit. So hits are whole, and
- * the same whatever the order of fragments. The ray goes through the pixel's center, as those of OpenCL do
+ * The nearest triangle of each pixel, in three steps over the same triangles: the least distance along the pixel's
+ * ray, by an atomic minimum of its bits; of the triangles at that distance the first one; and its hit. So hits are
+ * whole, and the same whatever the order of fragments. The ray goes through the pixel's center, as those of OpenCL do
  * (kernels/light/light_view.cl), and photons have the same order.
  */
 #define SVO_STEP_DISTANCE 0
