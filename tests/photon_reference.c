@@ -189,7 +189,8 @@ static float product(const float a[3], const float b[3])
 static void lay_down(const float across[3], const photon *p, int64_t side[3])
 {
     const int64_t divisor = llrintf(product(p->ray->direction, p->hit->normal) * 0x1p24F);
-    const float inverse = divisor == 0 ? 0.0F : (float)(((int64_t)1 << 46) / divisor) * 0x1p-22F;
+    const int64_t whole = divisor == 0 ? 0 : ((int64_t)1 << 46) / divisor;
+    const float inverse = (float)whole * 0x1p-22F;
     const float distance = product(across, p->hit->normal) * inverse;
     for (int axis = 0; axis < 3; ++axis) {
         const float along = p->ray->direction[axis] * distance;

@@ -258,7 +258,7 @@ static svo_status draw_band(svo_i_light_raster *raster, const svo_light_view_par
 {
     const svo_i_gl_functions *gl = raster->gl;
     const GLsizei corners = (GLsizei)(3 * raster->tree->info.list_triangle_count); /* their block limits them */
-    const size_t nearest_bytes = view->count * 2 * sizeof(GLuint);
+    const size_t nearest_bytes = (size_t)view->count * 2 * sizeof(GLuint);
     view_block block;
     describe_band(raster, view, &block);
     SVO_I_TRY(upload_block(raster, VIEW, "the view", &block, sizeof block));
