@@ -166,14 +166,19 @@ static svo_status run_gl_builder(subject *of)
     return build_in_gl(of, world.copy);
 }
 
-/* With a new handle: shaders are compiled. */
-static void prepare_gl(subject *of)
+static void open_new_handle(subject *of)
 {
     const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_COPY};
-    prepare_plan(of);
     if (svo_gl_create(world.device, world.context, &options, &of->gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(world.device));
     }
+}
+
+/* With a new handle: shaders are compiled. */
+static void prepare_gl(subject *of)
+{
+    prepare_plan(of);
+    open_new_handle(of);
 }
 
 static svo_status run_gl_first_build(subject *of)
@@ -184,6 +189,30 @@ static svo_status run_gl_first_build(subject *of)
 static svo_status run_gl_first_builder(subject *of)
 {
     return build_in_gl(of, of->gl);
+}
+
+static void prepare_gl_light(subject *of)
+{
+    prepare_tree(of);
+    open_new_handle(of);
+}
+
+static svo_status run_gl_light(subject *of)
+{
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.3F, -1, 0.2F}, .value = {1, 2, 3}};
+    const svo_light_setup setup = {
+        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .view_resolution = 16};
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_light *light = NULL;
+    TRY_TOLD(svo_light_create(of->tree, NULL, world.queue, &light));
+    svo_status status = svo_gl_light_set_sources(of->gl, light, &setup, world.queue);
+    if (status == SVO_OK) {
+        status = svo_light_hash(light, world.queue, hash);
+    }
+    svo_light_destroy(&light);
+    TRY_TOLD(status);
+    digest(of, hash, sizeof hash);
+    return SVO_OK;
 }
 
 static const scenario rows[] = {
@@ -198,5 +227,6 @@ static const scenario rows[] = {
     {"gl_builder", true, false, prepare_plan, run_gl_builder, NULL, destroy_all},
     {"gl_first_build", true, false, prepare_gl, run_gl_first_build, NULL, destroy_all},
     {"gl_first_builder", true, false, prepare_gl, run_gl_first_builder, NULL, destroy_all},
+    {"gl_light", true, false, prepare_gl_light, run_gl_light, NULL, destroy_all},
 };
 const scenario_list opengl_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -47,7 +47,7 @@ static void photon_place(const svo_light_view_params *view, uint32_t photon, flo
     *y = (float)((int)(2 * row + 1) - (int)view->rows) * view->half_y;
 }
 
-static svo_ray photon_ray(const svo_light_view_params *view, uint32_t photon, bool shot)
+svo_ray reference_photon_ray(const svo_light_view_params *view, uint32_t photon, bool shot)
 {
     svo_ray ray = {.t_min = shot ? 0.0F : 1.0F, .t_max = shot ? INFINITY : 0.0F};
     float x = 0;
@@ -147,16 +147,148 @@ static uint32_t find_leaf(const built *made, const svo_hit *hit)
     return best;
 }
 
+/* ---- spreading ---- */
+
+/* The leaf of each cell of the grid, or SVO_PHOTON_LOST. */
+static uint32_t *map_cells(const built *made)
+{
+    const size_t cells = (size_t)1 << 3 * made->info.depth;
+    uint32_t *map = malloc(cells * sizeof *map);
+    assert_non_null(map);
+    for (size_t i = 0; i < cells; ++i) {
+        map[i] = SVO_PHOTON_LOST;
+    }
+    for (uint32_t leaf = 0; leaf < made->info.leaf_count; ++leaf) {
+        svo_node node;
+        assert_int_equal(svo_tree_find_node(made->tree, (uint32_t)made->info.inner_count + leaf, &node), SVO_OK);
+        map[((size_t)node.cell[2] << made->info.depth | node.cell[1]) << made->info.depth | node.cell[0]] = leaf;
+    }
+    return map;
+}
+
+/* A photon: its ray, hit and leaf, and how far its parts are apart on the surface, in 2^-16 of a cell. */
+typedef struct photon {
+    const svo_ray *ray;
+    const svo_hit *hit;
+    uint32_t leaf;
+    int own; /* its leaf's place among those that are reached */
+    int32_t cell[3];
+    int64_t inside[3], right[3], up[3];
+} photon;
+
+static float product(const float a[3], const float b[3])
+{
+    const float x = a[0] * b[0];
+    const float y = a[1] * b[1];
+    const float z = a[2] * b[2];
+    const float xy = x + y;
+    return xy + z;
+}
+
+/* A vector across the ray, along which it is moved onto the surface, as the kernel computes it. */
+static void lay_down(const float across[3], const photon *p, int64_t side[3])
+{
+    const int64_t divisor = llrintf(product(p->ray->direction, p->hit->normal) * 0x1p24F);
+    const int64_t whole = divisor == 0 ? 0 : ((int64_t)1 << 46) / divisor;
+    const float inverse = (float)whole * 0x1p-22F;
+    const float distance = product(across, p->hit->normal) * inverse;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float along = p->ray->direction[axis] * distance;
+        const float laid = across[axis] - along;
+        side[axis] = llrintf(fminf(fmaxf(laid, -0x1p19F), 0x1p19F));
+    }
+}
+
+static void find_footprint(const built *made, const svo_light_view_params *view, photon *p)
+{
+    const double leaf_edge = ldexp(1 / made->info.scale, (int)(made->info.snap_bits - made->info.depth));
+    const int shift = (int)(made->info.snap_bits - made->info.depth) + POINT_BITS;
+    const float cells = (float)(1 / leaf_edge);
+    const float distance = (view->parallel != 0 ? 1.0F : p->hit->t) * cells;
+    const float scale = distance * (2.0F * 65536 / SVO_SPREAD_PARTS);
+    float right[3];
+    float up[3];
+    wide point[3];
+    hit_point(made, list_index(made, p->hit->triangle), p->hit, point);
+    for (int axis = 0; axis < 3; ++axis) {
+        right[axis] = view->right[axis] * (view->half_x * scale);
+        up[axis] = view->up[axis] * (view->half_y * scale);
+        p->cell[axis] = (int32_t)shift_down(point[axis], shift);
+        p->inside[axis] = (int64_t)(shift_down(point[axis], shift - 16) - ((wide)p->cell[axis] << 16));
+    }
+    lay_down(right, p, p->right);
+    lay_down(up, p, p->up);
+}
+
+/* The cells that the photons of a work-item reach. */
+typedef struct reach {
+    int count;
+    int32_t cells[SVO_SPREAD_CELLS][3];
+    uint32_t leaves[SVO_SPREAD_CELLS];
+} reach;
+
+static void add_cell(reach *r, const int32_t cell[3], uint32_t leaf)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        r->cells[r->count][axis] = cell[axis];
+    }
+    r->leaves[r->count++] = leaf;
+}
+
+/* The place of a photon's own leaf. */
+static int own_place(const photon *p, reach *r)
+{
+    for (int k = 0; k < r->count; ++k) {
+        if (r->leaves[k] == p->leaf) {
+            return k;
+        }
+    }
+    add_cell(r, p->cell, p->leaf);
+    return r->count - 1;
+}
+
+/* The place that a part of a photon goes to. */
+static int place_of_part(const built *made, const uint32_t *map, const photon *p, int part, reach *r)
+{
+    const int up = (SVO_SPREAD_PARTS / 2 + 4 * part) % SVO_SPREAD_PARTS - SVO_SPREAD_PARTS / 2;
+    const int right = part <= SVO_SPREAD_PARTS / 2 ? part : part - SVO_SPREAD_PARTS;
+    int32_t cell[3];
+    size_t place = 0;
+    bool in_grid = true;
+    for (int axis = 2; axis >= 0; --axis) {
+        cell[axis] =
+            p->cell[axis] + (int32_t)shift_down(p->inside[axis] + right * p->right[axis] + up * p->up[axis], 16);
+        in_grid = in_grid && cell[axis] >= 0 && cell[axis] < 1 << made->info.depth;
+        place = place << made->info.depth | (size_t)cell[axis];
+    }
+    if (cell[0] == p->cell[0] && cell[1] == p->cell[1] && cell[2] == p->cell[2]) {
+        return p->own;
+    }
+    int k = 0;
+    while (k < r->count && !(r->cells[k][0] == cell[0] && r->cells[k][1] == cell[1] && r->cells[k][2] == cell[2])) {
+        ++k;
+    }
+    if (k == r->count) {
+        if (k == SVO_SPREAD_CELLS) {
+            return p->own;
+        }
+        add_cell(r, cell, in_grid ? map[place] : SVO_PHOTON_LOST);
+    }
+    return r->leaves[k] == SVO_PHOTON_LOST ? p->own : k;
+}
+
 /* ---- sums ---- */
 
-static void add_photon(const svo_ray *ray, svo_photon_weight weight, const svo_hit *hit, const wide of_one[3],
-                       photon_sums *leaf)
+/* Adds the parts of a photon from range[0] up to range[1]. */
+static void add_parts(const svo_ray *ray, svo_photon_weight weight, const svo_hit *hit, const wide of_one[3],
+                      const int range[2], photon_sums *leaf)
 {
     wide flux[3];
     wide all = 0;
     float toward = 0;
     for (int channel = 0; channel < 3; ++channel) {
-        flux[channel] = shift_down(of_one[channel] * weight.flux, SVO_WEIGHT_UNIT_LOG2);
+        const wide whole = shift_down(of_one[channel] * weight.flux, SVO_WEIGHT_UNIT_LOG2);
+        flux[channel] = whole * range[1] / SVO_SPREAD_PARTS - whole * range[0] / SVO_SPREAD_PARTS;
         leaf->flux[channel] += (int64_t)flux[channel];
         all += flux[channel];
     }
@@ -178,6 +310,57 @@ static void add_photon(const svo_ray *ray, svo_photon_weight weight, const svo_h
     ++leaf->photons;
 }
 
+/* What the photons of a view share. */
+typedef struct shot {
+    const built *made;
+    const svo_light_view_params *view;
+    const svo_photon_weight *weights;
+    const svo_ray *rays;
+    const svo_hit *hits;
+    const uint32_t *map;
+    wide of_one[3];
+} shot;
+
+/* Adds a photon whose work-item has reached the leaves. */
+static void add_photon(const shot *s, uint32_t number, const photon *p, reach *r, photon_sums *leaves)
+{
+    int parts[SVO_SPREAD_CELLS] = {0};
+    int range[2] = {0, 0};
+    for (int part = 0; part < SVO_SPREAD_PARTS; ++part) {
+        ++parts[place_of_part(s->made, s->map, p, part, r)];
+    }
+    for (int k = 0; k < r->count; ++k) {
+        range[0] = range[1];
+        range[1] += parts[k];
+        if (parts[k] > 0) {
+            add_parts(p->ray, s->weights[number], p->hit, s->of_one, range, &leaves[r->leaves[k]]);
+        }
+    }
+}
+
+/* Adds the photons of a work-item. Returns those that hit. */
+static uint64_t add_item(const shot *s, uint32_t first, photon_sums *leaves)
+{
+    photon photons[SVO_ITEM_PHOTONS];
+    reach r = {.count = 0};
+    uint64_t hit_count = 0;
+    for (uint32_t k = 0; k < SVO_ITEM_PHOTONS; ++k) {
+        photons[k] = (photon){.ray = &s->rays[first + k], .hit = &s->hits[first + k]};
+        if (photons[k].hit->triangle != SVO_NO_TRIANGLE) {
+            photons[k].leaf = find_leaf(s->made, photons[k].hit);
+            find_footprint(s->made, s->view, &photons[k]);
+            photons[k].own = own_place(&photons[k], &r);
+            ++hit_count;
+        }
+    }
+    for (uint32_t k = 0; k < SVO_ITEM_PHOTONS; ++k) {
+        if (photons[k].hit->triangle != SVO_NO_TRIANGLE) {
+            add_photon(s, first + k, &photons[k], &r, leaves);
+        }
+    }
+    return hit_count;
+}
+
 uint64_t reference_shoot(const fixture *opened, const built *made, const svo_i_light_view *view, const float value[3],
                          double unit, photon_sums *leaves)
 {
@@ -188,22 +371,21 @@ uint64_t reference_shoot(const fixture *opened, const built *made, const svo_i_l
     assert_non_null(weights);
     assert_non_null(rays);
     assert_non_null(hits);
-    wide of_one[3];
+    uint32_t *map = map_cells(made);
+    shot s = {.made = made, .view = &view->params, .weights = weights, .rays = rays, .hits = hits, .map = map};
     uint64_t hit_count = 0;
     for (int channel = 0; channel < 3; ++channel) {
-        of_one[channel] = (wide)((double)value[channel] * view->pixel / unit + 0.5);
+        s.of_one[channel] = (wide)((double)value[channel] * view->pixel / unit + 0.5);
     }
     (void)svo_i_view_weights(view, 0, count, weights);
     for (uint32_t i = 0; i < count; ++i) {
-        rays[i] = photon_ray(&view->params, i, weights[i].flux > 0);
+        rays[i] = reference_photon_ray(&view->params, i, weights[i].flux > 0);
     }
     assert_int_equal(svo_tree_trace(made->tree, rays, hits, count, SVO_TRACE_CLOSEST, opened->queue), SVO_OK);
-    for (uint32_t i = 0; i < count; ++i) {
-        if (hits[i].triangle != SVO_NO_TRIANGLE) {
-            ++hit_count;
-            add_photon(&rays[i], weights[i], &hits[i], of_one, &leaves[find_leaf(made, &hits[i])]);
-        }
+    for (uint32_t first = 0; first < count; first += SVO_ITEM_PHOTONS) { /* whole tiles */
+        hit_count += add_item(&s, first, leaves);
     }
+    free(map);
     free(weights);
     free(rays);
     free(hits);

@@ -258,7 +258,8 @@ static bool is_inner(const built *made, uint32_t leaf, double middle[3])
            middle[2] > WALL_EDGE && middle[2] < 1 - WALL_EDGE;
 }
 
-/* White walls: the mesh has no colors, and the tree's are white. From above: a ray that goes along -y sees it. */
+/* White walls: the mesh has no colors, and the tree's are white. From above: a ray that goes along -y sees it. Four
+   photons a leaf are enough, since they spread. */
 static void test_parallel_light_obeys_lambert(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -274,7 +275,8 @@ static void test_parallel_light_obeys_lambert(void **state)
         const svo_light_source source = {.kind = SVO_SOURCE_DIRECTIONAL,
                                          .direction = {d[0], d[1], d[2]},
                                          .value = {(float)irradiance[0], (float)irradiance[1], (float)irradiance[2]}};
-        const svo_light_setup setup = setup_of(&source, 1500);
+        /* Grazing light needs more: photons reach too many leaves. */
+        const svo_light_setup setup = setup_of(&source, n == 2 ? 1500 : 0);
         const double length = sqrt((double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
         const double cosine = fabs((double)d[1]) / length;
         const unsigned lit_side = d[1] < 0 ? 3 : 2;

@@ -193,15 +193,15 @@ static void clutter_of_quads(void **state)
 
 /* ---- a room that emits ---- */
 
-/* Emits 1 from all surfaces, under a sky of 1. */
-static void light_up(const fixture *opened, svo_light *light)
+/* Emits 1 from all surfaces. */
+static void light_up(const fixture *opened, svo_light *light, float sky)
 {
     static const svo_finish finish = {.emission = {1, 1, 1}};
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
     setup.finishes = &finish;
     setup.finish_count = 1;
     for (int channel = 0; channel < 3; ++channel) {
-        setup.sky[channel] = 1;
+        setup.sky[channel] = sky;
     }
     light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
 }
@@ -242,7 +242,7 @@ static void a_room_that_emits_is_even(void **state)
             cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA | SVO_NEED_MATERIAL);
         for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
             svo_light *light = light_of(&opened, tree, (svo_light_form)form);
-            light_up(&opened, light);
+            light_up(&opened, light, 1);
             for (int k = 0; k < 15; ++k) {
                 svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
                 options.cones = sets[k % 5];
@@ -256,6 +256,59 @@ static void a_room_that_emits_is_even(void **state)
         }
         svo_tree_destroy(&tree);
     }
+    cone_scene_free(scene);
+}
+
+/* ---- walls without direction ---- */
+
+/* What a cone brings of a wall that emits 1, is one voxel thick and of a form without direction. A cell of level L
+   above the leaves holds 2^-L of it, and the layer of such cells passes 1 - 2^-L, however wide it is. The march blends
+   the extinctions of the two levels around half of the cone's width. */
+static double isotropic_wall(double width)
+{
+    const int finer = ilogb(width) - 1;
+    const double share = ldexp(width, -finer - 1) - 1;
+    return 1 - pow(1 - ldexp(1, -finer), 1 - share) * pow(1 - ldexp(1, -finer - 1), share);
+}
+
+/* The specular cone alone, since its width is known: cos q = 0.8^(1 / (exponent + 1)). */
+static void walls_without_direction_leak_as_they_must(void **state)
+{
+    static const double u[3] = {0, 120, 0};
+    static const double v[3] = {0, 0, 120};
+    static const double normal[3] = {1, 0, 0};
+    const fixture opened = fixture_cl_of_group(state);
+    const double slope = tan(acos(pow(0.8, 1 / 9.0)));
+    cone_scene *scene = cone_scene_new(DEPTH, 18);
+    double expected = 0;
+    double brought[SVO_LIGHT_FORM_COUNT] = {0};
+    for (int pose = 0; pose < 16; ++pose) {
+        const double distance = 40 + 24 * random_unit(&scene->seed);
+        const double o[3] = {distance - 30, -60, -60};
+        const double at[3] = {-32, 0, 0};
+        cone_scene_clear(scene);
+        cone_scene_pose(scene, false, 2);
+        cone_scene_add_quad(scene, o, u, v);
+        cone_scene_add_point(scene, at, normal, 0);
+        scene->points[0].exponent = 8;
+        scene->points[0].reflected[0] = 1;
+        svo_tree *tree =
+            cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA | SVO_NEED_MATERIAL);
+        for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
+            svo_light *light = light_of(&opened, tree, (svo_light_form)form);
+            light_up(&opened, light, 0);
+            cone_scene_gather(&opened, scene, light, NULL);
+            brought[form] += (double)scene->results[0].specular[1] / 16;
+            svo_light_destroy(&light);
+        }
+        expected += isotropic_wall(2 * distance * slope) / 16;
+        svo_tree_destroy(&tree);
+    }
+    print_message("closed form %.4f, faces %.4f, bricks %.4f, voxels %.4f\n", expected, brought[SVO_LIGHT_FACES],
+                  brought[SVO_LIGHT_BRICKS], brought[SVO_LIGHT_VOXELS]);
+    check_below("faces: lost", 1 - brought[SVO_LIGHT_FACES], 0.01);
+    check_below("bricks beside the closed form", fabs(brought[SVO_LIGHT_BRICKS] / expected - 1), 0.2);
+    check_below("voxels beside the closed form", fabs(brought[SVO_LIGHT_VOXELS] / expected - 1), 0.2);
     cone_scene_free(scene);
 }
 
@@ -378,7 +431,7 @@ static void close_room(lit_room *room)
 
 /* Gathers with a light whose intensity is the square of the grid's width, so that irradiance is that of a grid of
    width 1. */
-static void gather_in_room(const fixture *opened, lit_room *room, const double at[3], uint32_t view_resolution)
+static void gather_in_room(const fixture *opened, lit_room *room, const double at[3])
 {
     const double size = ldexp(1, (int)room->scene->depth);
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
@@ -389,18 +442,43 @@ static void gather_in_room(const fixture *opened, lit_room *room, const double a
     }
     setup.sources = &source;
     setup.source_count = 1;
-    setup.view_resolution = view_resolution;
     light_succeed(opened, svo_light_set_sources(room->light, &setup, opened->queue));
     cone_scene_gather(opened, room->scene, room->light, NULL);
 }
 
+/* The mean of the truth at points so far above the surface, of the grid's width. */
+static double mean_above(const double light[3], const wall_patch *points, size_t point_count, double height)
+{
+    wall_patch *apexes = calloc(point_count, sizeof *apexes);
+    double *truth = calloc(point_count, sizeof *truth);
+    double sum = 0;
+    assert_non_null(apexes);
+    assert_non_null(truth);
+    for (size_t k = 0; k < point_count; ++k) {
+        apexes[k] = points[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            apexes[k].at[axis] += height * points[k].normal[axis];
+        }
+    }
+    sum_one_bounce(light, apexes, point_count, truth);
+    for (size_t k = 0; k < point_count; ++k) {
+        sum += truth[k];
+    }
+    free(apexes);
+    free(truth);
+    return sum / (double)point_count;
+}
+
+/* Most of the change from depth to depth is that of the truth at the apexes of cones, two voxels above the surface: at
+   depth 6 they are 1/32 of the grid's width away. Without it, cones change by less than 1 % from depth 6 on. */
 static void one_bounce_is_the_same_at_each_depth(void **state)
 {
     enum { POINTS = 384 };
     static double truth[POINTS];
     const fixture opened = fixture_cl_of_group(state);
     double before = 0;
-    for (uint32_t depth = 7; depth <= 9; ++depth) {
+    double before_at_apex = 0;
+    for (uint32_t depth = 6; depth <= 9; ++depth) {
         lit_room room;
         double light[3];
         double mean = 0;
@@ -408,7 +486,7 @@ static void one_bounce_is_the_same_at_each_depth(void **state)
         cone_errors errors = {.count = 0};
         open_room(&opened, depth, POINTS, &room);
         light_at(0.3, light);
-        gather_in_room(&opened, &room, light, 0);
+        gather_in_room(&opened, &room, light);
         sum_one_bounce(light, room.points, POINTS, truth);
         for (size_t k = 0; k < POINTS; ++k) {
             mean += (double)room.scene->results[k].irradiance[1] / POINTS;
@@ -417,21 +495,24 @@ static void one_bounce_is_the_same_at_each_depth(void **state)
         for (size_t k = 0; k < POINTS; ++k) {
             cone_errors_add(&errors, ((double)room.scene->results[k].irradiance[1] - truth[k]) / sum);
         }
-        print_message("depth %u: mean %.4f, truth %.4f, rms error %.4f of it\n", depth, mean, sum,
-                      cone_errors_rms(&errors));
-        if (before > 0) {
-            check_below("change of the mean", fabs(mean / before - 1), 0.02);
+        const double at_apex = mean_above(light, room.points, POINTS, ldexp(2, -(int)depth));
+        print_message("depth %u: mean %.4f, truth %.4f, at the apexes %.4f, rms error %.4f of it\n", depth, mean, sum,
+                      at_apex, cone_errors_rms(&errors));
+        if (depth > 6) {
+            check_below("change of the mean", fabs(mean / before - 1), depth > 7 ? 0.02 : 0.025);
+            check_below("beside the truth at the apexes", fabs(mean / at_apex / before_at_apex - 1), 0.01);
         }
         before = mean;
+        before_at_apex = mean / at_apex;
         close_room(&room);
     }
 }
 
-/* The photons of a leaf come and go one by one as the light moves, so the view is finer than by default: 300 photons a
-   leaf. With four of them a jump can be a fifth of the mean. The truth's own jumps, three times, are allowed for. */
+/* At the default of four photons a leaf. The truth's own jumps, three times, are allowed for; with ever more photons
+   the cones' own error leaves 0.009. */
 static void a_moving_light_does_not_flicker(void **state)
 {
-    enum { POINTS = 256, STEPS = 100, VIEW = 512 };
+    enum { POINTS = 256, STEPS = 100 };
     static double truth[2][POINTS];
     static double gathered[2][POINTS];
     const fixture opened = fixture_cl_of_group(state);
@@ -443,7 +524,7 @@ static void a_moving_light_does_not_flicker(void **state)
         const int now = step % 2;
         double light[3];
         light_at(0.01 * step, light);
-        gather_in_room(&opened, &room, light, VIEW);
+        gather_in_room(&opened, &room, light);
         sum_one_bounce(light, room.points, POINTS, truth[now]);
         for (size_t k = 0; k < POINTS; ++k) {
             gathered[now][k] = (double)room.scene->results[k].irradiance[1];
@@ -454,16 +535,20 @@ static void a_moving_light_does_not_flicker(void **state)
             worst = fmax(worst, (jump - 3 * fabs(truth[now][k] - truth[!now][k])) / mean);
         }
     }
-    check_below("jumps beyond three times the truth's, of its mean", worst, 0.03);
+    check_below("jumps beyond three times the truth's, of its mean", worst, 0.016);
     close_room(&room);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(occlusion_of_simple_shapes),      cmocka_unit_test(bare_floors_are_open),
-        cmocka_unit_test(closed_rooms_are_dark),           cmocka_unit_test(clutter_of_quads),
-        cmocka_unit_test(a_room_that_emits_is_even),       cmocka_unit_test(one_bounce_is_the_same_at_each_depth),
+        cmocka_unit_test(occlusion_of_simple_shapes),
+        cmocka_unit_test(bare_floors_are_open),
+        cmocka_unit_test(closed_rooms_are_dark),
+        cmocka_unit_test(clutter_of_quads),
+        cmocka_unit_test(a_room_that_emits_is_even),
+        cmocka_unit_test(walls_without_direction_leak_as_they_must),
+        cmocka_unit_test(one_bounce_is_the_same_at_each_depth),
         cmocka_unit_test(a_moving_light_does_not_flicker),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

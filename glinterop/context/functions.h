@@ -77,6 +77,7 @@
     X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC, 43, "")                                          \
     X(CopyBufferSubData, PFNGLCOPYBUFFERSUBDATAPROC, 43, "")                                        \
     X(ClearBufferData, PFNGLCLEARBUFFERDATAPROC, 43, "")                                            \
+    X(ClearBufferSubData, PFNGLCLEARBUFFERSUBDATAPROC, 43, "")                                      \
     X(MapBufferRange, PFNGLMAPBUFFERRANGEPROC, 43, "")                                              \
     X(UnmapBuffer, PFNGLUNMAPBUFFERPROC, 43, "")                                                    \
     X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC, 43, "")                                            \

@@ -141,6 +141,7 @@ void svo_gl_destroy(svo_gl **gl)
     }
     svo_i_raster_destroy(&(*gl)->raster);
     svo_i_compute_destroy(&(*gl)->compute);
+    svo_i_light_raster_destroy(&(*gl)->light_raster);
     svo_i_free(*gl);
     *gl = NULL;
 }

@@ -5,6 +5,7 @@
 
 #include "commands/frontend.h"
 #include "compute/compute.h"
+#include "raster/light_view.h"
 #include "raster/raster.h"
 
 #define SVO_I_GL_REASON_BYTES 512
@@ -27,6 +28,8 @@ struct svo_gl {
     char build_reason[SVO_I_GL_REASON_BYTES]; /* the last answer of svo_gl_build_reason */
     svo_i_compute *compute; /* NULL until the first build */
     svo_frontend build_frontend; /* its list stays in OpenGL */
+
+    svo_i_light_raster *light_raster; /* NULL until the first svo_gl_light_set_sources */
 };
 
 #endif

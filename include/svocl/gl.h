@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "svocl/build.h"
+#include "svocl/light.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -293,6 +294,21 @@ SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue que
  * \param need svo_need bits; 0: nodes alone
  * \returns "" if it can. Owned by gl, valid until the next call. */
 SVO_API const char *svo_gl_build_reason(svo_gl *gl, uint32_t need);
+
+/** svo_light_set_sources whose light views are rasterized. Each pixel of a view takes the nearest triangle at its
+ *  center and the point where the pixel's ray meets it; from there on, photons are those of svo_light_set_sources. Flux
+ *  is summed as exactly, but which triangle has a pixel on an edge depends on the driver, so the light's hash does too.
+ *
+ * Views of more columns than a framebuffer of the context has are refused.
+ *
+ * \param gl not NULL
+ * \param light of gl's device; its tree has SVO_NEED_RAYS and is not of coverage thin
+ * \param setup as for svo_light_set_sources
+ * \param queue as for svo_light_set_sources
+ * \returns what svo_light_set_sources returns; SVO_NO_GL, SVO_GL_ERROR; SVO_UNSUPPORTED when the tree has no triangles
+ *          or a limit of the context is too low. */
+SVO_API svo_status svo_gl_light_set_sources(svo_gl *gl, svo_light *light, const svo_light_setup *setup,
+                                            cl_command_queue queue);
 
 /** The kind of rasterization that was chosen.
  *

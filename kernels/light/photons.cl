@@ -2,14 +2,14 @@
 /*
  * Photons into leaves: which leaf each one belongs to, and the sums of flux of the leaves.
  *
- *   svo_k_photon_find    per four photons: their leaves, and slots for leaves that have none
+ *   svo_k_photon_find    per four photons: their leaves, how they spread, and slots for leaves that have none
  *   svo_k_voxel_find     the same for hits of voxels
  *   svo_k_photon_add     per four photons: their flux into the sums of their leaves' slots
  *   svo_k_photon_total   per 64 slots: the flux of all of them
  *   svo_k_unmet_count    per leaf: whether a ray to its center (light_view.cl) met the leaf first
  *
- * Four photons in a row are those of two by two pixels. They mostly share a leaf, which then takes one claim and one
- * addition.
+ * Four photons in a row are those of two by two pixels. They mostly share leaves; each of them takes one claim and one
+ * addition. spread.clh says why a photon goes to several.
  *
  * A published system averages the photons of a leaf (Crassin et al., "Interactive Indirect Illumination Using Voxel
  * Cone Tracing", 2011), so brightness ignores the distance of the source; here flux is summed.
@@ -19,30 +19,13 @@
  * bits, two words with a carry: their order does not matter. Those that find have SVO_GROUP_ITEMS words of local memory
  * as an argument, see shared/group.clh.
  */
-#include "light/light_view.clh"
 #include "light/photons.clh"
 #include "light/slots.clh"
+#include "light/spread.clh"
 #include "light/sums.clh"
 #include "shared/group.clh"
 
-#define SVO_ITEM_PHOTONS 4u
-
 /* ---- leaves ---- */
-
-static bool svo_is_leaf(uint leaf)
-{
-    return leaf < SVO_PHOTON_LOST;
-}
-
-/* Stores a photon's leaf. before: that of the photon before it, which has a slot then. */
-static void svo_keep_leaf(uint leaf, uint before, __global uint *out, volatile __global uint *slots,
-                          volatile __global uint *counters, const svo_photon_params *params)
-{
-    *out = leaf;
-    if (params->claims != 0u && svo_is_leaf(leaf) && leaf != before) {
-        svo_claim_slot(slots, counters, leaf);
-    }
-}
 
 /* Counts hits, one atomic for a group. All items of the group call it. */
 static void svo_count_hits(uint hits, volatile __global uint *counters, __local uint *scratch)
@@ -53,48 +36,90 @@ static void svo_count_hits(uint hits, volatile __global uint *counters, __local 
     }
 }
 
+/* Gives slots to leaves, and stores them. */
+static void svo_keep_reach(const svo_reach *reach, __global svo_photon_spread *spread, volatile __global uint *slots,
+                           volatile __global uint *counters)
+{
+    for (uint place = 0; place < SVO_SPREAD_CELLS; ++place) {
+        const uint leaf = place < reach->count ? reach->leaves[place] : SVO_PHOTON_LOST;
+        spread->leaves[place] = leaf;
+        if (svo_is_leaf(leaf)) {
+            svo_claim_slot(slots, counters, leaf);
+        }
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_find(__global const uchar *child_mask, __global const uint *first_child, __global const uint *list_begin,
                   __global const uint *list, __global const int *vertices, __global const uint *indices,
                   __global const uint *triangle_ids, __global const svo_hit *hits, __global uint *leaves,
-                  volatile __global uint *slots, volatile __global uint *counters, __local uint *scratch,
-                  svo_photon_params params)
+                  __global svo_photon_spread *spreads, volatile __global uint *slots, volatile __global uint *counters,
+                  __local uint *scratch, svo_photon_params params, svo_light_view_params view)
 {
     const svo_list_tree tree = {child_mask, first_child, list_begin, list, vertices, indices, triangle_ids, params};
-    const uint first = (uint)get_global_id(0) * SVO_ITEM_PHOTONS;
-    uint before = SVO_PHOTON_MISSED;
+    const uint item = (uint)get_global_id(0);
+    const uint first = item * SVO_ITEM_PHOTONS;
+    const uint count = first < params.count ? min(params.count - first, (uint)SVO_ITEM_PHOTONS) : 0u;
+    svo_photon_place places[SVO_ITEM_PHOTONS];
+    uint own[SVO_ITEM_PHOTONS];
     uint met = 0;
-    for (uint photon = first; photon < min(first + SVO_ITEM_PHOTONS, params.count); ++photon) {
-        const uint id = hits[photon].triangle;
+    svo_reach reach;
+    reach.count = 0u;
+    for (uint k = 0; k < count; ++k) {
+        __global const svo_hit *hit = hits + first + k;
         uint leaf = SVO_PHOTON_MISSED;
-        if (id != SVO_NO_TRIANGLE) {
-            leaf = svo_leaf_of_hit(&tree, id, hits[photon].u, hits[photon].v);
+        if (hit->triangle != SVO_NO_TRIANGLE) {
+            leaf = svo_leaf_of_hit(&tree, hit->triangle, hit->u, hit->v, &places[k]);
             ++met;
         }
-        svo_keep_leaf(leaf, before, leaves + photon, slots, counters, &params);
-        before = leaf;
+        leaves[first + k] = leaf;
+        own[k] = svo_is_leaf(leaf) ? svo_reach_own(leaf, places[k].cell, &reach) : SVO_SPREAD_CELLS;
     }
-    svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);
+    for (uint k = 0; k < count && params.spreads != 0u; ++k) {
+        uint parts = 0u;
+        if (own[k] < SVO_SPREAD_CELLS) {
+            svo_footprint footprint;
+            svo_find_footprint(&view, view.first + first + k, hits + first + k, params.cells, &footprint);
+            parts = svo_spread_photon(&tree, &places[k], &footprint, own[k], &reach);
+        }
+        spreads[item].parts[k] = parts;
+    }
+    if (params.spreads != 0u && count > 0u) {
+        svo_keep_reach(&reach, spreads + item, slots, counters);
+    }
+    svo_count_hits(params.spreads != 0u ? met : 0u, counters, scratch);
 }
 
+/* Photons that meet voxels do not spread. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_voxel_find(__global const svo_voxel_hit *hits, __global uint *leaves, volatile __global uint *slots,
-                 volatile __global uint *counters, __local uint *scratch, svo_photon_params params)
+svo_k_voxel_find(__global const svo_voxel_hit *hits, __global uint *leaves, __global svo_photon_spread *spreads,
+                 volatile __global uint *slots, volatile __global uint *counters, __local uint *scratch,
+                 svo_photon_params params)
 {
-    const uint first = (uint)get_global_id(0) * SVO_ITEM_PHOTONS;
-    uint before = SVO_PHOTON_MISSED;
+    const uint item = (uint)get_global_id(0);
+    const uint first = item * SVO_ITEM_PHOTONS;
+    const uint count = first < params.count ? min(params.count - first, (uint)SVO_ITEM_PHOTONS) : 0u;
     uint met = 0;
-    for (uint photon = first; photon < min(first + SVO_ITEM_PHOTONS, params.count); ++photon) {
-        const uint node = hits[photon].node;
-        uint leaf = SVO_PHOTON_MISSED;
-        if (node != SVO_NO_NODE) {
-            leaf = node - params.leaf_begin;
+    svo_reach reach;
+    reach.count = 0u;
+    for (uint k = 0; k < count; ++k) {
+        const uint node = hits[first + k].node;
+        const uint leaf = node != SVO_NO_NODE ? node - params.leaf_begin : SVO_PHOTON_MISSED;
+        leaves[first + k] = leaf;
+        uint parts = 0u;
+        if (svo_is_leaf(leaf)) {
+            const uint nowhere[3] = {0u, 0u, 0u};
+            parts = svo_some_parts(SVO_SPREAD_PARTS, svo_reach_own(leaf, nowhere, &reach));
             ++met;
         }
-        svo_keep_leaf(leaf, before, leaves + photon, slots, counters, &params);
-        before = leaf;
+        if (params.spreads != 0u) {
+            spreads[item].parts[k] = parts;
+        }
     }
-    svo_count_hits(params.claims != 0u ? met : 0u, counters, scratch);
+    if (params.spreads != 0u && count > 0u) {
+        svo_keep_reach(&reach, spreads + item, slots, counters);
+    }
+    svo_count_hits(params.spreads != 0u ? met : 0u, counters, scratch);
 }
 
 /* ---- sums ---- */
@@ -156,9 +181,15 @@ static ulong svo_photon_flux(const svo_light_view_params *view, uint weight, uin
     return mul_hi(of_one << 8, (ulong)weight << (64 - SVO_WEIGHT_UNIT_LOG2 - 8));
 }
 
-/* Adds a photon. normal: of the surface, on either side. */
+/* What the parts of a photon from first up to end have of its flux: over all parts, exactly all of it. */
+static ulong svo_flux_of_parts(ulong flux, uint first, uint end)
+{
+    return flux * end / SVO_SPREAD_PARTS - flux * first / SVO_SPREAD_PARTS;
+}
+
+/* Adds the parts of a photon from parts.x up to parts.y. normal: of the surface, on either side. */
 static void svo_sum_photon(const svo_light_view_params *view, uint photon, svo_photon_weight weight, float3 normal,
-                           svo_photon_sums *sums)
+                           uint2 parts, svo_photon_sums *sums)
 {
     float x;
     float y;
@@ -170,7 +201,7 @@ static void svo_sum_photon(const svo_light_view_params *view, uint photon, svo_p
     ulong all = 0ul;
     ulong flux[3];
     for (uint channel = 0; channel < 3u; ++channel) {
-        flux[channel] = svo_photon_flux(view, weight.flux, channel);
+        flux[channel] = svo_flux_of_parts(svo_photon_flux(view, weight.flux, channel), parts.x, parts.y);
         sums->flux[channel] += flux[channel];
         all += flux[channel];
     }
@@ -205,30 +236,36 @@ static void svo_lose_photon(const svo_light_view_params *view, uint weight, vola
 /* hits: of triangles or of voxels; both have the normal in words 4 to 6. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_add(__global const svo_photon_weight *weights, __global const float8 *hits, __global const uint *leaves,
-                 __global const uint *slots, volatile __global uint *sums, volatile __global uint *counters,
-                 svo_light_view_params view)
+                 __global const svo_photon_spread *spreads, __global const uint *slots, volatile __global uint *sums,
+                 volatile __global uint *counters, svo_light_view_params view)
 {
-    const uint first = (uint)get_global_id(0) * SVO_ITEM_PHOTONS;
-    uint before = SVO_PHOTON_MISSED;
-    svo_photon_sums added;
-    svo_clear_sums(&added);
-    for (uint photon = first; photon < min(first + SVO_ITEM_PHOTONS, view.count); ++photon) {
-        const uint leaf = leaves[photon];
-        if (leaf == SVO_PHOTON_LOST) {
-            svo_lose_photon(&view, weights[photon].flux, counters);
+    const uint item = (uint)get_global_id(0);
+    const uint first = item * SVO_ITEM_PHOTONS;
+    const uint count = first < view.count ? min(view.count - first, (uint)SVO_ITEM_PHOTONS) : 0u;
+    uint given[SVO_ITEM_PHOTONS];
+    for (uint k = 0; k < count; ++k) {
+        given[k] = 0u;
+        if (leaves[first + k] == SVO_PHOTON_LOST) {
+            svo_lose_photon(&view, weights[first + k].flux, counters);
         }
+    }
+    for (uint place = 0; place < SVO_SPREAD_CELLS && count > 0u; ++place) {
+        const uint leaf = spreads[item].leaves[place];
+        svo_photon_sums added;
         if (!svo_is_leaf(leaf)) {
             continue;
         }
-        if (leaf != before && svo_is_leaf(before)) {
-            svo_store_sums(sums, slots[before], &added);
-            svo_clear_sums(&added);
+        svo_clear_sums(&added);
+        for (uint k = 0; k < count; ++k) {
+            const uint before = given[k];
+            given[k] += spreads[item].parts[k] >> 4u * place & 15u;
+            if (given[k] > before) {
+                const uint photon = first + k;
+                svo_sum_photon(&view, view.first + photon, weights[photon], hits[photon].s456,
+                               (uint2)(before, given[k]), &added);
+            }
         }
-        svo_sum_photon(&view, view.first + photon, weights[photon], hits[photon].s456, &added);
-        before = leaf;
-    }
-    if (svo_is_leaf(before)) {
-        svo_store_sums(sums, slots[before], &added);
+        svo_store_sums(sums, slots[leaf], &added);
     }
 }
 

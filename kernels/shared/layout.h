@@ -439,6 +439,9 @@ SVO_RECORD(svo_light_step)
 #define SVO_FLUX_TOTAL_LOG2    50 /* all photons together have less flux, so that no sum overflows */
 #define SVO_RADIANCE_MOST_LOG2 30 /* radiance from photons and emission are at most this each */
 #define SVO_TILE_PIXELS_LOG2   3 /* photons come in square tiles of pixels, in Morton order inside */
+#define SVO_ITEM_PHOTONS       4 /* of a work-item: two by two pixels */
+#define SVO_SPREAD_CELLS       8 /* that the photons of a work-item reach at most */
+#define SVO_SPREAD_PARTS       15 /* of a photon: each goes to a leaf */
 
 /* What photons count. */
 #define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
@@ -455,6 +458,14 @@ SVO_RECORD(svo_photon_weight)
 {
     SVO_U32 flux; /* 0 */
     SVO_U32 inverse_length; /* 4 */
+};
+
+/* How the photons of a work-item spread: cells that they reach, and how many of SVO_SPREAD_PARTS each of them gets of
+   each photon. 48 bytes. */
+SVO_RECORD(svo_photon_spread)
+{
+    SVO_U32 leaves[8]; /* 0: of the cells; SVO_PHOTON_LOST: there is none, and it gets nothing */
+    SVO_U32 parts[4]; /* 32: of a photon: four bits for each cell, the first lowest */
 };
 
 /* The pixels that a source sees, and photons of them. Pixel i, j is at x = (2 i + 1 - columns) half_x and
@@ -485,8 +496,8 @@ SVO_RECORD(svo_photon_params)
     SVO_U32 leaf_count; /* 12 */
     SVO_U32 triangle_count; /* 16: of those with ids */
     SVO_U32 count; /* 20: photons, slots or leaves of the launch */
-    SVO_U32 claims; /* 24: not 0: leaves get slots, and hits are counted */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 spreads; /* 24: not 0: photons of a view spread, leaves get slots, and hits are counted */
+    SVO_F32 cells; /* 28: leaves along a world unit */
 };
 
 /* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
@@ -586,6 +597,7 @@ SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
 SVO_ASSERT_BYTES(svo_photon_weight, 8);
+SVO_ASSERT_BYTES(svo_photon_spread, 48);
 SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);

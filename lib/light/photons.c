@@ -11,8 +11,6 @@
 #include "rays/rays.h"
 #include "svocl/trace.h"
 
-/* Photons of a work-item of those that find and add. */
-#define ITEM_PHOTONS 4
 /* The first room for slots. */
 #define FIRST_SLOTS (UINT32_C(1) << 16)
 
@@ -72,6 +70,8 @@ svo_status svo_i_photons_make_bands(svo_i_photons *photons)
                                &photons->weights));
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_rays", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->rays));
     SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_hits", SVO_I_BAND_PHOTONS * sizeof(svo_hit), &photons->met));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_spreads",
+                               SVO_I_BAND_PHOTONS / SVO_ITEM_PHOTONS * sizeof(svo_photon_spread), &photons->spreads));
     return svo_i_work_alloc(photons->work, "photon_leaves", SVO_I_BAND_PHOTONS * sizeof(cl_uint), &photons->leaves);
 }
 
@@ -80,6 +80,7 @@ void svo_i_photons_release_bands(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->weights);
     svo_i_work_free(photons->work, &photons->rays);
     svo_i_work_free(photons->work, &photons->met);
+    svo_i_work_free(photons->work, &photons->spreads);
     svo_i_work_free(photons->work, &photons->leaves);
     svo_i_free(photons->host_weights);
     photons->host_weights = NULL;
@@ -119,13 +120,6 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 /* ---- a band ---- */
 
-static svo_status upload_weights(svo_i_photons *photons, const svo_i_light_view *view, uint32_t first, uint32_t count)
-{
-    svo_photon_weight *weights = photons->host_weights;
-    photons->shot += svo_i_view_weights(view, first, count, weights);
-    return svo_i_work_write(photons->work, photons->weights, weights, count * sizeof *weights);
-}
-
 svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
 {
     svo_i_compact_work *work = photons->work;
@@ -143,18 +137,21 @@ svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
     return SVO_OK;
 }
 
-svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims)
+svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count)
 {
+    static const svo_light_view_params no_view = {.count = 0};
     const svo_tree *tree = photons->tree;
+    const double leaf_edge = ldexp(1 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth));
     const svo_photon_params params = {.depth = tree->info.depth,
                                       .snap_bits = tree->info.snap_bits,
                                       .leaf_begin = (cl_uint)tree->info.inner_count,
                                       .leaf_count = (cl_uint)tree->info.leaf_count,
                                       .triangle_count = (cl_uint)tree->info.list_triangle_count,
                                       .count = count,
-                                      .claims = claims};
+                                      .spreads = view != NULL ? 1 : 0,
+                                      .cells = (cl_float)(1 / leaf_edge)};
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
-    const uint64_t items = (count + ITEM_PHOTONS - 1) / ITEM_PHOTONS;
+    const uint64_t items = (count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
@@ -164,39 +161,54 @@ svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t c
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
                                         SVO_I_ARGUMENT(photons->met),
                                         SVO_I_ARGUMENT(photons->leaves),
+                                        SVO_I_ARGUMENT(photons->spreads),
                                         SVO_I_ARGUMENT(photons->slots),
                                         SVO_I_ARGUMENT(photons->counters),
                                         scratch,
-                                        SVO_I_ARGUMENT(params)};
-    const svo_i_argument *of_voxels = &arguments[7]; /* without lists */
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_ARGUMENT(*(view != NULL ? view : &no_view))};
+    const svo_i_argument *of_voxels = &arguments[7]; /* without lists and view */
     const cl_uint argument_count = (cl_uint)(sizeof arguments / sizeof arguments[0]);
     return photons->of_triangles
                ? svo_i_work_launch(photons->work, "svo_k_photon_find", arguments, argument_count, items)
-               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 7, items);
+               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 8, items);
+}
+
+/* What a band's photons weigh and meet. */
+static svo_status see_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
+{
+    svo_i_compact_work *work = photons->work;
+    svo_photon_weight *weights = photons->host_weights;
+    const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
+                                   SVO_I_ARGUMENT(*params)};
+    photons->shot += svo_i_view_weights(view, params->first, params->count, weights);
+    SVO_I_TRY(svo_i_work_write(work, photons->weights, weights, params->count * sizeof *weights));
+    if (photons->viewer != NULL) {
+        SVO_I_TRY(svo_i_work_wait(work));
+        return photons->viewer->draw(photons->viewer->self, params, weights, work->queue, photons->met);
+    }
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
+    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
+    return svo_i_work_wait(work);
 }
 
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
 {
     svo_i_compact_work *work = photons->work;
     const double start = svo_i_now_ms();
-    const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
-                                   SVO_I_ARGUMENT(*params)};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),
-                                  SVO_I_ARGUMENT(photons->leaves),  SVO_I_ARGUMENT(photons->slots),
-                                  SVO_I_ARGUMENT(photons->sums),    SVO_I_ARGUMENT(photons->counters),
-                                  SVO_I_ARGUMENT(*params)};
-    SVO_I_TRY(upload_weights(photons, view, params->first, params->count));
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
-    SVO_I_TRY(svo_i_work_wait(work));
-    const double traced = svo_i_now_ms();
-    SVO_I_TRY(svo_i_photons_find(photons, params->count, 1));
+    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
+                                  SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->spreads),
+                                  SVO_I_ARGUMENT(photons->slots),    SVO_I_ARGUMENT(photons->sums),
+                                  SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(see_band(photons, view, params));
+    const double seen = svo_i_now_ms();
+    SVO_I_TRY(svo_i_photons_find(photons, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
-                                (params->count + ITEM_PHOTONS - 1) / ITEM_PHOTONS));
+                                (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
     SVO_I_TRY(svo_i_work_wait(work));
-    photons->view_ms += traced - start;
-    photons->sum_ms += svo_i_now_ms() - traced;
+    photons->view_ms += seen - start;
+    photons->sum_ms += svo_i_now_ms() - seen;
     return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
 }
 

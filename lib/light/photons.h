@@ -7,6 +7,7 @@
 #include "core/tree.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
+#include "light/viewer.h"
 
 /* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
 #define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)
@@ -27,6 +28,8 @@ typedef struct svo_i_photons {
     uint64_t hits; /* 64 bits of what the counter has 32 of */
     cl_mem weights, rays, met, leaves; /* of a band */
     svo_photon_weight *host_weights; /* of a band, owned */
+    cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
+    const svo_i_light_viewer *viewer; /* NULL: rays see */
     svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
     double view_ms, sum_ms; /* rays; leaves and sums */
 } svo_i_photons;
@@ -39,9 +42,10 @@ svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool ha
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
 /* Buffers for a band, kept from view to view. */
 svo_status svo_i_photons_make_bands(svo_i_photons *photons);
-/* What the band's rays meet, and the leaves of that. claims: not 0: the leaves get slots, and hits are counted. */
+/* What the band's rays meet, and the leaves of that. view: whose photons they are: then they spread, the leaves get
+   slots, and hits are counted; NULL: of none. */
 svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count);
-svo_status svo_i_photons_find(svo_i_photons *photons, uint32_t count, uint32_t claims);
+svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count);
 /* Releases the buffers of bands, which only shooting needs; and the rest. The work does so otherwise. */
 void svo_i_photons_release_bands(svo_i_photons *photons);
 void svo_i_photons_release(svo_i_photons *photons);

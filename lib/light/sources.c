@@ -228,6 +228,7 @@ svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const s
     const double unit = flux_unit(bound_flux(setup, &box));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
     SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
+    photons.viewer = light->viewer;
     const svo_status shot =
         setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info) : shoot_all(&photons, setup, &box);
     svo_i_photons_release_bands(&photons);

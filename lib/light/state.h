@@ -8,6 +8,8 @@
 #include "shared/layout.h"
 #include "svocl/light.h"
 
+struct svo_i_light_viewer;
+
 /* What lights the tree directly, for pictures: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
     svo_light_source *sources; /* with unit directions; NULL: none */
@@ -23,6 +25,7 @@ struct svo_light {
     svo_light_params params; /* of its kernels */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
+    const struct svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */

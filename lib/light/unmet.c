@@ -19,7 +19,7 @@ static svo_status look_at_band(svo_i_photons *photons, const svo_light_source *s
                                     SVO_I_ARGUMENT(params->count)};
     SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_unmet_rays", SVO_I_ARGUMENTS(rays), params->count));
     SVO_I_TRY(svo_i_photons_trace(photons, params->count));
-    SVO_I_TRY(svo_i_photons_find(photons, params->count, 0));
+    SVO_I_TRY(svo_i_photons_find(photons, NULL, params->count));
     return svo_i_work_launch(photons->work, "svo_k_unmet_count", SVO_I_ARGUMENTS(count), params->count);
 }
 
