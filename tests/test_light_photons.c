@@ -348,36 +348,47 @@ static void test_point_light_obeys_inverse_squares(void **state)
     built_destroy(&made);
 }
 
-/* Without directions: flux over the surface's area in the leaf, whose fill says how large that is. */
-static void test_radiance_without_directions(void **state)
+/* Without directions: flux over the surface's area in the leaf, whose fill says how large that is. sheets: walls in one
+   place, of which light meets one. */
+static void check_without_directions(const fixture *opened, svo_light_form form, unsigned sheets)
 {
-    const fixture opened = fixture_cl_of_group(state);
-    const svo_mesh mesh = wall_mesh();
+    static const uint32_t indices[] = {4, 4, 4, 5, 5, 5, 0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3};
+    svo_mesh mesh = wall_mesh();
     const svo_plan_options grid = wall_grid();
     const svo_light_source source = {
         .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1.0F, 0.5F, 0.25F}};
     const svo_light_setup setup = setup_of(&source, 1024);
+    const double red = 1 / PI / sheets;
+    unsigned checked = 0;
     built made;
-    fixture_build(&opened, &mesh, WALL_DEPTH, &grid, &made);
-    for (int form = SVO_LIGHT_BRICKS; form <= SVO_LIGHT_VOXELS; ++form) {
-        unsigned checked = 0;
-        lit_leaves lit;
-        svo_light *light = light_of(&opened, made.tree, (svo_light_form)form);
-        shine(&opened, light, &setup, &lit);
-        for (uint64_t i = 0; i < lit.count; ++i) {
-            double middle[3];
-            if (is_inner(&made, lit.leaves[i], middle)) {
-                ++checked;
-                assert_near(radiance_at(&lit, i, 0, 0), 1 / PI, 0.01, "red");
-                assert_near(radiance_at(&lit, i, 0, 1), 0.5 / PI, 0.005, "green");
-                assert_near(radiance_at(&lit, i, 0, 2), 0.25 / PI, 0.0025, "blue");
-            }
+    lit_leaves lit;
+    mesh.indices = indices;
+    mesh.triangle_count = 2 + 2 * (size_t)sheets;
+    fixture_build(opened, &mesh, WALL_DEPTH, &grid, &made);
+    svo_light *light = light_of(opened, made.tree, form);
+    shine(opened, light, &setup, &lit);
+    for (uint64_t i = 0; i < lit.count; ++i) {
+        double middle[3];
+        if (is_inner(&made, lit.leaves[i], middle)) {
+            ++checked;
+            assert_near(radiance_at(&lit, i, 0, 0), red, 0.01, "red");
+            assert_near(radiance_at(&lit, i, 0, 1), red / 2, 0.005, "green");
+            assert_near(radiance_at(&lit, i, 0, 2), red / 4, 0.0025, "blue");
         }
-        assert_int_equal(checked, 30 * 30);
-        free_lit(&lit);
-        svo_light_destroy(&light);
     }
+    assert_int_equal(checked, 30 * 30);
+    free_lit(&lit);
+    svo_light_destroy(&light);
     built_destroy(&made);
+}
+
+static void test_radiance_without_directions(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (unsigned sheets = 1; sheets <= 2; ++sheets) {
+        check_without_directions(&opened, SVO_LIGHT_BRICKS, sheets);
+        check_without_directions(&opened, SVO_LIGHT_VOXELS, sheets);
+    }
 }
 
 /* ---- emission ---- */
