@@ -574,6 +574,10 @@ SVO_RECORD(svo_lit_picture_params)
 /* Probes that a cell of the field lists. */
 #define SVO_PROBE_FIELD_ENTRIES 4u
 
+/* Parts of a leaf edge in which moments are added up, and the most of them, so that 64 x 64 squares fit 64 bits. */
+#define SVO_PROBE_LENGTH_UNIT 256u
+#define SVO_PROBE_LENGTH_MAX  0x3ffffffu
+
 /* Of svo_probes_params.flags. */
 #define SVO_PROBES_FLAG_RADIANCE 1u /* texels have radiance */
 #define SVO_PROBES_FLAG_DIFFUSE  2u /* there are maps of irradiance and moments */
@@ -597,7 +601,19 @@ SVO_RECORD(svo_probes_params)
     SVO_U32 reserved; /* 92 */
 };
 
+/* A launch of the kernels that make probes. 32 bytes. */
+SVO_RECORD(svo_probe_step)
+{
+    SVO_U32 first; /* 0: of the launch: a ray, a block, a cell of the field, a probe */
+    SVO_U32 count; /* 4: work-items of the launch */
+    SVO_U32 hit_words; /* 8: of a record of a hit */
+    SVO_U32 cell_edge; /* 12: of the cells that irradiance adds up, texels */
+    SVO_F32 half_cell[3]; /* 16: of the field, world units */
+    SVO_U32 reserved; /* 28 */
+};
+
 #if !defined(GL_core_profile)
+SVO_ASSERT_BYTES(svo_probe_step, 32);
 SVO_ASSERT_BYTES(svo_probes_params, 96);
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
