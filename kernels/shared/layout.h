@@ -546,6 +546,8 @@ SVO_RECORD(svo_exchange_params)
 #define SVO_LIT_VIEW_DIRECT   2u
 #define SVO_LIT_VIEW_INDIRECT 3u
 #define SVO_LIT_VIEW_SPECULAR 4u
+/* And for maps, which are looked at from elsewhere: full without specular light. */
+#define SVO_LIT_VIEW_MATTE 5u
 
 /* Arguments of pictures of lights, world coordinates. 96 bytes. */
 SVO_RECORD(svo_lit_picture_params)
