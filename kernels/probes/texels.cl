@@ -72,7 +72,7 @@ svo_k_probe_rays(__global const svo_probe *places, __global svo_ray *rays, svo_p
 
 /* hits: records of step.hit_words words, which begin with t and have the normal in words 4 .. 6. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_probe_texels(__global const uint *hits, __global const float *thresholds, __global uint *texels,
+svo_k_probe_texels(__global const uint *hits, __global const ulong *thresholds, __global uint *texels,
                    svo_probes_params params, svo_probe_step step)
 {
     const uint i = (uint)get_global_id(0);
@@ -88,9 +88,9 @@ svo_k_probe_texels(__global const uint *hits, __global const float *thresholds, 
     const float along = met.x * direction.x + met.y * direction.y + met.z * direction.z;
     const bool has_normal = met.x != 0.0f || met.y != 0.0f || met.z != 0.0f;
     const float3 normal = !has_normal || t == INFINITY ? -direction : along > 0.0f ? -met : met;
-    const float scaled = t * params.code_scale;
-    const float length2 = (float)(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z);
-    const uint code = t < INFINITY ? svo_probe_distance_code(scaled * scaled * length2, thresholds) : SVO_PROBE_NOTHING;
+    const uint length2 = (uint)(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z);
+    const uint code =
+        t < INFINITY ? svo_probe_distance_code(svo_probe_distance_key(t, length2), thresholds) : SVO_PROBE_NOTHING;
     texels[2u * item.texel] = svo_probe_encode_normal(normal) | code;
     texels[2u * item.texel + 1u] = 0u;
 }

@@ -622,7 +622,7 @@ SVO_RECORD(svo_probe_step)
     SVO_U32 hit_words; /* 8: of a record of a hit */
     SVO_U32 cell_edge; /* 12: of the cells that irradiance adds up, texels */
     SVO_F32 half_cell[3]; /* 16: of the field, world units */
-    SVO_U32 reserved; /* 28 */
+    SVO_I32 scale_log2; /* 28: of world units, near 1 / leaf edge */
 };
 
 #if !defined(GL_core_profile)

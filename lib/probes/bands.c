@@ -9,9 +9,10 @@ uint64_t svo_i_probe_texels(const svo_probes *probes)
     return (uint64_t)probes->info.probe_count * probes->info.resolution * probes->info.resolution;
 }
 
-svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const void *table, cl_mem *out)
+svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const void *table, size_t entry_bytes,
+                             cl_mem *out)
 {
-    const uint64_t bytes = SVO_I_PROBE_CODES * sizeof(cl_uint);
+    const uint64_t bytes = SVO_I_PROBE_CODES * entry_bytes;
     SVO_I_TRY(svo_i_work_alloc(work, name, bytes, out));
     return svo_i_work_write(work, *out, table, bytes);
 }
@@ -20,12 +21,12 @@ static svo_status make_thresholds(svo_i_probe_bands *bands)
 {
     const svo_probe_info *info = &bands->probes->info;
     svo_i_compact_work *work = bands->work;
-    float *thresholds = svo_i_alloc(&work->device->memory, SVO_I_PROBE_CODES * sizeof *thresholds);
+    uint64_t *thresholds = svo_i_alloc(&work->device->memory, SVO_I_PROBE_CODES * sizeof *thresholds);
     if (thresholds == NULL) {
         return svo_i_device_fail(work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for codes", work->function);
     }
-    svo_i_probe_thresholds(svo_i_probe_reach(info->farthest, info->leaf_edge), thresholds);
-    const svo_status status = svo_i_probe_table(work, "thresholds", thresholds, &bands->thresholds);
+    svo_i_probe_thresholds(info->farthest, info->leaf_edge, thresholds);
+    const svo_status status = svo_i_probe_table(work, "thresholds", thresholds, sizeof *thresholds, &bands->thresholds);
     svo_i_free(thresholds);
     return status;
 }

@@ -22,6 +22,7 @@ svo_status svo_i_probe_bands_aim(const svo_i_probe_bands *bands, svo_probe_step 
 /* Texel rays of all probes. */
 uint64_t svo_i_probe_texels(const svo_probes *probes);
 /* A table of codes as a buffer of the work. */
-svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const void *table, cl_mem *out);
+svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const void *table, size_t entry_bytes,
+                             cl_mem *out);
 
 #endif

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "shared/layout.h"
 #include "svocl/probes.h"
@@ -51,27 +52,28 @@ static double power(const powers *of, double exponent)
     return product;
 }
 
-double svo_i_probe_reach(float farthest, float leaf_edge)
+double svo_i_probe_growth(float farthest, float leaf_edge)
 {
-    return (double)farthest / (double)leaf_edge;
+    return (double)farthest / (double)leaf_edge + 1;
 }
 
-void svo_i_probe_thresholds(double reach, float thresholds[SVO_I_PROBE_CODES])
+void svo_i_probe_thresholds(float farthest, float leaf_edge, uint64_t thresholds[SVO_I_PROBE_CODES])
 {
-    const powers grown = powers_of(reach + 1);
-    thresholds[0] = 0.0F;
+    const powers grown = powers_of(svo_i_probe_growth(farthest, leaf_edge));
+    thresholds[0] = 0;
     for (uint32_t code = 1; code < SVO_I_PROBE_CODES; ++code) {
-        const double scaled = power(&grown, ((double)code - 0.5) / SVO_PROBE_CODE_MAX) - 1;
-        thresholds[code] = (float)(scaled * scaled);
+        const double distance = (power(&grown, ((double)code - 0.5) / SVO_PROBE_CODE_MAX) - 1) * (double)leaf_edge;
+        const double squared = distance * distance;
+        memcpy(&thresholds[code], &squared, sizeof squared);
     }
 }
 
-void svo_i_probe_lengths(double reach, uint32_t lengths[SVO_I_PROBE_CODES])
+void svo_i_probe_lengths(float farthest, float leaf_edge, uint32_t lengths[SVO_I_PROBE_CODES])
 {
-    const powers grown = powers_of(reach + 1);
+    const powers grown = powers_of(svo_i_probe_growth(farthest, leaf_edge));
     for (uint32_t code = 0; code < SVO_I_PROBE_CODES; ++code) {
-        const double scaled = power(&grown, (double)code / SVO_PROBE_CODE_MAX) - 1;
-        const double parts = scaled * SVO_PROBE_LENGTH_UNIT + 0.5;
+        const double leaf_edges = power(&grown, (double)code / SVO_PROBE_CODE_MAX) - 1;
+        const double parts = leaf_edges * SVO_PROBE_LENGTH_UNIT + 0.5;
         lengths[code] = parts < SVO_PROBE_LENGTH_MAX ? (uint32_t)parts : SVO_PROBE_LENGTH_MAX;
     }
 }
@@ -81,7 +83,7 @@ double svo_probe_distance(const svo_probe_info *info, uint32_t code)
     if (code > SVO_PROBE_CODE_MAX) {
         return INFINITY;
     }
-    const powers grown = powers_of(svo_i_probe_reach(info->farthest, info->leaf_edge) + 1);
+    const powers grown = powers_of(svo_i_probe_growth(info->farthest, info->leaf_edge));
     return (power(&grown, (double)code / SVO_PROBE_CODE_MAX) - 1) * (double)info->leaf_edge;
 }
 

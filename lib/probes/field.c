@@ -2,6 +2,8 @@
 /* The host side of kernels/probes/field.cl. */
 #include "probes/field.h"
 
+#include <math.h>
+
 /* Pairs of a cell and a probe that a launch looks at, so that none takes long enough for a driver to end it. */
 #define BAND_PAIRS (UINT64_C(1) << 27)
 
@@ -18,7 +20,7 @@ svo_status svo_i_probes_field(const svo_i_probe_bands *bands)
     const svo_probe_info *info = &probes->info;
     const uint64_t cells = (uint64_t)info->field_size * info->field_size * info->field_size;
     const uint32_t most = band_cells(info);
-    svo_probe_step step = {.first = 0};
+    svo_probe_step step = {.scale_log2 = -ilogbf(info->leaf_edge)};
     for (int axis = 0; axis < 3; ++axis) {
         step.half_cell[axis] = (float)(((double)info->high[axis] - (double)info->low[axis]) / (2.0 * info->field_size));
     }

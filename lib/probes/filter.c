@@ -62,8 +62,8 @@ static svo_status make_lengths(const svo_i_probe_bands *bands, cl_mem *out)
     if (lengths == NULL) {
         return svo_i_device_fail(work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for codes", work->function);
     }
-    svo_i_probe_lengths(svo_i_probe_reach(info->farthest, info->leaf_edge), lengths);
-    const svo_status status = svo_i_probe_table(work, "lengths", lengths, out);
+    svo_i_probe_lengths(info->farthest, info->leaf_edge, lengths);
+    const svo_status status = svo_i_probe_table(work, "lengths", lengths, sizeof *lengths, out);
     svo_i_free(lengths);
     return status;
 }

@@ -175,8 +175,8 @@ static uint64_t find_scratch(const svo_i_sight *sight, const svo_probe_options *
 {
     const uint64_t per_ray = sizeof(svo_ray) + svo_i_sight_hit_words(sight) * sizeof(cl_uint) +
                              (asked->light != NULL ? 3 * sizeof(cl_float) : 0);
-    const uint64_t tables = asked->diffuse != 0 ? 2 : 1;
-    return svo_i_probes_band_rays(info) * per_ray + tables * SVO_I_PROBE_CODES * sizeof(cl_uint) +
+    const uint64_t per_code = sizeof(cl_ulong) + (asked->diffuse != 0 ? sizeof(cl_uint) : 0);
+    return svo_i_probes_band_rays(info) * per_ray + SVO_I_PROBE_CODES * per_code +
            (asked->light != NULL ? svo_i_light_shader_bytes(asked->light) : 0);
 }
 
@@ -268,7 +268,7 @@ svo_probes_params svo_i_probes_params(const svo_probe_info *info)
                                 .leaf_edge = info->leaf_edge,
                                 .code_scale = 1.0F / info->leaf_edge,
                                 .farthest = info->farthest};
-    params.code_log2 = (float)log2(svo_i_probe_reach(info->farthest, info->leaf_edge) + 1);
+    params.code_log2 = (float)log2(svo_i_probe_growth(info->farthest, info->leaf_edge));
     for (int axis = 0; axis < 3; ++axis) {
         params.start[axis] = info->start[axis];
         params.step[axis] = info->step[axis];
