@@ -14,6 +14,7 @@ typedef struct walk {
     const probe_map *map;
     real origin[3], direction[3]; /* from the probe, leaf edges; unit */
     real t_min;
+    real turns[3]; /* ts at which the octant changes */
     bool close;
 } walk;
 
@@ -82,8 +83,9 @@ static size_t cross_all(const walk *w, real *list)
     const int half = (int)w->map->info.resolution / 2;
     size_t count = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const real n[3] = {axis == 0, axis == 1, axis == 2};
-        cross(w, n, list, &count);
+        if (w->direction[axis] != 0) {
+            list[count++] = w->turns[axis];
+        }
     }
     for (int octant = 0; octant < 8; ++octant) {
         const real sign[3] = {octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1};
@@ -172,15 +174,13 @@ static bool test_texel(walk *w, const int texel[2], const int before[2], const r
     w->close = w->close || fabsl(facing) < EVEN;
     const real reach = one.distance + 1 + one.width / fmaxl(one.cosine, 0.1L);
     const real below = 0.1L + 0.1L * one.width;
-    out->state = SVO_PROBE_UNKNOWN;
-    out->t = (double)fmaxl(facing < 0 && enter < 0 ? fminl(-lift / facing, t[0]) : t[0], w->t_min);
-    if (is_less(w, reach, nearest)) {
-        return true;
-    }
-    if (facing < 0 ? is_less(w, 0, leave) : is_less(w, first ? -0.02L : -below, enter)) {
+    const bool held = !is_less(w, reach, nearest);
+    if (held && (facing < 0 ? is_less(w, 0, leave) : is_less(w, first ? -0.02L : 0, enter))) {
         return false;
     }
-    if (facing >= 0 || is_less(w, enter, first ? 0.02L : -below) ||
+    out->state = SVO_PROBE_UNKNOWN;
+    out->t = (double)fmaxl(facing < 0 && enter < 0 ? fminl(-lift / facing, t[0]) : t[0], w->t_min);
+    if (!held || facing >= 0 || is_less(w, enter, first ? 0.02L : -below) ||
         (!first && is_less(w, enter, 0) && !is_joined(w, &one, before))) {
         return true;
     }
@@ -188,6 +188,11 @@ static bool test_texel(walk *w, const int texel[2], const int before[2], const r
     out->t = (double)fmaxl(-lift / facing, w->t_min);
     out->texel = (uint32_t)texel[1] * w->map->info.resolution + (uint32_t)texel[0];
     return true;
+}
+
+static bool turns_at(const walk *w, real t)
+{
+    return t == w->turns[0] || t == w->turns[1] || t == w->turns[2];
 }
 
 static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
@@ -204,8 +209,8 @@ static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
         }
         t[1] = next < count && list[next] < t_max ? list[next] : t_max;
         texel_of(w, (t[0] + t[1]) / 2, &texel[0], &texel[1]);
-        /* Planes bound texels in one octant; elsewhere they cut them in two. */
-        for (size_t k = next; k < count && t[1] < t_max; ++k) {
+        /* Planes bound texels in one octant; in others they do not count. */
+        for (size_t k = next; k < count && t[1] < t_max && !turns_at(w, t[1]); ++k) {
             const real end = k + 1 < count && list[k + 1] < t_max ? list[k + 1] : t_max;
             int beyond[2];
             texel_of(w, (t[1] + end) / 2, &beyond[0], &beyond[1]);
@@ -235,6 +240,7 @@ probe_answer probe_reference_trace(const probe_map *map, const svo_ray *ray)
     for (int axis = 0; axis < 3; ++axis) {
         w.origin[axis] = ((real)ray->origin[axis] - (real)map->position[axis]) / leaf_edge;
         w.direction[axis] = (real)ray->direction[axis];
+        w.turns[axis] = w.direction[axis] != 0 ? -w.origin[axis] / w.direction[axis] : -INFINITY;
     }
     if (list != NULL) {
         const size_t count = cross_all(&w, list);
