@@ -12,9 +12,6 @@
 #include "probes/encoding.clh"
 #include "shared/layout.h"
 
-#define SVO_IRRADIANCE_TEXELS 8u /* along a side of a map */
-#define SVO_MOMENT_TEXELS     16u
-
 /* Cells of one probe along a side of its map. step.cell_edge: in texels. step.first: the first probe of the launch. */
 static uint svo_filter_cells(const svo_probes_params *params, const svo_probe_step *step)
 {
@@ -55,18 +52,18 @@ svo_k_probe_irradiance(__global const float4 *cells, __global uint *irradiance, 
     if (i >= step.count) {
         return;
     }
-    const uint texel = i % (SVO_IRRADIANCE_TEXELS * SVO_IRRADIANCE_TEXELS);
-    const uint probe = i / (SVO_IRRADIANCE_TEXELS * SVO_IRRADIANCE_TEXELS);
+    const uint texel = i % (SVO_PROBE_IRRADIANCE_TEXELS * SVO_PROBE_IRRADIANCE_TEXELS);
+    const uint probe = i / (SVO_PROBE_IRRADIANCE_TEXELS * SVO_PROBE_IRRADIANCE_TEXELS);
     const uint across = svo_filter_cells(&params, &step);
-    const float3 normal = normalize(convert_float3(
-        svo_probe_texel_vector(SVO_IRRADIANCE_TEXELS, texel % SVO_IRRADIANCE_TEXELS, texel / SVO_IRRADIANCE_TEXELS)));
+    const float3 normal = normalize(convert_float3(svo_probe_texel_vector(
+        SVO_PROBE_IRRADIANCE_TEXELS, texel % SVO_PROBE_IRRADIANCE_TEXELS, texel / SVO_PROBE_IRRADIANCE_TEXELS)));
     __global const float4 *own = cells + (size_t)probe * across * across;
     float3 sum = (float3)(0.0f);
     for (uint k = 0; k < across * across; ++k) {
         const float3 direction = normalize(convert_float3(svo_probe_texel_vector(across, k % across, k / across)));
         sum += fmax(dot(normal, direction), 0.0f) * own[k].xyz;
     }
-    const size_t out = (size_t)step.first * SVO_IRRADIANCE_TEXELS * SVO_IRRADIANCE_TEXELS + i;
+    const size_t out = (size_t)step.first * SVO_PROBE_IRRADIANCE_TEXELS * SVO_PROBE_IRRADIANCE_TEXELS + i;
     irradiance[out] = svo_probe_encode_radiance(sum);
 }
 
@@ -79,9 +76,10 @@ svo_k_probe_moments(__global const uint *texels, __global const uint *lengths, _
     if (i >= step.count) {
         return;
     }
-    const uint edge = params.resolution / SVO_MOMENT_TEXELS;
-    /* i / SVO_MOMENT_TEXELS: the row of the map, among those of all probes. */
-    const size_t first = ((size_t)(i / SVO_MOMENT_TEXELS) * params.resolution + i % SVO_MOMENT_TEXELS) * edge;
+    const uint edge = params.resolution / SVO_PROBE_MOMENT_TEXELS;
+    /* i / SVO_PROBE_MOMENT_TEXELS: the row of the map, among those of all probes. */
+    const size_t first =
+        ((size_t)(i / SVO_PROBE_MOMENT_TEXELS) * params.resolution + i % SVO_PROBE_MOMENT_TEXELS) * edge;
     ulong sum = 0ul;
     ulong squares = 0ul;
     for (uint k = 0; k < edge * edge; ++k) {

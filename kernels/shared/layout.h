@@ -575,6 +575,9 @@ SVO_RECORD(svo_lit_picture_params)
 #define SVO_PROBE_CODE_MAX 65534u
 /* Probes that a cell of the field lists. */
 #define SVO_PROBE_FIELD_ENTRIES 4u
+/* Texels along a side of a probe's maps for diffuse light. */
+#define SVO_PROBE_IRRADIANCE_TEXELS 8u
+#define SVO_PROBE_MOMENT_TEXELS     16u
 
 /* Parts of a leaf edge in which moments are added up, and the most of them, so that 64 x 64 squares fit 64 bits. */
 #define SVO_PROBE_LENGTH_UNIT 256u
@@ -584,7 +587,7 @@ SVO_RECORD(svo_lit_picture_params)
 #define SVO_PROBES_FLAG_RADIANCE 1u /* texels have radiance */
 #define SVO_PROBES_FLAG_DIFFUSE  2u /* there are maps of irradiance and moments */
 
-/* What kernels know of probes besides their buffers. World coordinates. 96 bytes. */
+/* What kernels know of probes besides their buffers. World coordinates. 112 bytes. */
 SVO_RECORD(svo_probes_params)
 {
     SVO_F32 start[3]; /* 0: of the first probe, before it was moved */
@@ -600,7 +603,15 @@ SVO_RECORD(svo_probes_params)
     SVO_F32 code_scale; /* 80: C */
     SVO_F32 code_log2; /* 84: log2(C F + 1): the distance of a code q is (exp2(q / 65534 code_log2) - 1) / C */
     SVO_F32 farthest; /* 88: F */
-    SVO_U32 reserved; /* 92 */
+    SVO_F32 sky[3]; /* 92: radiance of what sees nothing */
+    SVO_U32 reserved[2]; /* 104 */
+};
+
+/* Arguments of rays through probes. 8 bytes. */
+SVO_RECORD(svo_probe_trace_params)
+{
+    SVO_U32 choice; /* 0: svo_probe_choice */
+    SVO_F32 thickness; /* 4: a factor */
 };
 
 /* A launch of the kernels that make probes. 32 bytes. */
@@ -616,7 +627,8 @@ SVO_RECORD(svo_probe_step)
 
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_probe_step, 32);
-SVO_ASSERT_BYTES(svo_probes_params, 96);
+SVO_ASSERT_BYTES(svo_probes_params, 112);
+SVO_ASSERT_BYTES(svo_probe_trace_params, 8);
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);

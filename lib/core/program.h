@@ -36,6 +36,8 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_LIGHT_SHADE, /* shade of light */
     SVO_I_PROGRAM_PROBES, /* texels, least, field of probes */
     SVO_I_PROGRAM_PROBE_FILTER, /* filter of probes */
+    SVO_I_PROGRAM_PROBE_TRACE, /* trace of probes */
+    SVO_I_PROGRAM_PROBE_GATHER, /* gather of probes */
     SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;

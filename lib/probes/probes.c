@@ -3,11 +3,13 @@
 #include "svocl/probes.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "core/struct_size.h"
+#include "light/state.h"
 #include "probes/field.h"
 #include "probes/filter.h"
 #include "probes/place.h"
@@ -46,10 +48,11 @@ static svo_status took(const svo_i_probe_bands *bands, svo_probes_stage stage, d
 /* Radiance, and what follows from it. */
 static svo_status light(const svo_i_probe_bands *bands, double *start)
 {
-    const svo_probes *probes = bands->probes;
+    svo_probes *probes = bands->probes;
     if (probes->light == NULL) {
         return SVO_OK;
     }
+    memcpy(probes->params.sky, probes->light->params.sky, sizeof probes->params.sky);
     SVO_I_TRY(svo_i_probes_radiance(bands));
     SVO_I_TRY(took(bands, SVO_PROBES_STAGE_RADIANCE, start));
     if (probes->buffers[SVO_PROBES_IRRADIANCE] == NULL) {
