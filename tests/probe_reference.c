@@ -207,6 +207,7 @@ static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
     int before[2] = {-1, -1};
     real t[2] = {w->t_min, w->t_min};
     size_t next = 0;
+    bool brief = false; /* a texel whose corner the ray passes */
     while (t[0] < t_max) {
         int texel[2];
         while (next < count && list[next] <= t[0]) {
@@ -224,7 +225,14 @@ static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
             }
             t[1] = end;
         }
+        const bool after_brief = brief;
+        brief = t[1] - t[0] < EVEN;
+        if (radius(w, t[0]) < 0.01L) {
+            before[0] = texel[0];
+            before[1] = texel[1];
+        }
         if (test_texel(w, texel, before, t, &out)) {
+            w->close = w->close || brief || after_brief;
             break;
         }
         before[0] = texel[0];
