@@ -217,17 +217,24 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
-/* Probes that move, with radiance and maps, relit; and those of a scene. */
+/* The hash of probes, and a ray through them. */
 static svo_status use_probes(subject *of, svo_probes *probes)
 {
+    const svo_ray ray = {.origin = {0.5F, 0.5F, -1.0F}, .t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
     char hash[SVO_HASH_TEXT_BYTES];
+    svo_probe_hit hit = {.t = 0};
     SVO_I_TRY(svo_probes_hash(probes, world.queue, hash));
     digest(of, hash, sizeof hash);
+    SVO_I_TRY(svo_probes_trace(probes, &ray, &hit, 1, NULL, world.queue));
+    digest(of, &hit, sizeof hit);
     return SVO_OK;
 }
 
+/* Probes with radiance and maps, relit. */
 static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *options)
 {
+    const svo_gather_point point = {.position = {0.5F, 0.5F, 0.5F}, .normal = {0, 0, 1}};
+    svo_probe_irradiance irradiance = {.weight = 0};
     svo_probes *probes = NULL;
     options->light = light;
     options->diffuse = 1;
@@ -235,6 +242,10 @@ static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *o
     svo_status status = svo_probes_relight(probes, world.queue);
     if (status == SVO_OK) {
         status = use_probes(of, probes);
+    }
+    if (status == SVO_OK) {
+        status = svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue);
+        digest(of, &irradiance, sizeof irradiance);
     }
     svo_probes_destroy(&probes);
     return status;
