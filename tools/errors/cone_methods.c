@@ -8,7 +8,7 @@
 
 /* ---- trees and lights ---- */
 
-static svo_tree *find_tree(cone_lights *lights, unsigned depth)
+svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth)
 {
     const session *opened = &lights->run->opened;
     const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
@@ -39,7 +39,7 @@ static svo_light *find_light(cone_lights *lights, const cone_way *way)
             return lights->lights[i].light;
         }
     }
-    svo_tree *tree = find_tree(lights, way->depth);
+    svo_tree *tree = cone_lights_tree(lights, way->depth);
     svo_light *light = NULL;
     if (tree != NULL && svo_light_create(tree, &stored, lights->run->opened.queue, &light) == SVO_OK) {
         lights->lights[lights->light_count].depth = way->depth;

@@ -45,6 +45,10 @@ typedef struct cone_gather {
     svo_gather_result *results;
 } cone_gather;
 
+/* Finds or makes the tree of a depth, with all that light needs. NULL on failure, with the reason in the device's
+   message. It belongs to lights. */
+svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth);
+
 /* Finds or makes the light of a way. False on failure, with the reason in the device's message; what was made then is
    still released by cone_gather_free. */
 bool cone_gather_make(cone_lights *lights, const cone_way *way, cone_gather *out);
