@@ -217,12 +217,22 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
-/* Probes that move, with radiance and maps, relit; and those of a scene. */
-static svo_status use_probes(subject *of, svo_probes *probes)
+/* Probes that move, with radiance and maps, relit; and those of a scene. Rays through both. */
+static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
 {
+    const svo_ray ray = {.origin = {0.3F, 0.3F, 0.3F}, .direction = {1, 2, 3}, .t_max = 8};
+    const svo_gather_point point = {.position = {0.3F, 0.3F, 0.3F}, .normal = {0, 0, 1}};
+    svo_probe_irradiance irradiance = {.weight = 0};
+    svo_probe_hit hit;
     char hash[SVO_HASH_TEXT_BYTES];
     SVO_I_TRY(svo_probes_hash(probes, world.queue, hash));
+    SVO_I_TRY(svo_probes_trace(probes, &ray, &hit, 1, NULL, world.queue));
+    if (diffuse) {
+        SVO_I_TRY(svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue));
+    }
     digest(of, hash, sizeof hash);
+    digest(of, &hit, sizeof hit);
+    digest(of, &irradiance, sizeof irradiance);
     return SVO_OK;
 }
 
@@ -234,7 +244,7 @@ static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *o
     SVO_I_TRY(svo_probes_create(of->tree, options, world.queue, &probes));
     svo_status status = svo_probes_relight(probes, world.queue);
     if (status == SVO_OK) {
-        status = use_probes(of, probes);
+        status = use_probes(of, probes, true);
     }
     svo_probes_destroy(&probes);
     return status;
@@ -254,7 +264,7 @@ static svo_status probe_scene(subject *of, const svo_probe_options *options)
     SVO_I_TRY(svo_scene_create(world.device, &placed, world.queue, &scene));
     svo_status status = svo_probes_create_scene(scene, options, world.queue, &probes);
     if (status == SVO_OK) {
-        status = use_probes(of, probes);
+        status = use_probes(of, probes, false);
     }
     svo_probes_destroy(&probes);
     svo_scene_destroy(&scene);
