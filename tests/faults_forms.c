@@ -217,35 +217,35 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
-/* The hash of probes, and a ray through them. */
-static svo_status use_probes(subject *of, svo_probes *probes)
+/* The hash of probes, a ray through them, and diffuse light where they have it. */
+static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
 {
-    const svo_ray ray = {.origin = {0.5F, 0.5F, -1.0F}, .t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
+    const svo_ray ray = {.origin = {0.3F, 0.3F, 0.3F}, .direction = {1, 2, 3}, .t_max = 8};
+    const svo_gather_point point = {.position = {0.3F, 0.3F, 0.3F}, .normal = {0, 0, 1}};
+    svo_probe_irradiance irradiance = {.weight = 0};
+    svo_probe_hit hit;
     char hash[SVO_HASH_TEXT_BYTES];
-    svo_probe_hit hit = {.t = 0};
     SVO_I_TRY(svo_probes_hash(probes, world.queue, hash));
-    digest(of, hash, sizeof hash);
     SVO_I_TRY(svo_probes_trace(probes, &ray, &hit, 1, NULL, world.queue));
+    if (diffuse) {
+        SVO_I_TRY(svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue));
+    }
+    digest(of, hash, sizeof hash);
     digest(of, &hit, sizeof hit);
+    digest(of, &irradiance, sizeof irradiance);
     return SVO_OK;
 }
 
 /* Probes with radiance and maps, relit. */
 static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *options)
 {
-    const svo_gather_point point = {.position = {0.5F, 0.5F, 0.5F}, .normal = {0, 0, 1}};
-    svo_probe_irradiance irradiance = {.weight = 0};
     svo_probes *probes = NULL;
     options->light = light;
     options->diffuse = 1;
     SVO_I_TRY(svo_probes_create(of->tree, options, world.queue, &probes));
     svo_status status = svo_probes_relight(probes, world.queue);
     if (status == SVO_OK) {
-        status = use_probes(of, probes);
-    }
-    if (status == SVO_OK) {
-        status = svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue);
-        digest(of, &irradiance, sizeof irradiance);
+        status = use_probes(of, probes, true);
     }
     svo_probes_destroy(&probes);
     return status;
@@ -265,7 +265,7 @@ static svo_status probe_scene(subject *of, const svo_probe_options *options)
     SVO_I_TRY(svo_scene_create(world.device, &placed, world.queue, &scene));
     svo_status status = svo_probes_create_scene(scene, options, world.queue, &probes);
     if (status == SVO_OK) {
-        status = use_probes(of, probes);
+        status = use_probes(of, probes, false);
     }
     svo_probes_destroy(&probes);
     svo_scene_destroy(&scene);

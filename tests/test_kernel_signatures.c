@@ -460,15 +460,15 @@ static void light_all(const fixture *opened, svo_tree *tree)
     }
 }
 
-/* Probes with all that they can have. */
+/* Probes with all that they can have, a ray and a point. */
 static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
 {
-    const svo_ray ray = {.origin = {0.5F, 0.5F, -1.0F}, .t_max = 10.0F, .direction = {0.0F, 0.0F, 1.0F}};
-    const svo_gather_point point = {.position = {0.5F, 0.5F, 0.5F}, .normal = {0, 0, 1}};
+    static const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    static const svo_gather_point point = {.normal = {0, 0, 1}};
     svo_probe_options options = SVO_PROBE_OPTIONS_INIT;
-    svo_probe_irradiance irradiance;
-    svo_probe_hit hit;
     svo_probes *probes = NULL;
+    svo_probe_hit hit;
+    svo_probe_irradiance irradiance;
     options.counts[0] = options.counts[1] = options.counts[2] = 1;
     options.resolution = 64;
     options.field_size = 2;
