@@ -7,6 +7,8 @@
 #define CROSSINGS_MAX (2 * SVO_PROBES_RESOLUTION_MAX * 4 + 16)
 /* Comparisons of lengths, in leaf edges, that are even up to this are close. */
 #define EVEN 2e-3L
+/* The width of the widest texel, in distances and columns of the map. */
+#define LEANING 4.559L
 
 typedef long double real;
 
@@ -163,7 +165,8 @@ static bool test_texel(walk *w, const int texel[2], const int before[2], const r
     surface one;
     const real nearest = fminl(radius(w, t[0]), radius(w, t[1]));
     const real farthest = fmaxl(radius(w, t[0]), radius(w, t[1]));
-    if (!open_texel(w->map, texel[0], texel[1], &one) || is_less(w, farthest, one.distance)) {
+    if (!open_texel(w->map, texel[0], texel[1], &one) ||
+        is_less(w, farthest, one.distance * (1 - LEANING / w->map->info.resolution))) {
         return false;
     }
     const bool first = t[0] <= w->t_min;
@@ -174,14 +177,16 @@ static bool test_texel(walk *w, const int texel[2], const int before[2], const r
     w->close = w->close || fabsl(facing) < EVEN;
     const real reach = one.distance + 1 + one.width / fmaxl(one.cosine, 0.1L);
     const real below = 0.1L + 0.1L * one.width;
+    if (is_less(w, farthest, one.distance) && (is_less(w, enter, 0) || is_less(w, 0, leave))) {
+        return false;
+    }
     const bool held = !is_less(w, reach, nearest);
     if (held && (facing < 0 ? is_less(w, 0, leave) : is_less(w, first ? -0.02L : 0, enter))) {
         return false;
     }
     out->state = SVO_PROBE_UNKNOWN;
     out->t = (double)fmaxl(facing < 0 && enter < 0 ? fminl(-lift / facing, t[0]) : t[0], w->t_min);
-    if (!held || facing >= 0 || is_less(w, enter, first ? 0.02L : -below) ||
-        (!first && is_less(w, enter, 0) && !is_joined(w, &one, before))) {
+    if (!held || facing >= 0 || is_less(w, enter, first ? 0.02L : -below) || (!first && !is_joined(w, &one, before))) {
         return true;
     }
     out->state = SVO_PROBE_HIT;
@@ -202,6 +207,7 @@ static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
     int before[2] = {-1, -1};
     real t[2] = {w->t_min, w->t_min};
     size_t next = 0;
+    bool brief = false; /* a texel whose corner the ray passes */
     while (t[0] < t_max) {
         int texel[2];
         while (next < count && list[next] <= t[0]) {
@@ -219,7 +225,14 @@ static probe_answer follow(walk *w, const real *list, size_t count, real t_max)
             }
             t[1] = end;
         }
+        const bool after_brief = brief;
+        brief = t[1] - t[0] < EVEN;
+        if (radius(w, t[0]) < 0.01L) {
+            before[0] = texel[0];
+            before[1] = texel[1];
+        }
         if (test_texel(w, texel, before, t, &out)) {
+            w->close = w->close || brief || after_brief;
             break;
         }
         before[0] = texel[0];

@@ -18,8 +18,7 @@
 #include "probes/encoding.h"
 
 /* Rays that go to the device and back at once. */
-#define TRIP_RAYS    (UINT32_C(1) << 16)
-#define JUDGE_TEXELS (SVO_I_PLACE_RESOLUTION * SVO_I_PLACE_RESOLUTION)
+#define TRIP_RAYS ((size_t)1 << 16)
 
 /* A cell's center near a probe. */
 typedef struct candidate {
@@ -32,7 +31,7 @@ typedef struct search {
     const svo_i_probe_bands *bands;
     svo_ray *rays; /* trip_rays, like the hits */
     uint32_t *hits;
-    uint32_t trip_rays;
+    size_t trip_rays;
     float *reach; /* how far each of them went, world units, for the probes that are judged */
     candidate *candidates; /* svo_i_place_candidates */
     uint64_t traced;
@@ -65,14 +64,14 @@ static void aim(const float position[3], uint32_t resolution, svo_ray *rays)
     }
 }
 
-static svo_status trace(search *of, uint32_t ray_count)
+static svo_status trace(search *of, size_t ray_count)
 {
     const svo_i_probe_bands *bands = of->bands;
     svo_i_compact_work *work = bands->work;
     of->traced += ray_count;
-    SVO_I_TRY(svo_i_work_write(work, bands->rays, of->rays, (uint64_t)ray_count * sizeof *of->rays));
+    SVO_I_TRY(svo_i_work_write(work, bands->rays, of->rays, ray_count * sizeof *of->rays));
     SVO_I_TRY(svo_i_sight_trace(bands->probes, work, bands->rays, bands->hits, ray_count));
-    return svo_i_work_read(work, bands->hits, 0, of->hits, (size_t)ray_count * bands->hit_words * sizeof *of->hits);
+    return svo_i_work_read(work, bands->hits, 0, of->hits, ray_count * bands->hit_words * sizeof *of->hits);
 }
 
 /* The distance of a hit, world units, and whether it is seen from behind. */
@@ -204,7 +203,7 @@ static uint32_t list_candidates(search *of, const bad_probe *bad)
 static svo_status judge_candidate(search *of, const candidate *tried, bool *good)
 {
     aim(tried->position, SVO_I_PLACE_RESOLUTION, of->rays);
-    SVO_I_TRY(trace(of, JUDGE_TEXELS));
+    SVO_I_TRY(trace(of, SVO_I_PLACE_TEXELS));
     *good = is_good(judge(of, of->hits, SVO_I_PLACE_RESOLUTION, NULL));
     return SVO_OK;
 }
@@ -212,13 +211,13 @@ static svo_status judge_candidate(search *of, const candidate *tried, bool *good
 /* Tries some candidates by a few rays each. passed: receives a flag for each. */
 static svo_status try_first(search *of, const candidate *tried, uint32_t count, bool *passed)
 {
-    const uint32_t texels = SVO_I_PLACE_FIRST * SVO_I_PLACE_FIRST;
+    const size_t texels = SVO_I_PLACE_FIRST_TEXELS;
     for (uint32_t i = 0; i < count; ++i) {
-        aim(tried[i].position, SVO_I_PLACE_FIRST, of->rays + (size_t)i * texels);
+        aim(tried[i].position, SVO_I_PLACE_FIRST, of->rays + i * texels);
     }
     SVO_I_TRY(trace(of, count * texels));
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t *hits = of->hits + (size_t)i * texels * of->bands->hit_words;
+        const uint32_t *hits = of->hits + i * texels * of->bands->hit_words;
         passed[i] = is_good(judge(of, hits, SVO_I_PLACE_FIRST, NULL));
     }
     return SVO_OK;
@@ -258,15 +257,15 @@ static svo_status move(search *of, const bad_probe *bad)
 static svo_status settle_some(search *of, svo_probe *probes, uint32_t count, verdict *verdicts)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        aim(probes[i].position, SVO_I_PLACE_RESOLUTION, of->rays + (size_t)i * JUDGE_TEXELS);
+        aim(probes[i].position, SVO_I_PLACE_RESOLUTION, of->rays + i * SVO_I_PLACE_TEXELS);
     }
-    SVO_I_TRY(trace(of, count * JUDGE_TEXELS));
+    SVO_I_TRY(trace(of, count * SVO_I_PLACE_TEXELS));
     for (uint32_t i = 0; i < count; ++i) {
-        const size_t first = (size_t)i * JUDGE_TEXELS;
+        const size_t first = i * SVO_I_PLACE_TEXELS;
         verdicts[i] = judge(of, of->hits + first * of->bands->hit_words, SVO_I_PLACE_RESOLUTION, of->reach + first);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        const bad_probe bad = {&probes[i], verdicts[i].behind ? of->reach + (size_t)i * JUDGE_TEXELS : NULL};
+        const bad_probe bad = {&probes[i], verdicts[i].behind ? of->reach + i * SVO_I_PLACE_TEXELS : NULL};
         if (!is_good(verdicts[i])) {
             SVO_I_TRY(move(of, &bad));
         }
@@ -276,9 +275,9 @@ static svo_status settle_some(search *of, svo_probe *probes, uint32_t count, ver
 
 static svo_status settle(search *of, svo_probe *probes)
 {
-    verdict verdicts[TRIP_RAYS / JUDGE_TEXELS];
+    verdict verdicts[TRIP_RAYS / SVO_I_PLACE_TEXELS];
     const uint32_t count = of->bands->probes->info.probe_count;
-    const uint32_t at_once = of->trip_rays / JUDGE_TEXELS;
+    const uint32_t at_once = (uint32_t)(of->trip_rays / SVO_I_PLACE_TEXELS);
     for (uint32_t first = 0; first < count; first += at_once) {
         SVO_I_TRY(settle_some(of, probes + first, count - first < at_once ? count - first : at_once, verdicts));
     }
@@ -288,16 +287,16 @@ static svo_status settle(search *of, svo_probe *probes)
 static svo_status begin(const svo_i_probe_bands *bands, search *out)
 {
     const svo_i_memory *memory = &bands->work->device->memory;
-    const uint32_t rays = bands->most_rays < TRIP_RAYS ? bands->most_rays : TRIP_RAYS;
-    *out = (search){.bands = bands, .trip_rays = rays / JUDGE_TEXELS * JUDGE_TEXELS};
+    const size_t rays = bands->most_rays < TRIP_RAYS ? bands->most_rays : TRIP_RAYS;
+    *out = (search){.bands = bands, .trip_rays = rays / SVO_I_PLACE_TEXELS * SVO_I_PLACE_TEXELS};
     out->rays = svo_i_alloc_zeroed(memory, rays, sizeof *out->rays);
-    out->hits = svo_i_alloc_zeroed(memory, (size_t)rays * bands->hit_words, sizeof *out->hits);
+    out->hits = svo_i_alloc_zeroed(memory, rays * bands->hit_words, sizeof *out->hits);
     out->reach = svo_i_alloc_zeroed(memory, rays, sizeof *out->reach);
     out->candidates =
         svo_i_alloc_zeroed(memory, (size_t)svo_i_place_candidates(&bands->probes->info), sizeof *out->candidates);
     return out->rays != NULL && out->hits != NULL && out->reach != NULL && out->candidates != NULL
                ? SVO_OK
-               : svo_i_device_fail(bands->work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u rays",
+               : svo_i_device_fail(bands->work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu rays",
                                    bands->work->function, rays);
 }
 

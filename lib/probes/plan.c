@@ -185,16 +185,16 @@ static void find_bytes(const svo_probe_options *asked, svo_probe_info *info)
     const uint64_t probes = info->probe_count;
     const uint64_t texels = probes * info->resolution * info->resolution;
     const uint64_t cells = (uint64_t)info->field_size * info->field_size * info->field_size;
-    const uint64_t blocks = texels / (SVO_PROBE_BLOCK * SVO_PROBE_BLOCK);
+    const uint64_t blocks = texels / SVO_PROBE_BLOCK / SVO_PROBE_BLOCK;
     info->bytes[SVO_PROBES_PLACES] = probes * sizeof(svo_probe);
     info->bytes[SVO_PROBES_TEXELS] = texels * TEXEL_BYTES;
     info->bytes[SVO_PROBES_LEAST] = blocks * sizeof(cl_ushort);
     info->bytes[SVO_PROBES_FIELD] = cells * SVO_PROBE_FIELD_ENTRIES * sizeof(cl_ushort);
     if (asked->diffuse != 0) {
-        const uint64_t irradiance = SVO_PROBES_IRRADIANCE_TEXELS * SVO_PROBES_IRRADIANCE_TEXELS;
-        const uint64_t moments = SVO_PROBES_MOMENT_TEXELS * SVO_PROBES_MOMENT_TEXELS;
-        info->bytes[SVO_PROBES_IRRADIANCE] = probes * irradiance * sizeof(cl_uint);
-        info->bytes[SVO_PROBES_MOMENTS] = probes * moments * sizeof(cl_float2);
+        info->bytes[SVO_PROBES_IRRADIANCE] =
+            probes * SVO_PROBES_IRRADIANCE_TEXELS * SVO_PROBES_IRRADIANCE_TEXELS * sizeof(cl_uint);
+        info->bytes[SVO_PROBES_MOMENTS] =
+            probes * SVO_PROBES_MOMENT_TEXELS * SVO_PROBES_MOMENT_TEXELS * sizeof(cl_float2);
     }
     for (int i = 0; i < SVO_PROBES_BUFFER_COUNT; ++i) {
         info->total_bytes += info->bytes[i];
@@ -228,9 +228,8 @@ uint64_t svo_i_place_candidates(const svo_probe_info *info)
 /* Each probe is judged; each of its candidates is tried, and judged. */
 static uint64_t most_place_rays(const svo_probe_info *info)
 {
-    const uint64_t judge = SVO_I_PLACE_RESOLUTION * SVO_I_PLACE_RESOLUTION;
-    const uint64_t first = SVO_I_PLACE_FIRST * SVO_I_PLACE_FIRST;
-    return info->probe_count * (judge + svo_i_place_candidates(info) * (first + judge));
+    const uint64_t candidate = SVO_I_PLACE_FIRST_TEXELS + SVO_I_PLACE_TEXELS;
+    return info->probe_count * (SVO_I_PLACE_TEXELS + svo_i_place_candidates(info) * candidate);
 }
 
 /* ---- plans ---- */

@@ -9,8 +9,10 @@
 #define SVO_I_PROBE_BAND_RAYS (UINT32_C(1) << 18)
 
 /* Texels along a side of the map by which a place is judged, and of that by which candidates are tried first. */
-#define SVO_I_PLACE_RESOLUTION 32u
-#define SVO_I_PLACE_FIRST      8u
+#define SVO_I_PLACE_RESOLUTION   32u
+#define SVO_I_PLACE_TEXELS       ((size_t)SVO_I_PLACE_RESOLUTION * SVO_I_PLACE_RESOLUTION)
+#define SVO_I_PLACE_FIRST        8u
+#define SVO_I_PLACE_FIRST_TEXELS ((size_t)SVO_I_PLACE_FIRST * SVO_I_PLACE_FIRST)
 /* The most cells along a step among which a place is looked for. */
 #define SVO_I_PLACE_CELLS 16u
 

@@ -21,7 +21,7 @@ svo_status svo_i_probes_radiance(const svo_i_probe_bands *bands)
     svo_i_light_shade shade = {.gather = {.cones = 0}};
     cl_mem radiance = NULL;
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_work_alloc(bands->work, "radiance", bands->most_rays * 3 * sizeof(cl_float), &radiance));
+    SVO_I_TRY(svo_i_work_alloc(bands->work, "radiance", bands->most_rays * sizeof(cl_float) * 3, &radiance));
     SVO_I_TRY_CLEANUP(svo_i_light_shade_begin(bands->work, bands->probes->light, bands->probes->cones, &shade));
     for (uint64_t first = 0; first < texels; first += bands->most_rays) {
         svo_probe_step step = {.first = (uint32_t)first};

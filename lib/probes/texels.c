@@ -29,7 +29,7 @@ svo_status svo_i_probes_texels(const svo_i_probe_bands *bands)
 svo_status svo_i_probes_least(const svo_i_probe_bands *bands)
 {
     const svo_probes *probes = bands->probes;
-    const uint64_t blocks = svo_i_probe_texels(probes) / (SVO_PROBE_BLOCK * SVO_PROBE_BLOCK);
+    const uint64_t blocks = svo_i_probe_texels(probes) / SVO_PROBE_BLOCK / SVO_PROBE_BLOCK;
     SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
     for (uint64_t first = 0; first < blocks; first += BAND_BLOCKS) {
         const uint64_t left = blocks - first;
