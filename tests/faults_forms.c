@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenarios of test_faults: compact trees, solids, scenes of placed trees, lights. */
+/* Scenarios of test_faults: compact trees, solids, scenes of placed trees, lights, probes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -217,6 +217,78 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
+/* The hash of probes, a ray through them, and diffuse light where they have it. */
+static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
+{
+    const svo_ray ray = {.origin = {0.3F, 0.3F, 0.3F}, .direction = {1, 2, 3}, .t_max = 8};
+    const svo_gather_point point = {.position = {0.3F, 0.3F, 0.3F}, .normal = {0, 0, 1}};
+    svo_probe_irradiance irradiance = {.weight = 0};
+    svo_probe_hit hit;
+    char hash[SVO_HASH_TEXT_BYTES];
+    SVO_I_TRY(svo_probes_hash(probes, world.queue, hash));
+    SVO_I_TRY(svo_probes_trace(probes, &ray, &hit, 1, NULL, world.queue));
+    if (diffuse) {
+        SVO_I_TRY(svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue));
+    }
+    digest(of, hash, sizeof hash);
+    digest(of, &hit, sizeof hit);
+    digest(of, &irradiance, sizeof irradiance);
+    return SVO_OK;
+}
+
+/* Probes with radiance and maps, relit. */
+static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *options)
+{
+    svo_probes *probes = NULL;
+    options->light = light;
+    options->diffuse = 1;
+    SVO_I_TRY(svo_probes_create(of->tree, options, world.queue, &probes));
+    svo_status status = svo_probes_relight(probes, world.queue);
+    if (status == SVO_OK) {
+        status = use_probes(of, probes, true);
+    }
+    svo_probes_destroy(&probes);
+    return status;
+}
+
+static svo_status probe_scene(subject *of, const svo_probe_options *options)
+{
+    const svo_instance instance = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    const svo_scene_options placed = {.struct_size = sizeof placed,
+                                      .trees = &of->tree,
+                                      .instances = &instance,
+                                      .tree_count = 1,
+                                      .instance_count = 1,
+                                      .need = SVO_NEED_RAYS};
+    svo_scene *scene = NULL;
+    svo_probes *probes = NULL;
+    SVO_I_TRY(svo_scene_create(world.device, &placed, world.queue, &scene));
+    svo_status status = svo_probes_create_scene(scene, options, world.queue, &probes);
+    if (status == SVO_OK) {
+        status = use_probes(of, probes, false);
+    }
+    svo_probes_destroy(&probes);
+    svo_scene_destroy(&scene);
+    return status;
+}
+
+static svo_status run_probes(subject *of)
+{
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sky = {1, 1, 1}};
+    svo_probe_options options = {
+        .struct_size = sizeof options, .counts = {2, 1, 1}, .resolution = 64, .field_size = 4, .cones = 1};
+    svo_light *light = NULL;
+    TRY_TOLD(probe_scene(of, &options));
+    TRY_TOLD(svo_light_create(of->tree, NULL, world.queue, &light));
+    svo_status status = svo_light_set_sources(light, &setup, world.queue);
+    if (status == SVO_OK) {
+        status = probe_tree(of, light, &options);
+    }
+    svo_light_destroy(&light);
+    TRY_TOLD(status);
+    return SVO_OK;
+}
+
 static const scenario rows[] = {
     {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
     {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
@@ -224,5 +296,6 @@ static const scenario rows[] = {
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"light", false, false, prepare_tree, run_light, NULL, destroy_all},
+    {"probes", false, false, prepare_tree, run_probes, NULL, destroy_all},
 };
 const scenario_list form_scenarios = {rows, sizeof rows / sizeof rows[0]};

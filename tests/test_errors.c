@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5 and e7 on small inputs: svocl's exact methods have no error beyond one rounding, common methods
- * have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
+ * svocl bench e1 to e5, e7 and e8 on small inputs: svocl's exact methods have no error beyond one rounding, common
+ * methods have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
  */
 #include <stdio.h>
 #include <string.h>
@@ -212,6 +212,43 @@ static void cones_are_compared_with_paths(void **state)
     cJSON_Delete(document);
 }
 
+/* What is known and what is not are all rays; only what is known can be wrong. */
+static void expect_shares(const cJSON *table)
+{
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        const double known = cell_of(table, row, "hit") + cell_of(table, row, "miss");
+        const double wrong = cell_of(table, row, "wrong hits") + cell_of(table, row, "wrong misses");
+        assert_float_equal(known + cell_of(table, row, "unknown"), 100, 1e-6);
+        assert_float_equal(wrong, cell_of(table, row, "wrong"), 1e-9);
+        assert_true(wrong <= known + 1e-9);
+        assert_true(cell_of(table, row, "time") > 0 && cell_of(table, row, "exact") > 0);
+    }
+}
+
+static void probes_are_compared_with_exact_rays(void **state)
+{
+    (void)state;
+    need_builds();
+    const cJSON *table = NULL;
+    cJSON *document = measure("e8", "e8-probes", &table);
+    expect_shares(table);
+    expect_within(table, "exact rays", "wrong", 0.0, 0.0);
+    expect_within(table, "field", "hit", 10.0, 100.0);
+    expect_within(table, "eight", "hit", 10.0, 100.0);
+    expect_within(table, "field", "wrong", 0.0, 20.0);
+    expect_within(table, "field", "error, median", 0.0, 2.0);
+    expect_within(table, "other field", "hit", 10.0, 100.0);
+    assert_int_equal(cJSON_GetArraySize(array_of(table_of(document, "e8-choices"), "rows")), 6);
+    const cJSON *light = table_of(document, "e8-light");
+    expect_within(light, "rays through", "RMSE", 0.01, 10.0);
+    expect_within(light, "2³ prefiltered", "RMSE", 0.01, 10.0);
+    expect_within(light, "cones", "RMSE", 0.01, 10.0);
+    expect_within(light, "paths", "RMSE", 0.001, 1.0);
+    cJSON_Delete(document);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -221,6 +258,7 @@ int main(void)
         IN_FOLDER(levels_of_detail_keep_their_bounds),
         IN_FOLDER(other_methods_fail_on_ill_conditioned_meshes),
         IN_FOLDER(cones_are_compared_with_paths),
+        IN_FOLDER(probes_are_compared_with_exact_rays),
     };
     return cmocka_run_group_tests_name("errors", tests, NULL, NULL);
 }

@@ -50,7 +50,12 @@ extern const char svo_i_source_solid[];
 extern const char svo_i_source_gather[];
 extern const char svo_i_source_light[];
 extern const char svo_i_source_light_picture[];
+extern const char svo_i_source_light_shade[];
 extern const char svo_i_source_photons[];
+extern const char svo_i_source_probes[];
+extern const char svo_i_source_probe_filter[];
+extern const char svo_i_source_probe_trace[];
+extern const char svo_i_source_probe_gather[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -102,7 +107,10 @@ static size_t bytes_of_type(const char *type)
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
                  {"svo_unmet_params", sizeof(svo_unmet_params)},
-                 {"svo_exchange_params", sizeof(svo_exchange_params)}};
+                 {"svo_exchange_params", sizeof(svo_exchange_params)},
+                 {"svo_probes_params", sizeof(svo_probes_params)},
+                 {"svo_probe_step", sizeof(svo_probe_step)},
+                 {"svo_probe_trace_params", sizeof(svo_probe_trace_params)}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;
@@ -452,6 +460,27 @@ static void light_all(const fixture *opened, svo_tree *tree)
     }
 }
 
+/* Probes with all that they can have, a ray and a point. */
+static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
+{
+    static const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    static const svo_gather_point point = {.normal = {0, 0, 1}};
+    svo_probe_options options = SVO_PROBE_OPTIONS_INIT;
+    svo_probes *probes = NULL;
+    svo_probe_hit hit;
+    svo_probe_irradiance irradiance;
+    options.counts[0] = options.counts[1] = options.counts[2] = 1;
+    options.resolution = 64;
+    options.field_size = 2;
+    options.light = light;
+    options.diffuse = 1;
+    options.cones = 1;
+    succeed(opened, svo_probes_create(tree, &options, opened->queue, &probes));
+    succeed(opened, svo_probes_trace(probes, &ray, &hit, 1, NULL, opened->queue));
+    succeed(opened, svo_probes_irradiance(probes, &point, &irradiance, 1, opened->queue));
+    svo_probes_destroy(&probes);
+}
+
 /* A lamp on triangles and on voxels, and materials that emit; all that it counts. */
 static void shine_all(const fixture *opened, const svo_mesh *mesh)
 {
@@ -478,6 +507,7 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
         succeed(opened, svo_light_create(made.tree, &faces, opened->queue, &light));
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
         succeed(opened, svo_light_render(light, &picture, opened->queue, pixels));
+        probe_all(opened, made.tree, light);
         svo_light_destroy(&light);
         built_destroy(&made);
     }
@@ -506,13 +536,14 @@ static size_t check_all_launched(const char *source)
 static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
-    const char *const sources[] = {svo_i_source_subdivide,   svo_i_source_sort,          svo_i_source_pack,
-                                   svo_i_source_filter,      svo_i_source_voxelize,      svo_i_source_cast,
-                                   svo_i_source_trace,       svo_i_source_view,          svo_i_source_trace_voxels,
-                                   svo_i_source_compact,     svo_i_source_expand,        svo_i_source_minimize,
-                                   svo_i_source_scene_build, svo_i_source_scene_bounds,  svo_i_source_scene_trace,
-                                   svo_i_source_scene_cast,  svo_i_source_solid,         svo_i_source_light,
-                                   svo_i_source_photons,     svo_i_source_light_picture, svo_i_source_gather};
+    const char *const sources[] = {
+        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
+        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
+        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
+        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
+        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
+        svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
+        svo_i_source_probe_trace,  svo_i_source_probe_gather};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

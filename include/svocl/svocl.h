@@ -13,6 +13,7 @@
  *     svo_compact smaller forms of a tree          compact.h
  *     svo_scene   many placed trees                scene.h
  *     svo_light   light in a tree, cones           light.h
+ *     svo_probes  light field probes               probes.h
  *     svo_voxels  given voxels -> tree, and back   voxels.h
  */
 #ifndef SVOCL_SVOCL_H
@@ -27,6 +28,7 @@
 #include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
+#include "svocl/probes.h"
 #include "svocl/scene.h"
 #include "svocl/solid.h"
 #include "svocl/status.h"

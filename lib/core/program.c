@@ -35,6 +35,11 @@ extern const char svo_i_source_solid[];
 extern const char svo_i_source_gather[];
 extern const char svo_i_source_photons[];
 extern const char svo_i_source_light_picture[];
+extern const char svo_i_source_light_shade[];
+extern const char svo_i_source_probes[];
+extern const char svo_i_source_probe_filter[];
+extern const char svo_i_source_probe_trace[];
+extern const char svo_i_source_probe_gather[];
 extern const char svo_i_source_light[];
 
 static void release_program(svo_i_attachment *attachment)
@@ -66,6 +71,11 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_GATHER] = "gather",
                                                            [SVO_I_PROGRAM_PHOTONS] = "photons",
                                                            [SVO_I_PROGRAM_LIGHT_PICTURE] = "light_picture",
+                                                           [SVO_I_PROGRAM_LIGHT_SHADE] = "light_shade",
+                                                           [SVO_I_PROGRAM_PROBES] = "probes",
+                                                           [SVO_I_PROGRAM_PROBE_FILTER] = "probe_filter",
+                                                           [SVO_I_PROGRAM_PROBE_TRACE] = "probe_trace",
+                                                           [SVO_I_PROGRAM_PROBE_GATHER] = "probe_gather",
                                                            [SVO_I_PROGRAM_LIGHT] = "light"};
     return names[kind];
 }
@@ -92,6 +102,11 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_GATHER] = svo_i_source_gather,
                                                       [SVO_I_PROGRAM_PHOTONS] = svo_i_source_photons,
                                                       [SVO_I_PROGRAM_LIGHT_PICTURE] = svo_i_source_light_picture,
+                                                      [SVO_I_PROGRAM_LIGHT_SHADE] = svo_i_source_light_shade,
+                                                      [SVO_I_PROGRAM_PROBES] = svo_i_source_probes,
+                                                      [SVO_I_PROGRAM_PROBE_FILTER] = svo_i_source_probe_filter,
+                                                      [SVO_I_PROGRAM_PROBE_TRACE] = svo_i_source_probe_trace,
+                                                      [SVO_I_PROGRAM_PROBE_GATHER] = svo_i_source_probe_gather,
                                                       [SVO_I_PROGRAM_LIGHT] = svo_i_source_light};
     return sources[kind];
 }

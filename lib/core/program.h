@@ -33,6 +33,11 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_GATHER, /* gather of light */
     SVO_I_PROGRAM_PHOTONS, /* scan; light_view, photons, exchange of kernels/light */
     SVO_I_PROGRAM_LIGHT_PICTURE, /* picture of light */
+    SVO_I_PROGRAM_LIGHT_SHADE, /* shade of light */
+    SVO_I_PROGRAM_PROBES, /* texels, least, field of probes */
+    SVO_I_PROGRAM_PROBE_FILTER, /* filter of probes */
+    SVO_I_PROGRAM_PROBE_TRACE, /* trace of probes */
+    SVO_I_PROGRAM_PROBE_GATHER, /* gather of probes */
     SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;

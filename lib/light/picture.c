@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of lit trees: the host side of kernels/light/picture.cl. */
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "core/struct_size.h"
 #include "light/gather.h"
+#include "light/shader.h"
 #include "rays/camera.h"
-#include "rays/rays.h"
 
 _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)SVO_LIGHT_VIEW_AO == SVO_LIT_VIEW_AO &&
                    (uint32_t)SVO_LIGHT_VIEW_DIRECT == SVO_LIT_VIEW_DIRECT &&
@@ -42,18 +40,15 @@ static svo_status fill_params(const svo_light *light, const svo_light_picture *p
     svo_i_pinhole hole;
     SVO_I_TRY(
         svo_i_pinhole_from_camera(light->device, function, &picture->camera, picture->width, picture->height, &hole));
-    *params = (svo_lit_picture_params){.view = picture->view,
-                                       .width = picture->width,
-                                       .height = picture->height,
-                                       .exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F,
-                                       .source_count = (uint32_t)light->setup.source_count,
-                                       .finish_count = (uint32_t)light->setup.finish_count};
+    *params = svo_i_light_shader_params(light, picture->view);
+    params->width = picture->width;
+    params->height = picture->height;
+    params->exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F;
     for (int axis = 0; axis < 3; ++axis) {
         params->eye[axis] = picture->camera.eye[axis];
         params->corner[axis] = hole.corner[axis];
         params->across[axis] = hole.across[axis];
         params->down[axis] = hole.down[axis];
-        params->sky[axis] = light->params.sky[axis];
     }
     return SVO_OK;
 }
@@ -72,102 +67,27 @@ static svo_status fill_gather(const svo_light *light, const svo_light_picture *p
 
 typedef struct drawing {
     svo_i_compact_work work;
-    cl_kernel kernel;
-    cl_mem sources, finishes; /* NULL: none */
+    svo_i_light_shader shader;
     cl_mem pixels;
 } drawing;
 
-/* " -DSVO_x -DSVO_ONE_x" as far as the tree has that payload. */
-static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char *held, const char *constant,
-                       char *defines, size_t defines_bytes)
+static svo_status prepare(const svo_light *light, const svo_light_picture *picture, drawing *drawn)
 {
-    if (tree->buffers[buffer] != NULL) {
-        const size_t used = strlen(defines);
-        (void)snprintf(defines + used, defines_bytes - used, "%s%s", held,
-                       svo_i_tree_is_constant(&tree->info, buffer) ? constant : "");
-    }
-}
-
-static svo_status make_kernel(const svo_light *light, drawing *drawn)
-{
-    const svo_tree *tree = light->tree;
-    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    (void)snprintf(defines, sizeof defines, "%s%s", svo_i_gather_defines(light),
-                   svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "");
-    add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
-    add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
-    if (light->setup.finish_count > 0) {
-        add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
-    }
-    SVO_I_TRY(svo_i_work_use(&drawn->work, SVO_I_PROGRAM_LIGHT_PICTURE, defines));
-    return svo_i_kernel_create(light->device, function, drawn->work.program, "svo_k_light_picture", &drawn->kernel);
-}
-
-/* A buffer with a list of the setup; none for an empty list. */
-static svo_status upload(drawing *drawn, const char *name, const void *list, size_t bytes, cl_mem *out)
-{
-    if (bytes == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_work_alloc(&drawn->work, name, bytes, out));
-    return svo_i_work_write(&drawn->work, *out, list, bytes);
-}
-
-static svo_status prepare(svo_light *light, const svo_light_picture *picture, drawing *drawn)
-{
-    const svo_i_light_setup *setup = &light->setup;
     const uint64_t pixel_bytes = (uint64_t)picture->width * picture->height * 4;
-    SVO_I_TRY(upload(drawn, "sources", setup->sources, setup->source_count * sizeof *setup->sources, &drawn->sources));
-    SVO_I_TRY(
-        upload(drawn, "finishes", setup->finishes, setup->finish_count * sizeof *setup->finishes, &drawn->finishes));
     SVO_I_TRY(svo_i_work_alloc(&drawn->work, "picture", pixel_bytes, &drawn->pixels));
-    return make_kernel(light, drawn);
+    return svo_i_light_shader_begin(&drawn->work, light, SVO_I_PROGRAM_LIGHT_PICTURE, "svo_k_light_picture",
+                                    &drawn->shader);
 }
 
-static svo_status set_arguments(const svo_light *light, const drawing *drawn, const svo_gather_params *gather,
-                                const svo_lit_picture_params *params)
+static svo_status draw(const drawing *drawn, const svo_gather_params *gather, svo_lit_picture_params *params)
 {
-    svo_tree *tree = light->tree;
-    const svo_i_argument own[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
-                                  SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
-                                  SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
-                                  SVO_I_ARGUMENT(drawn->finishes),
-                                  SVO_I_ARGUMENT(drawn->sources),
-                                  {sizeof *gather, gather, false},
-                                  {sizeof *params, params, false},
-                                  SVO_I_ARGUMENT(drawn->pixels)};
-    SVO_I_TRY(svo_i_rays_set_tree(tree, function, drawn->kernel, 0));
-    SVO_I_TRY(svo_i_light_set_args(light, function, drawn->kernel, SVO_TREE_ARGUMENTS));
-    return svo_i_kernel_set_from(light->device, function, drawn->kernel, SVO_TREE_ARGUMENTS + SVO_LIGHT_ARGUMENTS,
-                                 SVO_I_ARGUMENTS(own));
-}
-
-/* Draws some tiles. */
-static svo_status draw_band(drawing *drawn, uint64_t tiles)
-{
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)tiles * local;
-    svo_i_compact_work *work = &drawn->work;
-    cl_event event = NULL;
-    const cl_int error =
-        clEnqueueNDRangeKernel(work->queue, drawn->kernel, 1, NULL, &global, &local, work->last != NULL ? 1 : 0,
-                               work->last != NULL ? &work->last : NULL, &event);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(work->device, function, "clEnqueueNDRangeKernel", error);
-    }
-    svo_i_work_follow(work, event);
-    return SVO_OK;
-}
-
-static svo_status draw(const svo_light *light, const svo_gather_params *gather, svo_lit_picture_params *params,
-                       drawing *drawn)
-{
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(drawn->pixels)};
     const uint64_t tiles =
         (uint64_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
     for (uint64_t first = 0; first < tiles; first += BAND_TILES) {
         params->first_tile = (uint32_t)first;
-        SVO_I_TRY(set_arguments(light, drawn, gather, params));
-        SVO_I_TRY(draw_band(drawn, tiles - first < BAND_TILES ? tiles - first : BAND_TILES));
+        SVO_I_TRY(svo_i_light_shader_launch(&drawn->shader, gather, params, SVO_I_ARGUMENTS(own),
+                                            tiles - first < BAND_TILES ? tiles - first : BAND_TILES));
     }
     return SVO_OK;
 }
@@ -177,7 +97,7 @@ svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, 
     svo_light_picture asked;
     svo_lit_picture_params params;
     svo_gather_params gather;
-    drawing drawn = {.kernel = NULL};
+    drawing drawn = {.pixels = NULL};
     svo_status status = SVO_OK;
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
@@ -194,13 +114,11 @@ svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, 
     SVO_I_TRY(fill_gather(light, &asked, &gather));
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &drawn.work));
     SVO_I_TRY_CLEANUP(prepare(light, &asked, &drawn));
-    SVO_I_TRY_CLEANUP(draw(light, &gather, &params, &drawn));
+    SVO_I_TRY_CLEANUP(draw(&drawn, &gather, &params));
     SVO_I_TRY_CLEANUP(svo_i_work_read(&drawn.work, drawn.pixels, 0, rgba, (size_t)asked.width * asked.height * 4));
 
 cleanup:
     svo_i_work_end(&drawn.work);
-    if (drawn.kernel != NULL) {
-        clReleaseKernel(drawn.kernel);
-    }
+    svo_i_light_shader_end(&drawn.shader);
     return status;
 }

@@ -18,6 +18,7 @@ static void make_box(const svo_i_scene_source *source, const cl_int bounds[6], s
 {
     const double cells = (double)(1u << level_of(source));
     const double margin = source->width * 0x1p-20;
+    out->leaf_edge = source->width / (double)(1u << source->params.depth);
     for (int axis = 0; axis < 3; ++axis) {
         const double low = source->empty ? 0 : bounds[axis];
         const double high = source->empty ? cells : bounds[axis + 3];

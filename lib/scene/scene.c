@@ -134,8 +134,10 @@ static svo_status write_instances(svo_scene *scene, const char *function, cl_com
         return svo_i_device_fail_cl(scene->device, function, "clEnqueueWriteBuffer", error);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        memcpy(scene->boxes[first + i].low, records[i].low, sizeof records[i].low);
-        memcpy(scene->boxes[first + i].high, records[i].high, sizeof records[i].high);
+        svo_i_instance_box *box = &scene->boxes[first + i];
+        memcpy(box->low, records[i].low, sizeof box->low);
+        memcpy(box->high, records[i].high, sizeof box->high);
+        box->leaf_edge = (float)(scene->tree_boxes[records[i].tree].leaf_edge * (double)records[i].widest);
     }
     return SVO_OK;
 }

@@ -9,6 +9,16 @@ svo_status svo_i_scene_check(const svo_scene *scene, const char *function)
                        : SVO_OK;
 }
 
+double svo_i_scene_leaf_edge(const svo_scene *scene)
+{
+    double least = (double)scene->boxes[0].leaf_edge;
+    for (uint32_t i = 1; i < scene->info.instance_count; ++i) {
+        const double edge = (double)scene->boxes[i].leaf_edge;
+        least = edge < least ? edge : least;
+    }
+    return least;
+}
+
 cl_uint svo_i_scene_arguments(const svo_scene *scene)
 {
     return scene->node_buffers + (SVO_I_SCENE_ARGUMENT_BUFFERS - SVO_I_SCENE_NODE_BUFFERS) + 1;

@@ -38,11 +38,13 @@ typedef enum svo_i_scene_buffer {
 /* What instances need of a tree on the host: the box of its occupied part, in its world. */
 typedef struct svo_i_scene_box {
     double low[3], high[3];
+    double leaf_edge; /* of the tree, in its world */
 } svo_i_scene_box;
 
 /* The box of an instance in the world. */
 typedef struct svo_i_instance_box {
     float low[3], high[3];
+    float leaf_edge; /* its longest edge of a leaf */
 } svo_i_instance_box;
 
 struct svo_scene {
@@ -60,6 +62,9 @@ struct svo_scene {
 
 /* Refuses a scene whose content is lost. */
 svo_status svo_i_scene_check(const svo_scene *scene, const char *function);
+
+/* The smallest edge of a leaf among the instances, world units. */
+double svo_i_scene_leaf_edge(const svo_scene *scene);
 
 /* How many arguments SVO_SCENE_PARAMETERS declares for the scene; and sets them. */
 cl_uint svo_i_scene_arguments(const svo_scene *scene);

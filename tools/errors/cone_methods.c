@@ -8,33 +8,29 @@
 
 /* ---- trees and lights ---- */
 
-static bool share_tree(const cone_way *a, const cone_way *b)
-{
-    return a->depth == b->depth && a->coverage == b->coverage;
-}
-
 static bool share_light(const cone_way *a, const cone_way *b)
 {
-    return share_tree(a, b) && a->form == b->form && a->opacity == b->opacity;
+    return a->depth == b->depth && a->coverage == b->coverage && a->form == b->form && a->opacity == b->opacity;
 }
 
-static svo_tree *find_tree(cone_lights *lights, const cone_way *way)
+svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage coverage)
 {
     const session *opened = &lights->run->opened;
     const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
                                            .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS |
                                                    SVO_NEED_PROJECTED_AREA,
-                                           .coverage = way->coverage};
+                                           .coverage = coverage};
     for (size_t i = 0; i < lights->tree_count; ++i) {
-        if (share_tree(&lights->trees[i].made_for, way)) {
+        if (lights->trees[i].depth == depth && lights->trees[i].coverage == coverage) {
             return lights->trees[i].tree;
         }
     }
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    if (svo_plan_create(opened->device, scene_mesh(lights->truth->made), way->depth, &plan_options, &plan) == SVO_OK &&
+    if (svo_plan_create(opened->device, scene_mesh(lights->truth->made), depth, &plan_options, &plan) == SVO_OK &&
         svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &tree, NULL) == SVO_OK) {
-        lights->trees[lights->tree_count].made_for = *way;
+        lights->trees[lights->tree_count].depth = depth;
+        lights->trees[lights->tree_count].coverage = coverage;
         lights->trees[lights->tree_count++].tree = tree;
     }
     svo_plan_destroy(&plan);
@@ -49,7 +45,7 @@ static svo_light *find_light(cone_lights *lights, const cone_way *way)
             return lights->lights[i].light;
         }
     }
-    svo_tree *tree = find_tree(lights, way);
+    svo_tree *tree = cone_lights_tree(lights, way->depth, way->coverage);
     svo_light *light = NULL;
     if (tree != NULL && svo_light_create(tree, &stored, lights->run->opened.queue, &light) == SVO_OK) {
         lights->lights[lights->light_count].made_for = *way;

@@ -25,8 +25,9 @@ typedef struct cone_lights {
     const error_run *run;
     const cone_truth *truth;
     struct {
+        unsigned depth;
+        svo_coverage coverage;
         svo_tree *tree;
-        cone_way made_for;
     } trees[CONE_TREES_MAX];
     struct {
         svo_light *light;
@@ -43,6 +44,10 @@ typedef struct cone_gather {
     svo_light_info info;
     svo_gather_result *results;
 } cone_gather;
+
+/* Finds or makes the tree of a depth and a coverage, with all that light needs. NULL on failure, with the reason in the device's
+   message. It belongs to lights. */
+svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage coverage);
 
 /* Finds or makes the light of a way. False on failure, with the reason in the device's message; what was made then is
    still released by cone_gather_free. */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "scenes/maths.h"
+#include "errors/hemisphere.h"
 #include "support/input.h"
 
 #define PI              3.14159265358979323846
@@ -14,71 +14,22 @@
 #define LIFT            0x1p-18 /* of origins above their surface, in widths of the grid */
 #define POINTS_OF_BATCH 256u
 
-/* Around a normal. */
-typedef struct turned_frame {
-    vector3 side, other, normal;
-} turned_frame;
-
-static turned_frame frame_of(vector3 normal)
-{
-    const double x = fabs(normal.x);
-    const double y = fabs(normal.y);
-    const double z = fabs(normal.z);
-    const vector3 axis = x <= y && x <= z ? vector(1, 0, 0) : y <= z ? vector(0, 1, 0) : vector(0, 0, 1);
-    turned_frame frame = {.normal = normal};
-    frame.side = vector_normalize(vector_cross(normal, axis));
-    frame.other = vector_cross(normal, frame.side);
-    return frame;
-}
-
-static vector3 normal_of(const svo_gather_point *point)
-{
-    return vector((double)point->normal[0], (double)point->normal[1], (double)point->normal[2]);
-}
-
-/* At a sine from the normal and a turn around it. */
-static vector3 direction_at(const turned_frame *frame, double sine, double turns)
-{
-    const double along = sine * cos(2 * PI * turns);
-    const double across = sine * sin(2 * PI * turns);
-    return vector_add(vector_scale(frame->normal, sqrt(1 - sine * sine)),
-                      vector_add(vector_scale(frame->side, along), vector_scale(frame->other, across)));
-}
-
-static svo_ray ray_of(const cone_truth *truth, const svo_gather_point *point, vector3 direction)
-{
-    const double lift = LIFT * truth->edge;
-    svo_ray ray = {.t_min = 0, .t_max = (float)truth->range};
-    for (int axis = 0; axis < 3; ++axis) {
-        ray.origin[axis] = (float)((double)point->position[axis] + lift * (double)point->normal[axis]);
-    }
-    ray.direction[0] = (float)direction.x;
-    ray.direction[1] = (float)direction.y;
-    ray.direction[2] = (float)direction.z;
-    return ray;
-}
-
 /* ---- rays ---- */
 
 bool occlusion_rays_make(const error_run *run, const cone_truth *truth, unsigned per_point, occlusion_rays *out)
 {
-    const unsigned strata = (unsigned)sqrt((double)per_point);
-    random_stream stream = {.state = per_point};
-    *out = (occlusion_rays){.run = run, .truth = truth, .per_point = strata * strata};
+    const hemisphere_set set = {.strata = (unsigned)sqrt((double)per_point),
+                                .seed = per_point,
+                                .lift = LIFT * truth->edge,
+                                .length = truth->range};
+    *out = (occlusion_rays){.run = run, .truth = truth, .per_point = set.strata * set.strata};
     out->rays = calloc(truth->count * out->per_point, sizeof *out->rays);
     out->hits = calloc(truth->count * out->per_point, sizeof *out->hits);
     if (out->rays == NULL || out->hits == NULL) {
         occlusion_rays_free(out);
         return false;
     }
-    for (size_t i = 0; i < truth->count * out->per_point; ++i) {
-        const svo_gather_point *point = &truth->points[i / out->per_point];
-        const unsigned stratum = (unsigned)(i % out->per_point);
-        const turned_frame frame = frame_of(normal_of(point));
-        const double squared = (stratum / strata + random_between(&stream, 0, 1)) / strata; /* NOLINT: a row */
-        const double turns = (stratum % strata + random_between(&stream, 0, 1)) / strata;
-        out->rays[i] = ray_of(truth, point, direction_at(&frame, sqrt(squared), turns));
-    }
+    hemisphere_rays(&set, truth->points, truth->count, out->rays);
     return true;
 }
 
@@ -146,18 +97,19 @@ static exact_cone cone_of_set(unsigned cones, unsigned index)
 static vector3 ray_of_cone(const turned_frame *around, double half_angle, unsigned index)
 {
     const double cosine = 1 - (1 - cos(half_angle)) * (index + 0.5) / RAYS_OF_CONE;
-    return direction_at(around, sqrt(1 - cosine * cosine), GOLDEN_TURN * index);
+    return frame_direction(around, sqrt(1 - cosine * cosine), GOLDEN_TURN * index);
 }
 
 static void make_cone_rays(const cone_truth *truth, size_t first, size_t count, unsigned cones, svo_ray *rays)
 {
+    const hemisphere_set set = {.lift = LIFT * truth->edge, .length = truth->range};
     for (size_t i = 0; i < count * cones; ++i) {
         const svo_gather_point *point = &truth->points[first + i / cones];
         const exact_cone cone = cone_of_set(cones, (unsigned)(i % cones));
-        const turned_frame frame = frame_of(normal_of(point));
-        const turned_frame around = frame_of(direction_at(&frame, cone.sine, cone.turns));
+        const turned_frame frame = hemisphere_frame(point);
+        const turned_frame around = frame_around(frame_direction(&frame, cone.sine, cone.turns));
         for (unsigned k = 0; k < RAYS_OF_CONE; ++k) {
-            rays[i * RAYS_OF_CONE + k] = ray_of(truth, point, ray_of_cone(&around, cone.half_angle, k));
+            rays[i * RAYS_OF_CONE + k] = hemisphere_ray(&set, point, ray_of_cone(&around, cone.half_angle, k));
         }
     }
 }

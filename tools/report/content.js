@@ -51,6 +51,22 @@ const sections = [
     lead: "The error of a set of cones if each of them were exact."
   },
   {
+    table: "e8-probes",
+    heading: "E8: probes",
+    lead: "Rays through light field probes instead of the triangles: what they find, what they miss, and what they " +
+      "cannot know, beside exact rays in the same rounds."
+  },
+  {
+    table: "e8-choices",
+    heading: "E8: which probes a ray tries",
+    lead: "The field lists the probes that see each cell. The published choice takes the eight around the ray's origin."
+  },
+  {
+    table: "e8-light",
+    heading: "E8: light by probes",
+    lead: "Light after one bounce by rays through probes and from prefiltered probes, beside cones and few paths."
+  },
+  {
     group: "Front ends and builders",
     table: "voxelize",
     heading: "Front ends",
@@ -311,6 +327,58 @@ const figures = [
     front: "all"
   },
   {
+    table: "e8-probes",
+    name: "e8",
+    caption: "Wrong hits and misses against time, in the atrium. The points of a curve are resolutions. Rings mark " +
+      "the Pareto front of each kind of rays.",
+    only: ["scene", "atrium"],
+    panels: "rays",
+    curves: "method",
+    x: "time",
+    ys: ["wrong"],
+    xLabel: "time, ns per ray",
+    yLabel: "wrong hits and misses, %",
+    front: "all"
+  },
+  {
+    table: "e8-probes",
+    name: "e8u",
+    caption: "Rays of which nothing is known, in the atrium, by the resolution of the probes.",
+    only: ["scene", "atrium"],
+    panels: "rays",
+    curves: "method",
+    x: "resolution",
+    ys: ["unknown"],
+    xLabel: "texels along a side",
+    yLabel: "unknown, %"
+  },
+  {
+    table: "e8-probes",
+    name: "e8c",
+    caption: "Wrong hits and misses against time, in the Cornell box.",
+    only: ["scene", "cornell"],
+    panels: "rays",
+    curves: "method",
+    x: "time",
+    ys: ["wrong"],
+    xLabel: "time, ns per ray",
+    yLabel: "wrong hits and misses, %",
+    front: "all"
+  },
+  {
+    table: "e8-light",
+    name: "e8l",
+    caption: "Error of the irradiance after one bounce, relative to its mean, against time. Rings mark the Pareto " +
+      "front of each scene.",
+    panels: "scene",
+    curves: "method",
+    x: "time",
+    ys: ["RMSE"],
+    xLabel: "time, ms",
+    yLabel: "error of irradiance, RMSE",
+    front: "all"
+  },
+  {
     table: "light-stages",
     name: "light",
     caption: "Time of each stage.",
@@ -393,6 +461,21 @@ const methodStyles = {
   "exact rays, svocl": ["green", "up"],
   "paths, svocl": ["green", "up"],
   "exact rays, Embree": ["orange", "up"],
+  "field, 2³": ["sky", "circle"],
+  "field, 4³": ["blue", "circle"],
+  "field, 8³": ["purple", "circle"],
+  "other field, 4³": ["blue", "square"],
+  "eight, 2³": ["orange", "down"],
+  "eight, 4³": ["vermillion", "down"],
+  "eight, 8³": ["gray", "down"],
+  "exact rays": ["green", "up"],
+  "paths": ["green", "up"],
+  "rays through 2³ probes": ["sky", "circle"],
+  "rays through 4³ probes": ["blue", "circle"],
+  "rays through 8³ probes": ["purple", "circle"],
+  "2³ prefiltered probes": ["sky", "square"],
+  "4³ prefiltered probes": ["blue", "square"],
+  "8³ prefiltered probes": ["purple", "square"],
   "cl": ["blue", "circle"],
   "sorted": ["green", "square"],
   "gl-compute": ["orange", "diamond"]

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the light of a tree in each form, and shines on it. */
+/* Makes the light of a tree in each form, shines on it, and lights probes by one of them. */
 #include "lights.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 
 #include "digest.h"
+#include "probes.h"
 
 /* A sun, a lamp in the middle of the grid, and a material that emits. */
 static svo_status shine(const opened *session, const svo_tree *tree, svo_light *light)
@@ -79,6 +80,9 @@ static void describe_light(const char *name, const opened *session, svo_tree *tr
         (void)snprintf(part, sizeof part, "lit %s %s", svo_light_form_name(form),
                        opacity == SVO_OPACITY_FULL ? "full" : "area");
         describe_shining(name, part, session, tree, light);
+        if (form == SVO_LIGHT_FACES && opacity == SVO_OPACITY_AREA) {
+            describe_probes(name, session, tree, light);
+        }
     } else {
         line_print_status(name, part, status);
     }

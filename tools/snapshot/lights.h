@@ -5,7 +5,7 @@
 
 #include "builds.h"
 
-/* The opacity of each form and kind, of a finished tree on the device of the session. */
+/* The opacity of each form and kind, and lit probes, of a finished tree on the device of the session. */
 void describe_lights(const char *name, const opened *session, svo_tree *tree);
 
 #endif

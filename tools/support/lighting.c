@@ -2,10 +2,12 @@
 /* Makes the light of a tree. */
 #include "support/lighting.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "support/picture.h"
 #include "support/table.h"
+#include "support/viewpoint.h"
 
 #define PI 3.14159265F
 
@@ -163,6 +165,52 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     (void)svo_light_get_info(work->light, &work->info);
     const bool counts = state->options.json && shining.source_count > 0;
     return counts ? count_missed(state, done, &shining, work) : PROGRAM_DONE;
+}
+
+int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera)
+{
+    const options *given = &state->options;
+    if (work->file.has_camera) {
+        *camera = work->file.camera;
+    } else {
+        svo_camera_frame(tree, (float)given->width / (float)given->height, camera);
+    }
+    return viewpoint_apply(state, !work->file.has_camera, camera);
+}
+
+/* A sun high over the right shoulder of the viewer. */
+static svo_light_source make_sun(const svo_camera *camera)
+{
+    float away[3];
+    svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
+    float length = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        away[axis] = camera->target[axis] - camera->eye[axis];
+        length += away[axis] * away[axis];
+    }
+    length = sqrtf(length);
+    for (int axis = 0; axis < 3; ++axis) {
+        const int next = (axis + 1) % 3;
+        const int last = (axis + 2) % 3;
+        const float right = away[next] * camera->up[last] - away[last] * camera->up[next];
+        sun.direction[axis] = 0.38F * away[axis] - 0.5F * right - 0.85F * length * camera->up[axis];
+    }
+    return sun;
+}
+
+int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
+{
+    static const float sky[3] = {0.42F, 0.52F, 0.66F};
+    svo_light_setup setup = lighting_setup(work, &done->source);
+    const svo_light_source sun = make_sun(camera);
+    if (state->options.lights_path == NULL) {
+        setup.sources = setup.source_count > 0 ? setup.sources : &sun;
+        setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
+        for (int channel = 0; channel < 3; ++channel) {
+            setup.sky[channel] = sky[channel];
+        }
+    }
+    return lighting_make(state, done, &setup, work);
 }
 
 svo_gather_options lighting_gather(const options *given)

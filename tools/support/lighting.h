@@ -34,6 +34,13 @@ svo_light_setup lighting_setup(const lighting *work, const input *source);
 /* Makes the light of a tree on the device, by --form, --opacity and --photons; one step of the progress bar. */
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work);
 
+/* Where a picture of --size is taken from: the file's camera, or one that frames the tree, moved by the options.
+   Returns the exit code. */
+int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera);
+
+/* lighting_make for a picture: by --lights, or else by a sun behind the camera and a sky. */
+int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
+
 /* --cones, --range and --lambda. */
 svo_gather_options lighting_gather(const options *given);
 

@@ -38,7 +38,8 @@ enum option_group {
     OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
-    OPTION_WEB_COMMAND = 8388608 /* max-bytes */
+    OPTION_WEB_COMMAND = 8388608, /* max-bytes */
+    OPTION_PROBES = 16777216 /* probes, and how rays choose them */
 };
 
 enum option_frontend {
@@ -135,6 +136,10 @@ typedef struct options {
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
     uint64_t max_bytes; /* export-web: of the page */
+    int through; /* render: 0 the tree, 1 probes */
+    uint32_t probe_counts[3]; /* probes along each axis */
+    uint64_t probe_resolution, probe_field; /* texels along a map's side, field cells an axis; 0: not given */
+    int probe_choice; /* svo_probe_choice */
 } options;
 
 enum option_output {

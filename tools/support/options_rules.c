@@ -13,6 +13,7 @@
 #include "support/suggest.h"
 #include "svocl/compact.h"
 #include "svocl/light.h"
+#include "svocl/probes.h"
 #include "svocl/solid.h"
 #include "svocl/trace.h"
 
@@ -58,6 +59,8 @@ static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
+static const choice ways_through[] = {{"tree", 0}, {"probes", 1}, {NULL, 0}};
+static const choice probe_choices[] = {{"field", SVO_PROBE_CHOICE_FIELD}, {"eight", SVO_PROBE_CHOICE_EIGHT}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
                                 {"embree", OPTION_VERSUS_EMBREE},
@@ -283,22 +286,37 @@ static int read_repeat(program *state, const rule *option, const char *value)
     return read_count(state, option, value);
 }
 
-static int read_pixels(program *state, const rule *option, const char *value)
+/* Whole numbers from the minimum to the maximum, with a character between each two. */
+static bool parse_counts(const rule *option, const char *value, char between, size_t count, uint32_t *out)
 {
-    uint32_t *pixels = field(state, option); /* width, then height */
     const char *rest = value;
-    for (int i = 0; i < 2; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         char *end = NULL;
         const unsigned long number = rest[0] >= '0' && rest[0] <= '9' ? strtoul(rest, &end, 10) : 0;
-        if (end == NULL || *end != (i == 0 ? 'x' : '\0') || number < option->minimum || number > option->maximum) {
-            return program_fail(state, PROGRAM_WRONG_USAGE,
-                                "size '%s' is not WIDTHxHEIGHT, each %" PRIu64 " to %" PRIu64, value, option->minimum,
-                                option->maximum);
+        if (end == NULL || *end != (i + 1 < count ? between : '\0') || number < option->minimum ||
+            number > option->maximum) {
+            return false;
         }
-        pixels[i] = (uint32_t)number;
+        out[i] = (uint32_t)number;
         rest = end + 1;
     }
-    return PROGRAM_DONE;
+    return true;
+}
+
+static int read_probe_counts(program *state, const rule *option, const char *value)
+{
+    return parse_counts(option, value, ',', 3, field(state, option))
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not X,Y,Z, each %" PRIu64 " to %" PRIu64,
+                              option->name, value, option->minimum, option->maximum);
+}
+
+static int read_pixels(program *state, const rule *option, const char *value)
+{
+    return parse_counts(option, value, 'x', 2, field(state, option)) /* width, then height */
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "size '%s' is not WIDTHxHEIGHT, each %" PRIu64 " to %" PRIu64,
+                              value, option->minimum, option->maximum);
 }
 
 #define FIELD(name) offsetof(options, name)
@@ -360,6 +378,16 @@ static const rule rules[] = {
      "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
+    {"through", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(through), 0, 0, ways_through,
+     "what camera rays pass: tree; probes, where green is a miss and red unknown (tree)"},
+    {"probes", '\0', OPTION_PROBES | OPTION_HASH_COMMAND, "X,Y,Z", read_probe_counts, FIELD(probe_counts), 1, 65534,
+     NULL, "number of probes along each axis (4,4,4; hash: the tree's hash)"},
+    {"probe-resolution", '\0', OPTION_PROBES | OPTION_HASH_COMMAND, "R", read_count, FIELD(probe_resolution), 64, 1024,
+     NULL, "texels along a side of a probe's map, a multiple of 16 (256, or what 1 GiB allows)"},
+    {"probe-field", '\0', OPTION_PROBES | OPTION_HASH_COMMAND, "N", read_count, FIELD(probe_field), 1, 256, NULL,
+     "cells along each axis of the field that rays choose probes from (64)"},
+    {"choice", '\0', OPTION_PROBES, "NAME", read_choice, FIELD(probe_choice), 0, 0, probe_choices,
+     "probes that a ray tries: field, those that see its cell; eight, those around its origin (field)"},
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
      "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,

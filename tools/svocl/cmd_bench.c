@@ -35,13 +35,13 @@ void command_bench_print_subjects(void)
     table_cell(rows, "all of these; rays alone takes INPUT and the options of a build");
     add_subjects(rows, first_experiment, "errors");
     table_cell(rows, "errors");
-    table_cell(rows, "e1 to e5 and e7");
+    table_cell(rows, "e1 to e5, e7 and e8");
     table_gap();
     table_heading("SUBJECT");
     table_print_wrapped(rows, TABLE_HELP_WIDTH);
 }
 
-/* "voxelize, build, ..., all, errors, e1 to e5, e7" */
+/* "voxelize, build, ..., all, errors, e1 to e5, e7, e8" */
 static void list_subjects(char *text, size_t text_bytes)
 {
     size_t used = 0;
@@ -49,7 +49,7 @@ static void list_subjects(char *text, size_t text_bytes)
         used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subjects[i]->name);
     }
     if (used < text_bytes) {
-        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7");
+        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7, e8");
     }
 }
 

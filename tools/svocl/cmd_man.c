@@ -139,7 +139,8 @@ static void put_subjects(FILE *page)
         put_paragraph(page, subjects[i]->name);
         put_paragraph(page, subjects[i]->summary);
     }
-    fputs(".TP\n.BR all \", \" errors\nAll of a group: the measurements of times and bytes; e1 to e5 and e7.\n", page);
+    fputs(".TP\n.BR all \", \" errors\nAll of a group: the measurements of times and bytes; e1 to e5, e7 and e8.\n",
+          page);
 }
 
 static void put_exit_status(FILE *page)

@@ -10,6 +10,7 @@
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
 #include "svocl/render_light.h"
+#include "svocl/render_probes.h"
 #include "svocl/render_scene.h"
 
 static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
@@ -83,10 +84,36 @@ static int build_tree(program *state, job *done)
     return built;
 }
 
+/* Whether rays through probes have such a view. */
+static bool is_view_of_probes(int view)
+{
+    return view == SVO_VIEW_SHADED || view == SVO_VIEW_NORMAL || view == SVO_VIEW_DEPTH || view == SVO_VIEW_STEPS;
+}
+
+static int check_probes(program *state)
+{
+    const options *given = &state->options;
+    if (given->through == 0) {
+        return (given->given_groups & (unsigned)OPTION_PROBES) == 0
+                   ? PROGRAM_DONE
+                   : program_fail(state, PROGRAM_WRONG_USAGE, "options of probes require --through probes");
+    }
+    if (scene_file_is_input(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--through probes does not apply to a scene");
+    }
+    return is_view_of_probes(given->view)
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE,
+                              "--through probes has the views shaded, normal, depth and steps alone");
+}
+
 /* Options that the view does not take. */
 static int check_view(program *state)
 {
-    return render_light_is_asked(&state->options) || (state->options.given_groups & (unsigned)OPTION_LIGHT) == 0
+    const options *given = &state->options;
+    const bool by_cones = render_light_is_asked(given);
+    const bool lit_probes = given->through != 0 && given->view == SVO_VIEW_SHADED;
+    return by_cones || lit_probes || (given->given_groups & (unsigned)OPTION_LIGHT) == 0
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE,
                               "options of lights and cones require --view ao, direct, gi, specular or full");
@@ -98,10 +125,13 @@ int command_render(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     job done;
-    if (check_view(state) != PROGRAM_DONE) {
+    if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE && state->options.through != 0) {
+        return render_probes(state);
+    }
     if (exit_code == PROGRAM_DONE && render_light_is_asked(&state->options)) {
         return render_light(state);
     }

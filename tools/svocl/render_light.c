@@ -2,14 +2,12 @@
 /* svocl render --view ao, direct, gi, specular, full: exact rays for first hits and shadows, cones for the rest. */
 #include "svocl/render_light.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include "support/lighting.h"
 #include "support/output.h"
 #include "support/picture.h"
 #include "support/table.h"
-#include "support/viewpoint.h"
 
 typedef struct light_render {
     program *state;
@@ -22,56 +20,6 @@ typedef struct light_render {
 bool render_light_is_asked(const options *given)
 {
     return given->view >= OPTION_VIEW_LIGHT;
-}
-
-/* ---- tree and camera ---- */
-
-static int place_camera(light_render *work)
-{
-    const options *given = &work->state->options;
-    if (work->lit.file.has_camera) {
-        work->camera = work->lit.file.camera;
-    } else {
-        svo_camera_frame(work->done.result.tree, (float)given->width / (float)given->height, &work->camera);
-    }
-    return viewpoint_apply(work->state, !work->lit.file.has_camera, &work->camera);
-}
-
-/* ---- light ---- */
-
-/* A sun high over the right shoulder of the viewer. */
-static svo_light_source make_sun(const svo_camera *camera)
-{
-    float away[3];
-    svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
-    float length = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        away[axis] = camera->target[axis] - camera->eye[axis];
-        length += away[axis] * away[axis];
-    }
-    length = sqrtf(length);
-    for (int axis = 0; axis < 3; ++axis) {
-        const int next = (axis + 1) % 3;
-        const int last = (axis + 2) % 3;
-        const float right = away[next] * camera->up[last] - away[last] * camera->up[next];
-        sun.direction[axis] = 0.38F * away[axis] - 0.5F * right - 0.85F * length * camera->up[axis];
-    }
-    return sun;
-}
-
-static int make_light(light_render *work)
-{
-    static const float sky[3] = {0.42F, 0.52F, 0.66F};
-    svo_light_setup setup = lighting_setup(&work->lit, &work->done.source);
-    const svo_light_source sun = make_sun(&work->camera);
-    if (work->state->options.lights_path == NULL) {
-        setup.sources = setup.source_count > 0 ? setup.sources : &sun;
-        setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
-        for (int channel = 0; channel < 3; ++channel) {
-            setup.sky[channel] = sky[channel];
-        }
-    }
-    return lighting_make(work->state, &work->done, &setup, &work->lit);
 }
 
 /* ---- the picture ---- */
@@ -133,9 +81,9 @@ static int report(const light_render *work)
 
 static int render(light_render *work)
 {
-    int exit_code = place_camera(work);
+    int exit_code = lighting_place_camera(work->state, &work->lit, work->done.result.tree, &work->camera);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = make_light(work);
+        exit_code = lighting_make_for_picture(work->state, &work->done, &work->camera, &work->lit);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = draw(work);
