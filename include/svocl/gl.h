@@ -121,8 +121,9 @@ typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name)
 
 /** Wraps a context of the caller's, OpenGL 4.3 or later of either profile.
  *
- * The context must be current on this thread now and whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_build,
- * svo_gl_mesh_read, and when what was made with it is destroyed. svo_gl_context_destroy releases the handle alone.
+ * The context must be current on this thread now and whenever svocl uses it: in svo_gl_create, svo_build,
+ * svo_gl_build, svo_gl_light_set_sources, svo_gl_mesh_read, and when what was made with it is destroyed.
+ * svo_gl_context_destroy releases the handle alone.
  *
  * Each call restores the context's state: bindings of buffers, storage blocks, program, vertex array and framebuffers,
  * viewport, scissor, capabilities, polygon mode, point size and clip control. The caller makes sure that no transform
