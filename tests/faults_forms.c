@@ -217,7 +217,7 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
-/* Probes that move, with radiance and maps, relit; and those of a scene. Rays through both. */
+/* The hash of probes, a ray through them, and diffuse light where they have it. */
 static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
 {
     const svo_ray ray = {.origin = {0.3F, 0.3F, 0.3F}, .direction = {1, 2, 3}, .t_max = 8};
@@ -236,6 +236,7 @@ static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
     return SVO_OK;
 }
 
+/* Probes with radiance and maps, relit. */
 static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *options)
 {
     svo_probes *probes = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5, e7 and e8 on small inputs: svocl's exact methods have no error beyond one rounding, common methods
- * have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
+ * svocl bench e1 to e5, e7 and e8 on small inputs: svocl's exact methods have no error beyond one rounding, common
+ * methods have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
  */
 #include <stdio.h>
 #include <string.h>

@@ -989,6 +989,11 @@ static void wrong_options_are_refused(void **state)
     options.start[1] = INFINITY;
     refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.start[1] inf is not finite");
+    options = one_probe(0, 0, 0, 1);
+    options.counts[0] = 5;
+    options.step[0] = 1e38F;
+    assert_int_equal(svo_probes_create(tree.tree, &options, NULL, &probes), SVO_UNSUPPORTED);
+    assert_non_null(strstr(svo_device_message(opened.device), "beyond the range of floats"));
     options = small_options(1, 1, 1);
     options.diffuse = 1;
     refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* `svocl render --through probes` as a user runs it: what rays find, what they miss, what stays unknown. */
+/* `svocl render --through probes` as a user runs it: what rays find, what they miss, what stays unknown; and
+   `svocl hash --probes`. */
 #include "program_picture.h"
 #include "run_program.h"
 
@@ -155,6 +156,31 @@ static void probes_are_lit(void **state)
     run_well("rm a.svo lights.json");
 }
 
+/* `svocl hash --probes`: the same bytes however the tree was made. */
+static void the_hash_is_that_of_what_probes_store(void **state)
+{
+    (void)state;
+    need_builds();
+#define TREE   "scene:cornell:60 -d 4 --need rays"
+#define PROBES " --probes 2,1,1 --probe-resolution 64 --probe-field 8"
+    run_well("$SVOCL build " TREE " -o a.svo --quiet");
+    run_well("test $($SVOCL hash " TREE PROBES ") = $($SVOCL hash a.svo" PROBES ")");
+    run_well("test $($SVOCL hash a.svo" PROBES ") = $($SVOCL hash " TREE " --builder sorted" PROBES ")");
+    run_well("test $($SVOCL hash a.svo" PROBES ") != $($SVOCL hash a.svo --probes 2,1,1 --probe-resolution 80)");
+    run_well("test $($SVOCL hash a.svo" PROBES ") != $($SVOCL hash a.svo)");
+    cJSON *document = run_json("$SVOCL hash a.svo --json" PROBES);
+    assert_string_equal(text_of(document, "probes"), "2,1,1");
+    assert_int_equal(strlen(text_of(document, "hash")), 32);
+    cJSON_Delete(document);
+    run_badly("$SVOCL hash a.svo --nodes" PROBES, 2, "--probes and --nodes exclude each other");
+    run_badly("$SVOCL hash a.svo --light faces" PROBES, 2, "--probes and --light exclude each other");
+    run_badly("$SVOCL hash a.svo --probe-resolution 64", 2, "options of probes require --probes");
+    run_badly("$SVOCL hash a.svo --probes 1,1,1 --probe-resolution 100", 1, "options.resolution 100");
+    run_well("rm a.svo");
+#undef PROBES
+#undef TREE
+}
+
 static void what_does_not_apply_is_refused(void **state)
 {
     (void)state;
@@ -188,6 +214,7 @@ int main(void)
         IN_FOLDER(a_closed_room_has_no_holes),
         IN_FOLDER(probes_in_solids_know_nothing),
         IN_FOLDER(probes_are_lit),
+        IN_FOLDER(the_hash_is_that_of_what_probes_store),
         IN_FOLDER(what_does_not_apply_is_refused),
     };
     return cmocka_run_group_tests_name("program probes", tests, NULL, NULL);

@@ -27,6 +27,7 @@ readonly matrix_small_cases=(
     "scene:knot:200 -d 5 --need color,normal,rays,projected-area --light faces"
     "scene:knot:200 -d 5 --need color,rays,fill,projected-area --light bricks"
     "scene:knot:200 -d 5 --need color,rays,fill --light voxels"
+    "scene:cornell:60 -d 4 --need rays --probes 1,1,1 --probe-resolution 64 --probe-field 16"
 )
 readonly matrix_cases=(
     "scene:atrium -d 8 --need $matrix_all"
@@ -37,6 +38,7 @@ readonly matrix_cases=(
     "scene:knot:5000 -d 11 --need none --coverage thin"
     "scene:atrium -d 8 --need color,normal,rays,projected-area --light faces"
     "scene:atrium -d 8 --need color,rays,fill,projected-area --light bricks"
+    "scene:atrium -d 7 --need rays --probes 3,3,3 --probe-resolution 128"
 )
 readonly matrix_methods=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
 # Arguments of `svocl trace`; matrix_rays is on its standard input.

@@ -14,8 +14,9 @@
  * surface, moves to the nearest free place within half a step along each axis, else it is switched off.
  *
  * What is stored, but for radiance and irradiance, is the same bytes on every device and run, where exact rays give the
- * same hits (trace.h). Radiance is single-precision, as cones are: the same on every run, and within a step of its
- * encoding, 1/32 of a channel, between devices; where a shadow's edge passes a texel, one may see the light.
+ * same hits (trace.h). Radiance is single-precision, as cones are: the same on every run of a device, and between
+ * devices within a step of its encoding, 1/64 of red and green and 1/32 of blue. Texels where rounding decides, at the
+ * edge of a shadow or of surfaces that share cones, may differ by more.
  *
  * Probes refer to their tree or scene and to their light; these must outlive them and stay as they are.
  *

@@ -87,6 +87,24 @@ static svo_status check_light(const svo_i_sight *sight, const char *function, co
 
 /* ---- places ---- */
 
+/* The farthest that a probe can see: any of the box from anywhere in it, where moved probes are too, or its far corner
+   from a probe outside. */
+static float find_farthest(const svo_probe_info *info)
+{
+    double inside = 0;
+    double outside = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = (double)info->low[axis];
+        const double high = (double)info->high[axis];
+        const double first = (double)info->start[axis];
+        const double last = first + (info->counts[axis] - 1) * (double)info->step[axis];
+        const double reach = fmax(high - first, last - low);
+        inside += (high - low) * (high - low);
+        outside += fmax(reach, high - low) * fmax(reach, high - low);
+    }
+    return (float)sqrt(fmax(inside, outside));
+}
+
 static svo_status place(svo_device *device, const char *function, const svo_i_sight_box *box,
                         const svo_probe_options *asked, svo_probe_info *info)
 {
@@ -105,25 +123,12 @@ static svo_status place(svo_device *device, const char *function, const svo_i_si
         }
     }
     info->leaf_edge = (float)box->leaf_edge;
-    return SVO_OK;
-}
-
-/* The farthest that a probe can see: any of the box from anywhere in it, where moved probes are too, or its far corner
-   from a probe outside. */
-static float find_farthest(const svo_probe_info *info)
-{
-    double inside = 0;
-    double outside = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double low = (double)info->low[axis];
-        const double high = (double)info->high[axis];
-        const double first = (double)info->start[axis];
-        const double last = first + (info->counts[axis] - 1) * (double)info->step[axis];
-        const double reach = fmax(high - first, last - low);
-        inside += (high - low) * (high - low);
-        outside += fmax(reach, high - low) * fmax(reach, high - low);
-    }
-    return (float)sqrt(fmax(inside, outside));
+    info->farthest = find_farthest(info);
+    return info->leaf_edge > 0.0F && isfinite(info->farthest)
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                   "%s: leaves of %g that are seen from up to %g away are beyond the range of floats",
+                                   function, box->leaf_edge, (double)info->farthest);
 }
 
 /* ---- sizes ---- */
@@ -220,7 +225,7 @@ uint64_t svo_i_place_candidates(const svo_probe_info *info)
     const double edge = svo_i_place_cell_edge(info);
     uint64_t candidates = 1;
     for (int axis = 0; axis < 3; ++axis) {
-        candidates *= (uint64_t)((double)info->step[axis] / edge) + 1;
+        candidates *= (uint64_t)((double)info->step[axis] / edge) + 2; /* one at each end, where rounding wants it */
     }
     return candidates;
 }
@@ -252,7 +257,6 @@ svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, con
     svo_i_sight_get_box(sight, &box);
     SVO_I_TRY(place(device, function, &box, asked, info));
     SVO_I_TRY(resolve(device, function, asked, info));
-    info->farthest = find_farthest(info);
     find_bytes(asked, info);
     info->scratch_bytes = find_scratch(sight, asked, info);
     info->place_rays = asked->keep_places == 0 ? most_place_rays(info) : 0;

@@ -22,7 +22,7 @@
 #define SAMPLES       4096u
 #define SAMPLES_QUICK 1024u
 #define RAYS_QUICK    4096u /* a set */
-#define TIMED_MAX     131072u /* rays of a set that rounds trace */
+#define FEW_RAYS      32768u /* a set: for times, and for all grids but the last */
 #define ROUNDS        3u /* where --repeat says nothing: there are a hundred methods */
 #define USUAL_FIELD   64u
 #define CHOICES       ((size_t)SVO_PROBE_CHOICE_COUNT)
@@ -64,13 +64,13 @@ typedef struct probe_run {
     error_run *run;
     const probe_scene *scene;
     unsigned depth;
-    size_t ray_count; /* of a set */
+    size_t ray_count, few_count; /* of a set */
     cone_truth truth;
     cone_lights lights;
     svo_tree *tree; /* of lights */
-    probe_rays sets[PROBE_RAYS_COUNT];
-    svo_probe_hit *hits;
-    svo_hit *exact; /* of timed rays */
+    probe_rays all[PROBE_RAYS_COUNT], few[PROBE_RAYS_COUNT];
+    svo_probe_hit *hits; /* ray_count */
+    svo_hit *exact; /* few_count: of timed rays */
     size_t *slower, *rows; /* of the whole run: rows where exact rays are faster, and all */
 } probe_run;
 
@@ -80,24 +80,28 @@ typedef struct ray_method {
     const probe_rays *set;
     svo_probes *probes; /* NULL: exact rays */
     svo_probe_choice choice;
-    size_t count; /* of the set's rays */
 } ray_method;
 
 /* ---- tables ---- */
+
+static size_t few_of(size_t ray_count)
+{
+    return ray_count < FEW_RAYS ? ray_count : FEW_RAYS;
+}
 
 static void begin_probes(const error_run *run, size_t ray_count)
 {
     result_table *table = result_add_table(run->results, "e8-probes", "E8: rays through probes", "");
     result_set_note(
         table,
-        "%zu rays of each kind in each scene, against exact rays; the tree has depth %u. Primary: of a camera. Cosine: "
-        "from what it sees, a leaf's edge above the surface. Random: from anywhere in the grid, in any direction. "
-        "Field: the probes that see the cell where a ray is; eight: those around its origin, as published. Wrong hits: "
-        "nothing is there, or it is more than two leaves' edges nearer or farther. Wrong misses: something is there. "
-        "Shares are of all rays; quantiles of |t - exact| of those that hit. Time: of the first %u rays at most. "
-        "Ratio: of that time to that of svo_tree_trace in the same rounds; above 1 probes lose. Size and making: all "
-        "buffers of the probes, without light. %s; methods run interleaved.",
-        ray_count, run->quick ? DEPTH_QUICK : DEPTH, TIMED_MAX, run->rounds_note);
+        "Rays against exact rays: %zu of each kind and scene through the most probes, %zu through others and for "
+        "times. The tree has depth %u. Primary: of a camera. Cosine: from what it sees, a leaf's edge above the "
+        "surface. Random: from anywhere in the grid, in any direction. Field: the probes that see the cell where a "
+        "ray is; eight: those around its origin, as published. Wrong hits: nothing is there, or it is more than two "
+        "leaves' edges nearer or farther. Wrong misses: something is there. Shares are of all rays; quantiles of |t - "
+        "exact| of those that hit. Ratio: of the time to that of svo_tree_trace in the same rounds; above 1 probes "
+        "lose. Size and making: all buffers of the probes, without light. %s; methods run interleaved.",
+        ray_count, few_of(ray_count), run->quick ? DEPTH_QUICK : DEPTH, run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "rays", "");
     result_add_column(table, "method", "");
@@ -157,13 +161,15 @@ typedef struct grid_figures {
 static double trace_once(void *user)
 {
     const ray_method *one = user;
-    cl_command_queue queue = one->work->run->opened.queue;
+    const probe_run *work = one->work;
+    cl_command_queue queue = work->run->opened.queue;
     const svo_probe_trace_options how = {.struct_size = sizeof how, .choice = one->choice};
+    const svo_ray *rays = one->set->rays;
+    const size_t count = one->set->count;
     const double started_ms = input_now_ms();
-    const svo_status status =
-        one->probes == NULL
-            ? svo_tree_trace(one->work->tree, one->set->rays, one->work->exact, one->count, SVO_TRACE_CLOSEST, queue)
-            : svo_probes_trace(one->probes, one->set->rays, one->work->hits, one->count, &how, queue);
+    const svo_status status = one->probes == NULL
+                                  ? svo_tree_trace(work->tree, rays, work->exact, count, SVO_TRACE_CLOSEST, queue)
+                                  : svo_probes_trace(one->probes, rays, work->hits, count, &how, queue);
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 
@@ -174,10 +180,9 @@ static bool time_grid(probe_run *work, svo_probes *probes, grid_figures *out)
     for (size_t i = 0; i < METHODS; ++i) {
         const size_t choice = i % (1 + CHOICES);
         runs[i] = (ray_method){.work = work,
-                               .set = &work->sets[i / (1 + CHOICES)],
+                               .set = &work->few[i / (1 + CHOICES)],
                                .probes = choice > 0 ? probes : NULL,
-                               .choice = (svo_probe_choice)(choice > 0 ? choice - 1 : 0),
-                               .count = work->ray_count < TIMED_MAX ? work->ray_count : TIMED_MAX};
+                               .choice = (svo_probe_choice)(choice > 0 ? choice - 1 : 0)};
         methods[i] = (interleaved_method){.work_ms = trace_once, .user = &runs[i]};
     }
     if (!interleave_measure(methods, METHODS, work->run->rounds)) {
@@ -192,15 +197,12 @@ static bool time_grid(probe_run *work, svo_probes *probes, grid_figures *out)
     return true;
 }
 
-static bool judge_grid(probe_run *work, svo_probes *probes, grid_figures *out)
+static bool judge_grid(probe_run *work, const probe_rays *sets, svo_probes *probes, grid_figures *out)
 {
     for (size_t i = 0; i < (size_t)PROBE_RAYS_COUNT * CHOICES; ++i) {
         const size_t kind = i / CHOICES;
-        ray_method one = {.work = work,
-                          .set = &work->sets[kind],
-                          .probes = probes,
-                          .choice = (svo_probe_choice)(i % CHOICES),
-                          .count = work->ray_count};
+        ray_method one = {
+            .work = work, .set = &sets[kind], .probes = probes, .choice = (svo_probe_choice)(i % CHOICES)};
         if (trace_once(&one) < 0 || !probe_rays_judge(one.set, work->hits, (double)out->info.leaf_edge,
                                                       &out->rays[kind][i % CHOICES].verdict)) {
             return false;
@@ -209,7 +211,8 @@ static bool judge_grid(probe_run *work, svo_probes *probes, grid_figures *out)
     return true;
 }
 
-static bool measure_grid(probe_run *work, const probe_grid *grid, grid_figures *out)
+/* sets: that decide what is right. */
+static bool measure_grid(probe_run *work, const probe_rays *sets, const probe_grid *grid, grid_figures *out)
 {
     const svo_probe_options asked = {.struct_size = sizeof asked,
                                      .counts = {grid->count, grid->count, grid->count},
@@ -220,7 +223,7 @@ static bool measure_grid(probe_run *work, const probe_grid *grid, grid_figures *
     const double started_ms = input_now_ms();
     bool worked = svo_probes_create(work->tree, &asked, work->run->opened.queue, &probes) == SVO_OK;
     out->making_ms = input_now_ms() - started_ms;
-    worked = worked && svo_probes_get_info(probes, &out->info) == SVO_OK && judge_grid(work, probes, out) &&
+    worked = worked && svo_probes_get_info(probes, &out->info) == SVO_OK && judge_grid(work, sets, probes, out) &&
              time_grid(work, probes, out);
     svo_probes_destroy(&probes);
     return worked;
@@ -238,7 +241,7 @@ static void add_method(result_table *table, const probe_grid *grid, size_t choic
 
 static double per_ray_ns(const probe_run *work, double ms)
 {
-    return ms * 1e6 / (double)(work->ray_count < TIMED_MAX ? work->ray_count : TIMED_MAX);
+    return ms * 1e6 / (double)work->few_count;
 }
 
 static void add_row(probe_run *work, const grid_figures *of, size_t kind, size_t choice)
@@ -274,7 +277,7 @@ static void add_exact(const probe_run *work, const grid_figures *of, size_t kind
     const double ns = per_ray_ns(work, of->rays[kind][0].exact_ms);
     size_t hits = 0;
     for (size_t i = 0; i < work->ray_count; ++i) {
-        hits += work->sets[kind].exact[i].triangle != SVO_NO_TRIANGLE;
+        hits += work->all[kind].exact[i].triangle != SVO_NO_TRIANGLE;
     }
     const double share = 100.0 * (double)hits / (double)work->ray_count;
     result_add_text(table, "%s", work->truth.name);
@@ -319,12 +322,13 @@ static bool measure_grids(probe_run *work)
     const probe_grid *grids = quick ? quick_grids : full_grids;
     const size_t count = quick ? sizeof quick_grids / sizeof *grids : sizeof full_grids / sizeof *grids;
     for (size_t i = 0; i < count; ++i) {
+        const bool is_last = i + 1 == count; /* with the most probes */
         grid_figures figures;
-        if (!measure_grid(work, &grids[i], &figures)) {
+        if (!measure_grid(work, is_last ? work->all : work->few, &grids[i], &figures)) {
             return false;
         }
         add_rows(work, &figures);
-        for (size_t kind = 0; kind < (size_t)PROBE_RAYS_COUNT && i + 1 == count; ++kind) { /* the most probes */
+        for (size_t kind = 0; kind < (size_t)PROBE_RAYS_COUNT && is_last; ++kind) {
             add_exact(work, &figures, kind);
             add_choices(work, &figures, kind);
         }
@@ -339,14 +343,16 @@ static bool prepare(probe_run *work)
     work->lights = (cone_lights){.run = work->run, .truth = &work->truth};
     work->tree = cone_lights_tree(&work->lights, work->depth);
     work->hits = calloc(work->ray_count, sizeof *work->hits);
-    work->exact = calloc(work->ray_count, sizeof *work->exact);
+    work->exact = calloc(work->few_count, sizeof *work->exact);
     return work->tree != NULL && work->hits != NULL && work->exact != NULL &&
-           probe_rays_make(work->run, work->tree, &work->scene->camera, work->ray_count, work->sets);
+           probe_rays_make(work->run, work->tree, &work->scene->camera, work->ray_count, work->all) &&
+           probe_rays_make(work->run, work->tree, &work->scene->camera, work->few_count, work->few);
 }
 
 static void release(probe_run *work)
 {
-    probe_rays_free(work->sets);
+    probe_rays_free(work->all);
+    probe_rays_free(work->few);
     free(work->hits);
     free(work->exact);
     cone_lights_free(&work->lights);
@@ -391,6 +397,7 @@ static int run_all(suite *all)
                           .scene = &scenes[i],
                           .depth = run.quick ? DEPTH_QUICK : DEPTH,
                           .ray_count = ray_count,
+                          .few_count = few_of(ray_count),
                           .slower = &slower,
                           .rows = &rows};
         exit_code = measure_scene(&work);

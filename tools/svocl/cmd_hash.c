@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl hash: the hash of a tree, or of a light in it, alone on the last line. */
+/* svocl hash: the hash of a tree, of a light or of probes in it, alone on the last line. */
 #include <stdio.h>
+#include <string.h>
 
 #include "support/job.h"
 #include "svocl/commands.h"
+#include "svocl/probes.h"
 
 /* done: NULL for a hashed file, where nothing was built. */
 static int print_hash(program *state, const svo_tree *tree, const job *done)
@@ -31,6 +33,21 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
         svo_tree_get_info(tree, &info);
         json_add_count(document, "depth", info.depth);
     }
+    return json_print(state, document);
+}
+
+/* The hash of something in a tree, and with --json what is known of it. */
+static int print_hash_of(program *state, const char *text, const char *name, const char *value)
+{
+    if (!state->options.json) {
+        progress_hide(state->progress);
+        puts(text);
+        return PROGRAM_DONE;
+    }
+    cJSON *document = json_document();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "hash", text);
+    json_add_text(document, name, value);
     return json_print(state, document);
 }
 
@@ -76,26 +93,49 @@ static int print_light_hash(program *state, const job *done)
     if (status != SVO_OK) {
         return program_fail_library(state, svo_device_message(done->opened.device));
     }
-    if (!state->options.json) {
-        progress_hide(state->progress);
-        puts(text);
-        return PROGRAM_DONE;
-    }
-    cJSON *document = json_document();
-    json_add_text(document, "input", state->options.input);
-    json_add_text(document, "hash", text);
-    json_add_text(document, "light", svo_light_form_name(form));
-    return json_print(state, document);
+    return print_hash_of(state, text, "light", svo_light_form_name(form));
 }
 
-static int hash_light(program *state)
+/* ---- probes ---- */
+
+static bool has_probes(const program *state)
+{
+    return state->options.probe_counts[0] != 0;
+}
+
+static int print_probes_hash(program *state, const job *done)
+{
+    const options *given = &state->options;
+    svo_probe_options asked = {.struct_size = sizeof asked,
+                               .resolution = (uint32_t)given->probe_resolution,
+                               .field_size = (uint32_t)given->probe_field};
+    char text[SVO_HASH_TEXT_BYTES];
+    char counts[64];
+    svo_probes *probes = NULL;
+    memcpy(asked.counts, given->probe_counts, sizeof asked.counts);
+    progress_step(state->progress, "hashing");
+    svo_status status = svo_probes_create(done->result.tree, &asked, done->opened.queue, &probes);
+    if (status == SVO_OK) {
+        status = svo_probes_hash(probes, done->opened.queue, text);
+    }
+    svo_probes_destroy(&probes);
+    if (status != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    (void)snprintf(counts, sizeof counts, "%u,%u,%u", asked.counts[0], asked.counts[1], asked.counts[2]);
+    return print_hash_of(state, text, "probes", counts);
+}
+
+/* ---- what is in a tree ---- */
+
+static int hash_inside(program *state)
 {
     job done;
     int exit_code = input_is_tree(state) ? job_load(state, 1, &done) : job_run(state, state->options.need, 1, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = print_light_hash(state, &done);
+    exit_code = has_probes(state) ? print_probes_hash(state, &done) : print_light_hash(state, &done);
     job_release(&done);
     return exit_code;
 }
@@ -123,8 +163,15 @@ int command_hash(program *state)
     if (state->options.light != 0 && state->options.nodes) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--light and --nodes exclude each other");
     }
-    if (state->options.light != 0) {
-        return hash_light(state);
+    if (!has_probes(state) && (state->options.probe_resolution != 0 || state->options.probe_field != 0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "options of probes require --probes");
+    }
+    if (has_probes(state) && (state->options.light != 0 || state->options.nodes)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--probes and --%s exclude each other",
+                            state->options.nodes ? "nodes" : "light");
+    }
+    if (state->options.light != 0 || has_probes(state)) {
+        return hash_inside(state);
     }
     if (input_is_tree(state)) {
         return hash_tree_file(state);
