@@ -367,8 +367,7 @@ static int measure_scene(probe_run *work)
     progress_step(work->run->state->progress, "E8: light by probes");
     int exit_code = cone_truth_make(work->run, &given, quick ? POINTS_QUICK : POINTS, quick ? SAMPLES_QUICK : SAMPLES,
                                     &work->truth);
-    if (exit_code == PROGRAM_DONE &&
-        (!prepare(work) || !e8_light_measure(work->run, &work->lights, work->depth, SVO_COVERAGE_HALF_OPEN))) {
+    if (exit_code == PROGRAM_DONE && (!prepare(work) || !e8_light_measure(work->run, &work->lights, work->depth))) {
         exit_code = errors_fail(work->run);
     }
     progress_step(work->run->state->progress, "E8: rays through probes");
