@@ -197,7 +197,7 @@ int render_probes(program *state)
         return exit_code;
     }
     const unsigned steps = state->options.view == SVO_VIEW_SHADED ? 4 : 3;
-    exit_code = lighting_tree(state, steps, &work.done);
+    exit_code = lighting_tree(state, steps, &work.lit, &work.done);
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(&work);
         ray_table_free(&work.rays);
