@@ -467,7 +467,8 @@ static void check_child(const svo_scene *scene, const svo_scene_node *nodes, uin
         const uint32_t instance = child & ~SVO_SCENE_LEAF;
         assert_in_range(instance, 0, scene->info.instance_count - 1);
         ++times[instance];
-        memcpy(box, &scene->boxes[instance], sizeof scene->boxes[instance]);
+        memcpy(box, scene->boxes[instance].low, sizeof scene->boxes[instance].low);
+        memcpy(box + 3, scene->boxes[instance].high, sizeof scene->boxes[instance].high);
         return;
     }
     const svo_scene_node *node = &nodes[child];

@@ -98,9 +98,6 @@ static int check_probes(program *state)
                    ? PROGRAM_DONE
                    : program_fail(state, PROGRAM_WRONG_USAGE, "options of probes require --through probes");
     }
-    if (scene_file_is_input(state)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--through probes does not apply to a scene");
-    }
     return is_view_of_probes(given->view)
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE,
