@@ -391,7 +391,7 @@ static parts hall(void)
     parts_add_cube(&out, 0, 8, true, -1);
     for (int i = 0; i < 9; ++i) {
         const double x = 1.5 + 2.2 * (i % 3);
-        const double z = 1.2 + 2.3 * (double)(i / 3);
+        const double z = 1.2 + 2.3 * (i - i % 3) / 3.0;
         parts_add_box(&out, (const double[3]){x, 0, z}, (const double[3]){x + 0.7, 8, z + 0.6}, false, -1);
     }
     return out;
@@ -402,7 +402,7 @@ static bool is_in_pillar(const float at[3])
     bool inside = false;
     for (int i = 0; i < 9; ++i) {
         const double x = (double)at[0] - (1.5 + 2.2 * (i % 3));
-        const double z = (double)at[2] - (1.2 + 2.3 * (double)(i / 3));
+        const double z = (double)at[2] - (1.2 + 2.3 * (i - i % 3) / 3.0);
         inside = inside || (x >= -0.05 && x <= 0.75 && z >= -0.05 && z <= 0.65);
     }
     return inside;

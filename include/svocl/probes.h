@@ -271,13 +271,14 @@ SVO_API const char *svo_probe_choice_name(svo_probe_choice choice);
 typedef struct svo_probe_trace_options {
     size_t struct_size; /**< sizeof(svo_probe_trace_options) */
     svo_probe_choice choice; /**< how they choose probes */
-    float thickness; /**< factor to the thickness of surfaces behind a texel, above 0; 0 means 1 */
+    float thickness; /**< factor to how far behind their points surfaces hold, above 0; 0 means 1 */
 } svo_probe_trace_options;
 
 /** All defaults. */
 #define SVO_PROBE_TRACE_OPTIONS_INIT SVO_STRUCT_INIT(svo_probe_trace_options)
 
-/** Traces rays through probes. Computed in single precision.
+/** Traces rays through probes. Computed in single precision. What a ray begins on is told from what is behind that by
+ *  height: rays from a surface should begin between a fiftieth of a leaf's edge and half of one above it.
  *
  * \param probes not NULL
  * \param rays buffer of their device's context with ray_count records of svo_ray; NULL allowed when that is 0
