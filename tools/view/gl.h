@@ -28,6 +28,7 @@
     X(DrawArrays, PFNGLDRAWARRAYSPROC)                           \
     X(Enable, PFNGLENABLEPROC)                                   \
     X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
+    X(Finish, PFNGLFINISHPROC)                                   \
     X(GenBuffers, PFNGLGENBUFFERSPROC)                           \
     X(GenTextures, PFNGLGENTEXTURESPROC)                         \
     X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)                 \

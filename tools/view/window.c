@@ -168,6 +168,7 @@ void window_set_fullscreen(window *which, bool fullscreen)
 void window_show(window *which)
 {
     SDL_GL_SwapWindow(which->handle);
+    which->gl.Finish(); /* swapping the buffers of what is not on a screen flushes nothing: commands would pile up */
 }
 
 /* ---- keys ---- */
