@@ -2,7 +2,11 @@
 /* Makes the light of a tree. */
 #include "support/lighting.h"
 
+#include <math.h>
+
 #include "support/picture.h"
+
+const float lighting_sky[3] = {0.42F, 0.52F, 0.66F};
 
 int lighting_open(program *state, lighting *out)
 {
@@ -17,8 +21,7 @@ void lighting_close(lighting *work)
     light_file_close(&work->file);
 }
 
-/* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
-static uint32_t need_of(const input *source, uint32_t asked)
+uint32_t lighting_need(const input *source, uint32_t asked)
 {
     const uint32_t of_picture = picture_need(source, asked);
     if (source->mesh == NULL || asked != (uint32_t)SVO_NEED_DEFAULT) {
@@ -37,11 +40,30 @@ int lighting_tree(program *state, unsigned further_steps, job *done)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(state, need_of(&done->source, state->options.need), done);
+    exit_code = job_build(state, lighting_need(&done->source, state->options.need), done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
     return exit_code;
+}
+
+svo_light_source lighting_sun(const svo_camera *camera)
+{
+    float away[3];
+    svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
+    float length = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        away[axis] = camera->target[axis] - camera->eye[axis];
+        length += away[axis] * away[axis];
+    }
+    length = sqrtf(length);
+    for (int axis = 0; axis < 3; ++axis) {
+        const int next = (axis + 1) % 3;
+        const int last = (axis + 2) % 3;
+        const float right = away[next] * camera->up[last] - away[last] * camera->up[next];
+        sun.direction[axis] = 0.38F * away[axis] - 0.5F * right - 0.85F * length * camera->up[axis];
+    }
+    return sun;
 }
 
 svo_light_setup lighting_setup(const lighting *work, const input *source)

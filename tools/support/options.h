@@ -38,7 +38,8 @@ enum option_group {
     OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
-    OPTION_WEB_COMMAND = 8388608 /* max-bytes */
+    OPTION_WEB_COMMAND = 8388608, /* max-bytes */
+    OPTION_VIEW_COMMAND = 16777216 /* the window, script */
 };
 
 enum option_frontend {
@@ -134,6 +135,9 @@ typedef struct options {
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
     uint64_t max_bytes; /* export-web: of the page */
+    uint64_t window_width, window_height; /* view: pixels; 0: not given */
+    uint64_t fullscreen; /* view: a flag */
+    const char *script_path; /* view: NULL: not given */
 } options;
 
 enum option_output {

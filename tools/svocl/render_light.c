@@ -2,7 +2,6 @@
 /* svocl render --view ao, direct, gi, specular, full: exact rays for first hits and shadows, cones for the rest. */
 #include "svocl/render_light.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include "support/lighting.h"
@@ -39,36 +38,15 @@ static int place_camera(light_render *work)
 
 /* ---- light ---- */
 
-/* A sun high over the right shoulder of the viewer. */
-static svo_light_source make_sun(const svo_camera *camera)
-{
-    float away[3];
-    svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
-    float length = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        away[axis] = camera->target[axis] - camera->eye[axis];
-        length += away[axis] * away[axis];
-    }
-    length = sqrtf(length);
-    for (int axis = 0; axis < 3; ++axis) {
-        const int next = (axis + 1) % 3;
-        const int last = (axis + 2) % 3;
-        const float right = away[next] * camera->up[last] - away[last] * camera->up[next];
-        sun.direction[axis] = 0.38F * away[axis] - 0.5F * right - 0.85F * length * camera->up[axis];
-    }
-    return sun;
-}
-
 static int make_light(light_render *work)
 {
-    static const float sky[3] = {0.42F, 0.52F, 0.66F};
     svo_light_setup setup = lighting_setup(&work->lit, &work->done.source);
-    const svo_light_source sun = make_sun(&work->camera);
+    const svo_light_source sun = lighting_sun(&work->camera);
     if (work->state->options.lights_path == NULL) {
         setup.sources = &sun;
         setup.source_count = 1;
         for (int channel = 0; channel < 3; ++channel) {
-            setup.sky[channel] = sky[channel];
+            setup.sky[channel] = lighting_sky[channel];
         }
     }
     return lighting_make(work->state, &work->done, &setup, &work->lit);

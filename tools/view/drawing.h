@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* When what is drawn: coarse pictures while something moves, then finer ones until the full picture is there. */
+#ifndef SVOCL_TOOLS_VIEW_DRAWING_H
+#define SVOCL_TOOLS_VIEW_DRAWING_H
+
+#include "view/subject.h"
+
+typedef struct drawing {
+    uint8_t *rgba; /* the last picture */
+    size_t capacity; /* of rgba, bytes */
+    unsigned width, height; /* of the last picture; 0: none yet */
+    unsigned coarse; /* of the last picture: the window's pixels along a side of its pixels */
+    /* What the last picture shows. */
+    view_shown shown;
+    view_revisions revisions;
+    svo_camera camera;
+    unsigned window_width, window_height;
+    double pixel_ms[VIEW_PICTURES]; /* time of a pixel; 0: not known */
+    uint64_t rays; /* from the camera, of the last picture */
+} drawing;
+
+void drawing_end(drawing *which);
+
+/* Draws the next picture, if one is due: a coarse one where something changed, else a finer one. is_new: whether there
+   is one. Times are those of now_ms. Returns the exit code. */
+int drawing_next(drawing *which, subject *shown, view_state *state, double (*now_ms)(void *clock), void *clock,
+                 bool *is_new);
+
+#endif
