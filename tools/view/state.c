@@ -48,8 +48,8 @@ const char *view_stage_name(view_stage stage)
 
 const char *view_panel_name(view_panel panel)
 {
-    static const char *const names[VIEW_PANELS] = {"help",      "frames",    "memory",   "camera", "lights",
-                                                   "selection", "instances", "settings", "log"};
+    static const char *const names[VIEW_PANELS] = {"help",   "frames",    "memory",    "view",     "camera",
+                                                   "lights", "selection", "instances", "settings", "log"};
     return (unsigned)panel < VIEW_PANELS ? names[panel] : "unknown panel";
 }
 
@@ -184,5 +184,43 @@ void view_remove_instance(view_state *state, size_t index)
         memmove(gone, gone + 1, (--state->instance_count - index) * sizeof *gone);
         state->instance = state->instance > 0 && state->instance >= index ? state->instance - 1 : state->instance;
         view_instances_changed(state);
+    }
+}
+
+/* ---- scenes ---- */
+
+void view_choose_scene(view_state *state, bool is_scene)
+{
+    static const svo_instance first = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    if (!is_scene && state->tree_count != 1) {
+        view_log(state, "a scene of %zu trees cannot be shown as one", state->tree_count);
+    } else if (is_scene && state->tree_count == 0) {
+        view_log(state, "trees that came through a pipe cannot be placed");
+    } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {
+        state->is_scene = is_scene;
+        state->shown.picture = VIEW_SHADED;
+    }
+}
+
+void view_add_scene_light(view_state *state)
+{
+    if (state->scene_light_count == SVO_SCENE_LIGHTS_MAX) {
+        view_log(state, "a scene has at most %u lights", SVO_SCENE_LIGHTS_MAX);
+        return;
+    }
+    state->scene_light = state->scene_light_count;
+    state->scene_lights[state->scene_light_count++] =
+        (svo_scene_light){.direction = {0.5F, 0.7F, 0.4F}, .shadows = 1, .color = {1, 1, 1}};
+    view_lights_changed(state);
+}
+
+void view_remove_scene_light(view_state *state, size_t index)
+{
+    if (index < state->scene_light_count) {
+        svo_scene_light *gone = &state->scene_lights[index];
+        memmove(gone, gone + 1, (--state->scene_light_count - index) * sizeof *gone);
+        state->scene_light =
+            state->scene_light > 0 && state->scene_light >= index ? state->scene_light - 1 : state->scene_light;
+        view_lights_changed(state);
     }
 }

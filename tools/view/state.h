@@ -11,12 +11,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "support/scene_place.h"
 #include "svocl/light.h"
-#include "svocl/scene_types.h"
+#include "svocl/scene.h"
 #include "svocl/trace.h"
 
 #define VIEW_NAME_BYTES   64
 #define VIEW_LINE_BYTES   160
+#define VIEW_PATH_BYTES   1024
 #define VIEW_LOG_LINES    200
 #define VIEW_FRAMES_KEPT  240
 #define VIEW_LIST_KEPT    256
@@ -147,11 +149,12 @@ typedef struct view_memory {
 
 /* ---- panels and settings ---- */
 
-/* In the order of their keys, F1 to F9. */
+/* In the order of their keys, F1 to F10. */
 typedef enum view_panel {
     VIEW_PANEL_HELP = 0,
     VIEW_PANEL_FRAMES,
     VIEW_PANEL_MEMORY,
+    VIEW_PANEL_PICTURE,
     VIEW_PANEL_CAMERA,
     VIEW_PANEL_LIGHTS,
     VIEW_PANEL_SELECTION,
@@ -203,6 +206,14 @@ typedef struct view_state {
     svo_instance *instances; /* instance_count of instance_capacity */
     size_t instance_count, instance_capacity;
     size_t instance; /* the chosen one */
+    scene_place edited; /* how an instance was placed last: its angles, which its matrix does not tell */
+    svo_scene_light scene_lights[SVO_SCENE_LIGHTS_MAX]; /* of a scene, in place of sources */
+    size_t scene_light_count;
+    size_t scene_light; /* the chosen one */
+    float occlusion_range; /* of a scene; 0: its own */
+    const char *scene_form; /* as the scene's file calls it; NULL: "built" */
+    char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
+    bool wants_load; /* scene_path is to be loaded */
 
     view_selection selection;
 
@@ -250,5 +261,11 @@ void view_remove_source(view_state *state, size_t index);
 void view_instances_changed(view_state *state);
 bool view_add_instance(view_state *state, const svo_instance *instance);
 void view_remove_instance(view_state *state, size_t index);
+
+/* Shows the tree as the first instance of a scene, or alone again; a scene of several trees stays one. */
+void view_choose_scene(view_state *state, bool is_scene);
+/* Lights of a scene, at most SVO_SCENE_LIGHTS_MAX. */
+void view_add_scene_light(view_state *state);
+void view_remove_scene_light(view_state *state, size_t index);
 
 #endif
