@@ -23,9 +23,11 @@ static void choose_picture(ui *toolkit, view_state *state)
 static void choose_level(ui *toolkit, view_state *state)
 {
     int level = (int)state->shown.level;
-    if (ui_slider_count(toolkit, "Level", &level, 1, (int)state->level_max)) {
+    ui_enable(toolkit, state->level_max > 0);
+    if (ui_slider_count(toolkit, "Level", &level, 1, state->level_max > 0 ? (int)state->level_max : 1)) {
         view_choose_level(state, level);
     }
+    ui_enable(toolkit, true);
     ui_tooltip(toolkit, "Of the leaves that are drawn; lower ones are coarser. Key L.");
 }
 

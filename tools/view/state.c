@@ -192,8 +192,8 @@ void view_remove_instance(view_state *state, size_t index)
 void view_choose_scene(view_state *state, bool is_scene)
 {
     static const svo_instance first = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-    if (!is_scene && state->tree_count != 1) {
-        view_log(state, "a scene of %zu trees cannot be shown as one", state->tree_count);
+    if (!is_scene && state->scene_form != NULL) {
+        view_log(state, "a scene from a file has no tree to show alone");
     } else if (is_scene && state->tree_count == 0) {
         view_log(state, "trees that came through a pipe cannot be placed");
     } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {

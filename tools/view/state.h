@@ -211,7 +211,7 @@ typedef struct view_state {
     size_t scene_light_count;
     size_t scene_light; /* the chosen one */
     float occlusion_range; /* of a scene; 0: its own */
-    const char *scene_form; /* as the scene's file calls it; NULL: "built" */
+    const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     bool wants_load; /* scene_path is to be loaded */
 
@@ -262,7 +262,7 @@ void view_instances_changed(view_state *state);
 bool view_add_instance(view_state *state, const svo_instance *instance);
 void view_remove_instance(view_state *state, size_t index);
 
-/* Shows the tree as the first instance of a scene, or alone again; a scene of several trees stays one. */
+/* Shows the tree as the first instance of a scene, or alone again; a scene from a file stays one. */
 void view_choose_scene(view_state *state, bool is_scene);
 /* Lights of a scene, at most SVO_SCENE_LIGHTS_MAX. */
 void view_add_scene_light(view_state *state);

@@ -55,9 +55,48 @@ static int describe(subject *which, view_state *state)
     return PROGRAM_DONE;
 }
 
-int subject_open(program *running, view_state *state, subject *out)
+/* ---- scenes ---- */
+
+/* The camera of the file, or one that frames all instances. */
+static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
 {
-    *out = (subject){.running = running};
+    svo_camera *camera = &state->camera.at;
+    if (file->has_camera) {
+        *camera = file->camera;
+    } else {
+        svo_scene_camera_frame(placed_scene(which->placed), (float)state->width / (float)state->height, camera);
+    }
+    const int exit_code = viewpoint_apply(which->running, !file->has_camera, camera);
+    state->camera.home = *camera;
+    return exit_code;
+}
+
+static int open_scene(program *running, view_state *state, subject *out)
+{
+    int exit_code = placed_open(running, running->options.input, &out->placed);
+    if (exit_code == PROGRAM_DONE && !placed_describe(out->placed, state)) {
+        exit_code = program_fail(running, PROGRAM_FAILED, "out of memory for the instances");
+    }
+    return exit_code == PROGRAM_DONE ? place_scene_camera(out, state, placed_file(out->placed)) : exit_code;
+}
+
+/* ---- both ---- */
+
+/* The tree can be placed too. */
+static int prepare_placing(subject *which, view_state *state)
+{
+    const bool is_mesh = which->done.source.mesh != NULL;
+    which->placed = placed_of_input(which->running, is_mesh ? which->level : 0);
+    if (which->placed == NULL) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory");
+    }
+    placed_use_tree(which->placed, which->done.opened.device, which->done.opened.queue, which->done.result.tree);
+    (void)placed_describe(which->placed, state);
+    return PROGRAM_DONE;
+}
+
+static int open_tree(program *running, view_state *state, subject *out)
+{
     int exit_code = lighting_open(running, &out->lit);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
@@ -67,20 +106,58 @@ int subject_open(program *running, view_state *state, subject *out)
         lighting_close(&out->lit);
         return exit_code;
     }
+    out->has_tree = true;
     exit_code = describe(out, state);
     exit_code = exit_code == PROGRAM_DONE ? place_camera(out, state) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? take_lights(out, state) : exit_code;
+    return exit_code == PROGRAM_DONE ? prepare_placing(out, state) : exit_code;
+}
+
+int subject_open(program *running, view_state *state, subject *out)
+{
+    *out = (subject){.running = running};
+    const int exit_code =
+        scene_file_is_input(running) ? open_scene(running, state, out) : open_tree(running, state, out);
     if (exit_code != PROGRAM_DONE) {
         subject_close(out);
     }
     return exit_code;
 }
 
+static void close_tree(subject *which)
+{
+    if (which->has_tree) {
+        svo_light_destroy(&which->lit.light);
+        job_release(&which->done);
+        lighting_close(&which->lit);
+        which->has_tree = false;
+    }
+}
+
 void subject_close(subject *which)
 {
-    svo_light_destroy(&which->lit.light);
-    job_release(&which->done);
-    lighting_close(&which->lit);
+    placed_close(&which->placed);
+    close_tree(which);
+}
+
+int subject_load(subject *which, view_state *state)
+{
+    placed *fresh = NULL;
+    state->wants_load = false;
+    const int exit_code = placed_open(which->running, state->scene_path, &fresh);
+    progress_destroy(&which->running->progress);
+    if (exit_code != PROGRAM_DONE || !placed_describe(fresh, state)) {
+        view_log(state, "%s was not loaded%s", state->scene_path,
+                 exit_code != PROGRAM_DONE ? "; the terminal says why" : ": out of memory");
+        placed_close(&fresh);
+        return PROGRAM_DONE;
+    }
+    placed_close(&which->placed);
+    close_tree(which);
+    which->placed = fresh;
+    view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
+             state->scene_path);
+    return place_scene_camera(which, state, placed_file(fresh));
 }
 
 /* ---- trees and lights ---- */
@@ -100,6 +177,9 @@ static int make_tree(subject *which, view_state *state)
     given->depth = state->shown.level;
     const int exit_code = job_build(which->running, lighting_need(&done->source, given->need), done);
     which->level = state->shown.level;
+    if (exit_code == PROGRAM_DONE) {
+        placed_use_tree(which->placed, done->opened.device, done->opened.queue, done->result.tree);
+    }
     return exit_code;
 }
 
@@ -136,11 +216,20 @@ static int make_light(subject *which, view_state *state)
 
 int subject_update(subject *which, view_state *state)
 {
+    if (state->wants_load) {
+        const int exit_code = subject_load(which, state);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
+    if (!which->has_tree) {
+        return placed_update(which->placed, state);
+    }
     int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && subject_picture_is_lit(state->shown.picture) && !light_is_current(which, state)) {
         exit_code = make_light(which, state);
     }
-    return exit_code;
+    return exit_code == PROGRAM_DONE && state->is_scene ? placed_update(which->placed, state) : exit_code;
 }
 
 /* ---- pictures ---- */
@@ -183,6 +272,9 @@ static svo_status draw_tree(subject *which, const view_state *state, unsigned wi
 
 int subject_draw(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba)
 {
+    if (state->is_scene) {
+        return placed_draw(which->placed, state, width, height, rgba);
+    }
     const svo_status status = subject_picture_is_lit(state->shown.picture)
                                   ? draw_light(which, state, width, height, rgba)
                                   : draw_tree(which, state, width, height, rgba);

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* What is looked at: the tree on the device, its light, and what the library draws of them. */
+/* What is looked at: the tree on the device and its light, or a scene of placed trees, and what the library draws of
+   them. */
 #ifndef SVOCL_TOOLS_VIEW_SUBJECT_H
 #define SVOCL_TOOLS_VIEW_SUBJECT_H
 
 #include "support/job.h"
 #include "support/lighting.h"
+#include "view/placed.h"
 #include "view/state.h"
 
 typedef struct subject {
     program *running;
+    placed *placed; /* what is drawn where the state is a scene */
+    bool has_tree; /* the fields below are of a tree that can be shown alone */
     job done;
     lighting lit;
     unsigned level; /* of the tree's leaves */
@@ -25,6 +29,10 @@ void subject_close(subject *which);
 
 /* Makes the tree and the light that the state asks for, as far as its picture shows them. Returns the exit code. */
 int subject_update(subject *which, view_state *state);
+
+/* Loads the scene of state.scene_path in place of what is looked at. Where that fails, everything stays, and the log
+   says so. Returns the exit code. */
+int subject_load(subject *which, view_state *state);
 
 /* Draws what the state shows with so many pixels: what svocl render writes. Returns the exit code. */
 int subject_draw(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba);
