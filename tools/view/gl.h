@@ -26,6 +26,7 @@
     X(DeleteVertexArrays, PFNGLDELETEVERTEXARRAYSPROC)           \
     X(Disable, PFNGLDISABLEPROC)                                 \
     X(DrawArrays, PFNGLDRAWARRAYSPROC)                           \
+    X(DrawElements, PFNGLDRAWELEMENTSPROC)                       \
     X(Enable, PFNGLENABLEPROC)                                   \
     X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
     X(Finish, PFNGLFINISHPROC)                                   \
@@ -42,10 +43,12 @@
     X(LinkProgram, PFNGLLINKPROGRAMPROC)                         \
     X(PixelStorei, PFNGLPIXELSTOREIPROC)                         \
     X(ReadPixels, PFNGLREADPIXELSPROC)                           \
+    X(Scissor, PFNGLSCISSORPROC)                                 \
     X(ShaderSource, PFNGLSHADERSOURCEPROC)                       \
     X(TexImage2D, PFNGLTEXIMAGE2DPROC)                           \
     X(TexParameteri, PFNGLTEXPARAMETERIPROC)                     \
     X(TexSubImage2D, PFNGLTEXSUBIMAGE2DPROC)                     \
+    X(Uniform2f, PFNGLUNIFORM2FPROC)                             \
     X(UseProgram, PFNGLUSEPROGRAMPROC)                           \
     X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \
     X(Viewport, PFNGLVIEWPORTPROC)

@@ -31,7 +31,7 @@ static void describe_help(ui *toolkit, view_state *state)
         {"Home", "first view"},
         {"Ctrl drag", "move light"},
         {"Tab", "panels"},
-        {"F1 - F11", "sections"},
+        {"F1 - F10", "sections"},
         {"Esc", "quit"},
     };
     (void)state;
@@ -131,7 +131,7 @@ void panels_describe(ui *toolkit, view_state *state)
     if (!state->settings.panels) {
         return;
     }
-    const float line = ui_row_height(toolkit) + 2 * UI_INSET_Y;
+    const float line = ui_row_height(toolkit) - UI_GAP - 2 * UI_INSET_Y + 2 * UI_PADDING;
     const float width = column_width(state, panels_text_is_large(state));
     const float height = (float)state->height - line - 3 * MARGIN;
     const ui_place left = {MARGIN, MARGIN, width, height};

@@ -7,6 +7,7 @@
 #include "support/input.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
+#include "view/overlay.h"
 #include "view/window.h"
 
 typedef struct viewer {
@@ -14,6 +15,7 @@ typedef struct viewer {
     view_state state;
     window *window;
     canvas *canvas;
+    overlay *overlay;
     subject subject;
     drawing drawing;
     svo_message why;
@@ -36,6 +38,7 @@ static int run_frame(viewer *which)
     view_state *state = &which->state;
     bool is_new = false;
     while (window_poll(which->window, &event)) {
+        (void)overlay_take(which->overlay, &event);
         state->is_done = state->is_done || event.kind == VIEW_EVENT_QUIT;
     }
     window_size(which->window, &state->width, &state->height);
@@ -48,7 +51,8 @@ static int run_frame(viewer *which)
     }
     if ((is_new && !canvas_take_picture(which->canvas, which->drawing.rgba, which->drawing.width, which->drawing.height,
                                         &which->why)) ||
-        !canvas_draw(which->canvas, state->width, state->height, NULL, 0, &which->why)) {
+        !canvas_draw(which->canvas, state->width, state->height, NULL, 0, &which->why) ||
+        !overlay_draw(which->overlay, state, 1.0F / 60, &which->why)) {
         return fail(which);
     }
     window_show(which->window);
@@ -84,7 +88,8 @@ static int open_window(viewer *which)
     window_size(which->window, &state->width, &state->height);
     state->renderer = window_renderer(which->window);
     which->canvas = canvas_create(window_gl(which->window), &which->why);
-    return which->canvas != NULL ? PROGRAM_DONE : fail(which);
+    which->overlay = which->canvas != NULL ? overlay_create(window_gl(which->window), &which->why) : NULL;
+    return which->overlay != NULL ? PROGRAM_DONE : fail(which);
 }
 
 int view_run(program *running)
@@ -99,8 +104,9 @@ int view_run(program *running)
     int exit_code = open_window(which);
     if (exit_code == PROGRAM_DONE) {
         exit_code = show(which);
-        canvas_destroy(&which->canvas);
     }
+    overlay_destroy(&which->overlay);
+    canvas_destroy(&which->canvas);
     window_close(&which->window);
     view_state_end(&which->state);
     free(which);
