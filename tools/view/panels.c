@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "view/input.h"
 #include "view/panels_figures.h"
 #include "view/panels_pages.h"
 #include "view/ui_theme.h"
@@ -16,27 +17,10 @@
 
 static void describe_help(ui *toolkit, view_state *state)
 {
-    static const char *const keys[][2] = {
-        {"Drag", "turn"},
-        {"W S A D", "move"},
-        {"R F", "up, down"},
-        {"Wheel", "closer, further"},
-        {"Click", "pick"},
-        {"1 - 9, 0", "views"},
-        {"L", "level"},
-        {"G", "global light"},
-        {"B", "bricks or voxels"},
-        {"P", "photons"},
-        {"C", "orbit or fly"},
-        {"Home", "first view"},
-        {"Ctrl drag", "move light"},
-        {"Tab", "panels"},
-        {"F1 - F10", "sections"},
-        {"Esc", "quit"},
-    };
     (void)state;
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-        ui_value(toolkit, keys[i][0], "%s", keys[i][1]);
+    for (size_t i = 0; input_describe(i).keys != NULL; ++i) {
+        const input_binding binding = input_describe(i);
+        ui_value(toolkit, binding.keys, "%s", binding.words);
     }
 }
 

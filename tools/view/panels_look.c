@@ -33,12 +33,18 @@ static void choose_level(ui *toolkit, view_state *state)
 
 static void choose_form(ui *toolkit, view_state *state)
 {
-    const char *names[] = {svo_light_form_name(SVO_LIGHT_BRICKS), svo_light_form_name(SVO_LIGHT_VOXELS)};
-    int chosen = state->shown.form == SVO_LIGHT_BRICKS ? 0 : 1;
-    if (ui_choice(toolkit, "Light in", names, 2, &chosen)) {
-        view_choose_form(state, chosen == 0 ? SVO_LIGHT_BRICKS : SVO_LIGHT_VOXELS);
+    const svo_light_form forms[] = {SVO_LIGHT_FACES, SVO_LIGHT_BRICKS, SVO_LIGHT_VOXELS};
+    const char *names[3];
+    int chosen = 0;
+    for (int i = 0; i < 3; ++i) {
+        names[i] = svo_light_form_name(forms[i]);
+        chosen = forms[i] == state->shown.form ? i : chosen;
     }
-    ui_tooltip(toolkit, "How the tree holds light: bricks of samples between neighbors, or a value a voxel. Key B.");
+    if (ui_choice(toolkit, "Light in", names, 3, &chosen)) {
+        view_choose_form(state, forms[chosen]);
+    }
+    ui_tooltip(toolkit,
+               "How the tree holds light: on the faces of voxels, in bricks of samples, or once a voxel. Key B.");
 }
 
 static void choose_cones(ui *toolkit, view_state *state)

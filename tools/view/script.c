@@ -169,8 +169,7 @@ static int read_key(reader *from)
     if (event.key == VIEW_KEY_NONE) {
         return fail(from, "'%s' is not a key", from->words[1]);
     }
-    int exit_code =
-        from->word_count > 2 ? read_whole(from, 2, 1, (int)SCRIPT_FRAMES_MAX, &frames) : PROGRAM_DONE;
+    int exit_code = from->word_count > 2 ? read_whole(from, 2, 1, (int)SCRIPT_FRAMES_MAX, &frames) : PROGRAM_DONE;
     exit_code = exit_code == PROGRAM_DONE ? add_event(from, &event) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? add_wait(from, (unsigned)frames - 1) : exit_code;
     event.is_down = false;
@@ -186,8 +185,7 @@ static int read_text(reader *from)
         return fail(from, "'text' lacks text");
     }
     for (size_t i = 1; i < from->word_count && used < sizeof event.text; ++i) {
-        used += (size_t)snprintf(event.text + used, sizeof event.text - used, "%s%s", i > 1 ? " " : "",
-                                 from->words[i]);
+        used += (size_t)snprintf(event.text + used, sizeof event.text - used, "%s%s", i > 1 ? " " : "", from->words[i]);
     }
     return used < sizeof event.text ? add_event(from, &event)
                                     : fail(from, "text is longer than %zu bytes", sizeof event.text - 1);
@@ -324,10 +322,10 @@ typedef struct script_command {
     int (*read)(reader *from);
 } script_command;
 
-static const script_command commands[] = {
-    {"key", read_key},   {"text", read_text}, {"move", read_move}, {"click", read_click},   {"drag", read_drag},
-    {"wheel", read_wheel}, {"size", read_size}, {"wait", read_wait}, {"refine", read_refine}, {"coarse", read_coarse},
-    {"shot", read_shot}};
+static const script_command commands[] = {{"key", read_key},       {"text", read_text}, {"move", read_move},
+                                          {"click", read_click},   {"drag", read_drag}, {"wheel", read_wheel},
+                                          {"size", read_size},     {"wait", read_wait}, {"refine", read_refine},
+                                          {"coarse", read_coarse}, {"shot", read_shot}};
 
 #define COMMANDS (sizeof commands / sizeof commands[0])
 
@@ -337,7 +335,8 @@ static int read_line(reader *from, char *line)
 {
     char *rest = NULL;
     from->word_count = 0;
-    for (char *word = strtok_r(line, " \t\r", &rest); word != NULL && word[0] != '#'; word = strtok_r(NULL, " \t\r", &rest)) {
+    for (char *word = strtok_r(line, " \t\r", &rest); word != NULL && word[0] != '#';
+         word = strtok_r(NULL, " \t\r", &rest)) {
         if (from->word_count == SCRIPT_WORDS_MAX) {
             return fail(from, "more than %d words", SCRIPT_WORDS_MAX);
         }

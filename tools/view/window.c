@@ -165,10 +165,21 @@ void window_set_fullscreen(window *which, bool fullscreen)
     SDL_SetWindowFullscreen(which->handle, fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
 }
 
-void window_show(window *which)
+bool window_show(window *which, svo_message *why)
 {
     SDL_GL_SwapWindow(which->handle);
     which->gl.Finish(); /* swapping the buffers of what is not on a screen flushes nothing: commands would pile up */
+    const char *error = view_gl_error(&which->gl);
+    if (error != NULL) {
+        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while showing the window", error);
+    }
+    return error == NULL;
+}
+
+void window_wait(window *which, unsigned milliseconds)
+{
+    (void)which;
+    (void)SDL_WaitEventTimeout(NULL, (int)milliseconds);
 }
 
 /* ---- keys ---- */

@@ -30,7 +30,10 @@ bool window_poll(window *which, view_event *event);
 bool window_push(window *which, const view_event *event);
 
 void window_set_fullscreen(window *which, bool fullscreen);
-/* Shows what was drawn. wait: for the screen's next picture. */
-void window_show(window *which);
+/* Shows what was drawn and waits for it. False with a reason on failure: the context is lost. */
+bool window_show(window *which, svo_message *why);
+
+/* Waits for an event, but no longer than so many milliseconds. */
+void window_wait(window *which, unsigned milliseconds);
 
 #endif
