@@ -32,6 +32,8 @@ int placed_draw(placed *which, const view_state *state, unsigned width, unsigned
 
 /* NULL before placed_update. */
 svo_scene *placed_scene(const placed *which);
+/* A tree of the scene, with host arrays; NULL where it is held in a compact form. */
+const svo_tree *placed_tree(const placed *which, uint32_t index);
 /* Closed without a file. */
 const scene_file *placed_file(const placed *which);
 svo_device *placed_device(const placed *which);

@@ -10,7 +10,6 @@
 
 static int place_camera(subject *which, view_state *state)
 {
-    const options *given = &which->running->options;
     svo_camera *camera = &state->camera.at;
     if (which->lit.file.has_camera) {
         *camera = which->lit.file.camera;
@@ -19,7 +18,6 @@ static int place_camera(subject *which, view_state *state)
     }
     const int exit_code = viewpoint_apply(which->running, !which->lit.file.has_camera, camera);
     state->camera.home = *camera;
-    (void)given;
     return exit_code;
 }
 
@@ -48,6 +46,7 @@ static int describe(subject *which, view_state *state)
         return program_fail(which->running, PROGRAM_FAILED, "the tree has no content");
     }
     which->level = info.depth;
+    state->camera.speed = state->settings.move_speed * (float)info.edge;
     state->device = svo_device_name(which->done.opened.device);
     state->level_max = info.depth;
     state->shown.level = info.depth;
@@ -56,6 +55,18 @@ static int describe(subject *which, view_state *state)
 }
 
 /* ---- scenes ---- */
+
+/* Of the box around all instances. */
+static float width_of_scene(const svo_scene *measured)
+{
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    double width = 0;
+    (void)svo_scene_get_info(measured, &info);
+    for (int axis = 0; axis < 3; ++axis) {
+        width = info.high[axis] - info.low[axis] > width ? info.high[axis] - info.low[axis] : width;
+    }
+    return (float)width;
+}
 
 /* The camera of the file, or one that frames all instances. */
 static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
@@ -68,6 +79,7 @@ static int place_scene_camera(subject *which, view_state *state, const scene_fil
     }
     const int exit_code = viewpoint_apply(which->running, !file->has_camera, camera);
     state->camera.home = *camera;
+    state->camera.speed = state->settings.move_speed * width_of_scene(placed_scene(which->placed));
     return exit_code;
 }
 

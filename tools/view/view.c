@@ -12,6 +12,7 @@
 #include "view/drawing.h"
 #include "view/input.h"
 #include "view/marks.h"
+#include "view/memory.h"
 #include "view/overlay.h"
 #include "view/pick.h"
 #include "view/script.h"
@@ -162,6 +163,9 @@ static int update(viewer *which, bool *is_new)
         exit_code = drawing_next(&which->drawing, &which->subject, state, now_ms, which, is_new);
     }
     lap(which, VIEW_STAGE_PICTURE);
+    if (state->settings.panels && state->settings.open[VIEW_PANEL_MEMORY]) {
+        memory_list(&which->subject, state);
+    }
     /* Builds by OpenGL have contexts of their own. */
     return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
 }
@@ -227,6 +231,29 @@ static int run_frame(viewer *which)
 
 /* ---- beginning and end ---- */
 
+static view_picture picture_of_option(int view)
+{
+    static const view_picture by_light[] = {VIEW_FULL, VIEW_AO, VIEW_DIRECT, VIEW_GI, VIEW_SPECULAR};
+    return view >= OPTION_VIEW_LIGHT ? by_light[view - OPTION_VIEW_LIGHT] : (view_picture)view;
+}
+
+/* What the command line says of the picture. */
+static void take_picture_options(viewer *which)
+{
+    const options *given = &which->running->options;
+    view_shown *shown = &which->state.shown;
+    shown->gi = given->gi != 0;
+    shown->photons = given->photons != 0;
+    shown->form = (svo_light_form)given->light_form;
+    shown->cones = given->cones > 0 ? (unsigned)given->cones : shown->cones;
+    shown->range = (float)given->range;
+    shown->falloff = (float)given->falloff;
+    if (given->exposure > 0) {
+        view_choose_exposure(&which->state, (float)given->exposure);
+    }
+    view_choose_picture(&which->state, picture_of_option(given->view));
+}
+
 static int run_frames(viewer *which)
 {
     int exit_code = window_use(which->window, &which->why) ? PROGRAM_DONE : fail(which);
@@ -244,6 +271,7 @@ static int show(viewer *which)
         return exit_code;
     }
     progress_destroy(&which->running->progress);
+    take_picture_options(which);
     exit_code = run_frames(which);
     marks_end(&which->marks);
     drawing_end(&which->drawing);
@@ -269,7 +297,7 @@ static int open_window(viewer *which)
     return which->overlay != NULL ? PROGRAM_DONE : fail(which);
 }
 
-/* What the command line says of the window goes before the settings, and the view before that of the state. */
+/* What the command line says of the window goes before the settings. */
 static void take_options(viewer *which)
 {
     const options *given = &which->running->options;
