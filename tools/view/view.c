@@ -12,6 +12,7 @@
 #include "view/drawing.h"
 #include "view/input.h"
 #include "view/marks.h"
+#include "view/memory.h"
 #include "view/overlay.h"
 #include "view/pick.h"
 #include "view/script.h"
@@ -20,6 +21,8 @@
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
 #define IDLE_MS 100u
+/* After an event, so many frames come at once. */
+#define LIVELY_FRAMES 3u
 /* A frame that took longer, as after sleep, moves the camera as if it had taken this. */
 #define STEP_SECONDS_MAX 0.25
 
@@ -33,6 +36,9 @@ typedef struct viewer {
     subject subject;
     drawing drawing;
     marks marks;
+    unsigned listed; /* of subject's and placed trees' changes: those whose memory is listed */
+    bool is_fullscreen;
+    unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
     input_mouse mouse;
     script script;
     bool has_script;
@@ -99,7 +105,6 @@ static int take_event(viewer *which, const view_event *event)
         return pick_at(&which->subject, state, which->mouse.x, which->mouse.y);
     case INPUT_FULLSCREEN:
         state->settings.fullscreen = !state->settings.fullscreen;
-        window_set_fullscreen(which->window, state->settings.fullscreen);
         return PROGRAM_DONE;
     case INPUT_NOTHING:
         break;
@@ -133,7 +138,8 @@ static int play(viewer *which)
 /* Whether the window shows all there is to show until something happens. */
 static bool is_idle(const viewer *which)
 {
-    return !which->has_script && which->state.is_refined && !camera_is_moving(&which->state);
+    return !which->has_script && which->lively_frames == 0 && which->state.is_refined &&
+           !camera_is_moving(&which->state);
 }
 
 static int take_events(viewer *which)
@@ -143,8 +149,14 @@ static int take_events(viewer *which)
     if (is_idle(which)) {
         window_wait(which->window, IDLE_MS);
     }
+    which->lively_frames -= which->lively_frames > 0 ? 1 : 0;
     while (exit_code == PROGRAM_DONE && window_poll(which->window, &event)) {
+        which->lively_frames = LIVELY_FRAMES;
         exit_code = take_event(which, &event);
+    }
+    if (which->is_fullscreen != which->state.settings.fullscreen) {
+        which->is_fullscreen = which->state.settings.fullscreen;
+        window_set_fullscreen(which->window, which->is_fullscreen);
     }
     window_size(which->window, &which->state.width, &which->state.height);
     return exit_code;
@@ -152,11 +164,24 @@ static int take_events(viewer *which)
 
 /* ---- a frame ---- */
 
+/* Once for each tree, light and scene. */
+static void list_memory(viewer *which)
+{
+    const unsigned changes = which->subject.changes + placed_changes(which->subject.placed) + 1;
+    if (which->listed != changes) {
+        memory_list(&which->subject, &which->state);
+        which->listed = changes;
+    }
+}
+
 /* Makes what the state asks for. is_new: whether there is a new picture. */
 static int update(viewer *which, bool *is_new)
 {
     view_state *state = &which->state;
     int exit_code = subject_update(&which->subject, state);
+    if (exit_code == PROGRAM_DONE) {
+        list_memory(which);
+    }
     lap(which, VIEW_STAGE_TREE);
     if (exit_code == PROGRAM_DONE) {
         exit_code = drawing_next(&which->drawing, &which->subject, state, now_ms, which, is_new);
@@ -262,6 +287,7 @@ static int open_window(viewer *which)
     if (which->window == NULL) {
         return fail(which);
     }
+    which->is_fullscreen = state->settings.fullscreen;
     window_size(which->window, &state->width, &state->height);
     state->renderer = window_renderer(which->window);
     which->canvas = canvas_create(window_gl(which->window), &which->why);
