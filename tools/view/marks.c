@@ -90,25 +90,12 @@ static void add_area(marks *which, const view_state *state, const float corners[
     }
 }
 
-/* The corner of a box: bit k of the number chooses the high side of axis k. */
-static void corner_of_box(const float low[3], const float high[3], unsigned corner, float out[3])
-{
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        out[axis] = (corner >> axis & 1u) != 0 ? high[axis] : low[axis];
-    }
-}
-
-static void add_box(marks *which, const view_state *state, const float low[3], const float high[3],
-                    const float color[4])
+static void add_box(marks *which, const view_state *state, const float corners[8][3], const float color[4])
 {
     for (unsigned from = 0; from < 8; ++from) {
         for (unsigned axis = 0; axis < 3; ++axis) {
-            float a[3];
-            float b[3];
-            corner_of_box(low, high, from, a);
-            corner_of_box(low, high, from | 1u << axis, b);
             if ((from >> axis & 1u) == 0) {
-                add_edge(which, state, a, b, THICK, color);
+                add_edge(which, state, corners[from], corners[from | 1u << axis], THICK, color);
             }
         }
     }
@@ -126,8 +113,8 @@ static void mark_selection(marks *which, const view_state *state)
         add_area(which, state, picked->corners, triangle_area);
         add_outline(which, state, picked->corners, THICK, triangle_color);
     }
-    if (picked->node != SVO_NO_NODE) {
-        add_box(which, state, picked->low, picked->high, node_color);
+    if (picked->has_box) {
+        add_box(which, state, picked->box, node_color);
     }
 }
 

@@ -9,7 +9,8 @@
 
 /* What rays found, and where to look it up. */
 typedef struct find {
-    const svo_tree *tree;
+    const svo_tree *tree; /* NULL: held in a compact form */
+    const float *transform; /* 3 x 4, from the tree's world to the scene's; NULL: the same */
     svo_tree_info info;
     svo_tree_arrays arrays;
     svo_ray ray;
@@ -19,11 +20,34 @@ typedef struct find {
 
 /* ---- places ---- */
 
-static void vertex_of(const find *found, uint32_t vertex, float out[3])
+static void place(const find *found, const double from[3], float out[3])
 {
     for (int axis = 0; axis < 3; ++axis) {
+        const float *row = found->transform != NULL ? found->transform + (ptrdiff_t)4 * axis : NULL;
+        out[axis] = row == NULL ? (float)from[axis]
+                                : (float)((double)row[0] * from[0] + (double)row[1] * from[1] +
+                                          (double)row[2] * from[2] + (double)row[3]);
+    }
+}
+
+static void vertex_of(const find *found, uint32_t vertex, float out[3])
+{
+    double point[3];
+    for (int axis = 0; axis < 3; ++axis) {
         const double units = (double)found->arrays.vertices[(size_t)vertex * 3 + (size_t)axis];
-        out[axis] = (float)(found->info.origin[axis] + units / found->info.scale);
+        point[axis] = found->info.origin[axis] + units / found->info.scale;
+    }
+    place(found, point, out);
+}
+
+static void box_of(const find *found, const double low[3], const double high[3], float corners[8][3])
+{
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        double point[3];
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            point[axis] = (corner >> axis & 1u) != 0 ? high[axis] : low[axis];
+        }
+        place(found, point, corners[corner]);
     }
 }
 
@@ -58,19 +82,19 @@ static void fill_payload(const find *found, view_selection *out)
     if (out->node < first) {
         return;
     }
-    const size_t place = out->node - first;
+    const size_t index = out->node - first;
     out->has_color = arrays->colors != NULL;
     out->has_normal = arrays->normals != NULL;
     out->has_material = arrays->materials != NULL;
     out->has_fill = arrays->fills != NULL;
     if (out->has_color) {
-        memcpy(out->color, arrays->colors + 4 * place, sizeof out->color);
+        memcpy(out->color, arrays->colors + 4 * index, sizeof out->color);
     }
     for (size_t axis = 0; axis < 3 && out->has_normal; ++axis) {
-        out->normal[axis] = (float)arrays->normals[3 * place + axis] / 32767.0F;
+        out->normal[axis] = (float)arrays->normals[3 * index + axis] / 32767.0F;
     }
-    out->material = out->has_material ? arrays->materials[place] : 0;
-    out->fill = out->has_fill ? arrays->fills[place] : 0;
+    out->material = out->has_material ? arrays->materials[index] : 0;
+    out->fill = out->has_fill ? arrays->fills[index] : 0;
 }
 
 static void fill_list(const find *found, view_selection *out)
@@ -99,10 +123,8 @@ static void fill_node(const find *found, view_selection *out)
         return;
     }
     out->level = node.level;
-    for (int axis = 0; axis < 3; ++axis) {
-        out->low[axis] = (float)low[axis];
-        out->high[axis] = (float)high[axis];
-    }
+    out->has_box = true;
+    box_of(found, low, high, out->box);
     fill_payload(found, out);
     fill_list(found, out);
 }
@@ -157,7 +179,7 @@ static void fill(const find *found, view_selection *out)
     if (has_triangle) {
         fill_triangle(found, out);
     }
-    if (out->node != SVO_NO_NODE) {
+    if (out->node != SVO_NO_NODE && found->tree != NULL) {
         fill_node(found, out);
     }
 }
@@ -170,19 +192,46 @@ static svo_ray ray_at(const view_state *state, int x, int y)
     return ray;
 }
 
-static int pick_in_tree(subject *which, view_state *state, const svo_ray *ray)
+static bool look_up(const svo_tree *tree, find *found)
 {
-    find found = {.tree = which->done.result.tree,
-                  .info = SVO_TREE_INFO_INIT,
-                  .arrays = SVO_TREE_ARRAYS_INIT,
-                  .ray = *ray,
-                  .hit = {.triangle = SVO_NO_TRIANGLE},
-                  .voxel = {.node = SVO_NO_NODE}};
-    if (svo_tree_get_info(found.tree, &found.info) != SVO_OK ||
-        svo_tree_get_arrays(found.tree, &found.arrays) != SVO_OK || trace(which, state, &found) != SVO_OK) {
+    found->tree = tree;
+    found->info = (svo_tree_info)SVO_TREE_INFO_INIT;
+    found->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
+    return svo_tree_get_info(tree, &found->info) == SVO_OK && svo_tree_get_arrays(tree, &found->arrays) == SVO_OK;
+}
+
+static int pick_in_tree(subject *which, view_state *state, find *found)
+{
+    if (!look_up(which->done.result.tree, found) || trace(which, state, found) != SVO_OK) {
         return program_fail_library(which->running, svo_device_message(which->done.opened.device));
     }
-    fill(&found, &state->selection);
+    fill(found, &state->selection);
+    return PROGRAM_DONE;
+}
+
+/* Instances are picked by their voxels. */
+static int pick_in_scene(subject *which, view_state *state, find *found)
+{
+    svo_scene_hit hit = {.node = SVO_NO_NODE};
+    svo_scene *traced = placed_scene(which->placed);
+    if (svo_scene_trace(traced, &found->ray, &hit, 1, 0, SVO_SCENE_CLOSEST, placed_queue(which->placed)) != SVO_OK) {
+        return program_fail_library(which->running, svo_device_message(placed_device(which->placed)));
+    }
+    if (hit.node == SVO_NO_NODE || hit.instance >= state->instance_count) {
+        return PROGRAM_DONE;
+    }
+    const svo_instance *instance = &state->instances[hit.instance];
+    const svo_tree *tree = placed_tree(which->placed, instance->tree);
+    found->voxel.node = hit.node;
+    found->voxel.t = hit.t;
+    found->transform = instance->transform;
+    state->selection.level = hit.level;
+    if (tree == NULL || !look_up(tree, found)) {
+        found->tree = NULL;
+    }
+    fill(found, &state->selection);
+    state->selection.instance = hit.instance;
+    state->instance = hit.instance;
     return PROGRAM_DONE;
 }
 
@@ -201,10 +250,10 @@ static void log_selection(view_state *state)
 
 int pick_at(subject *which, view_state *state, int x, int y)
 {
-    const svo_ray ray = ray_at(state, x, y);
+    find found = {.ray = ray_at(state, x, y), .hit.triangle = SVO_NO_TRIANGLE, .voxel.node = SVO_NO_NODE};
     state->selection =
         (view_selection){.instance = SVO_NO_INSTANCE, .triangle = SVO_NO_TRIANGLE, .node = SVO_NO_NODE, .t = INFINITY};
-    const int exit_code = pick_in_tree(which, state, &ray);
+    const int exit_code = state->is_scene ? pick_in_scene(which, state, &found) : pick_in_tree(which, state, &found);
     log_selection(state);
     return exit_code;
 }

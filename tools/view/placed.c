@@ -323,6 +323,11 @@ svo_scene *placed_scene(const placed *which)
     return which->scene;
 }
 
+const svo_tree *placed_tree(const placed *which, uint32_t index)
+{
+    return which->trees.trees == NULL ? which->tree : index < which->list_count ? which->trees.trees[index] : NULL;
+}
+
 const scene_file *placed_file(const placed *which)
 {
     return &which->file;

@@ -37,6 +37,8 @@ svo_status placed_plan(placed *which, const view_state *state, svo_scene_info *i
 
 /* NULL before placed_update. */
 svo_scene *placed_scene(const placed *which);
+/* A tree of the scene, with host arrays; NULL where it is held in a compact form. */
+const svo_tree *placed_tree(const placed *which, uint32_t index);
 /* Closed without a file. */
 const scene_file *placed_file(const placed *which);
 svo_device *placed_device(const placed *which);

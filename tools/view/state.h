@@ -98,7 +98,8 @@ typedef struct view_selection {
     float corners[3][3]; /* world; of the triangle */
     uint32_t node; /* SVO_NO_NODE: none was hit */
     unsigned level; /* of the node */
-    float low[3], high[3]; /* world; of the node's box */
+    bool has_box;
+    float box[8][3]; /* world; the corners of the node: bit a of the number is the high side of axis a */
     bool has_color, has_normal, has_material, has_fill;
     uint8_t color[4];
     float normal[3];

@@ -36,7 +36,7 @@ typedef struct viewer {
     subject subject;
     drawing drawing;
     marks marks;
-    unsigned listed; /* of subject's and placed trees' changes: those whose memory is listed */
+    uint64_t listed; /* sum of changes whose memory is listed */
     bool is_fullscreen;
     unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
     input_mouse mouse;
@@ -164,12 +164,14 @@ static int take_events(viewer *which)
 
 /* ---- a frame ---- */
 
-/* Once for each tree, light and scene. */
+/* Once for each tree, its BVH, light and scene: plans take time. */
 static void list_memory(viewer *which)
 {
-    const unsigned changes = which->subject.changes + placed_changes(which->subject.placed) + 1;
+    const subject *shown = &which->subject;
+    const uint64_t changes =
+        1 + shown->changes + placed_changes(shown->placed) + svo_tree_ray_bytes(shown->done.result.tree);
     if (which->listed != changes) {
-        memory_list(&which->subject, &which->state);
+        memory_list(shown, &which->state);
         which->listed = changes;
     }
 }
@@ -179,14 +181,14 @@ static int update(viewer *which, bool *is_new)
 {
     view_state *state = &which->state;
     int exit_code = subject_update(&which->subject, state);
-    if (exit_code == PROGRAM_DONE) {
-        list_memory(which);
-    }
     lap(which, VIEW_STAGE_TREE);
     if (exit_code == PROGRAM_DONE) {
         exit_code = drawing_next(&which->drawing, &which->subject, state, now_ms, which, is_new);
     }
     lap(which, VIEW_STAGE_PICTURE);
+    if (exit_code == PROGRAM_DONE) {
+        list_memory(which);
+    }
     /* Builds by OpenGL have contexts of their own. */
     return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
 }
@@ -252,6 +254,29 @@ static int run_frame(viewer *which)
 
 /* ---- beginning and end ---- */
 
+static view_picture picture_of_option(int view)
+{
+    static const view_picture by_light[] = {VIEW_FULL, VIEW_AO, VIEW_DIRECT, VIEW_GI, VIEW_SPECULAR};
+    return view >= OPTION_VIEW_LIGHT ? by_light[view - OPTION_VIEW_LIGHT] : (view_picture)view;
+}
+
+/* What the command line says of the picture. */
+static void take_picture_options(viewer *which)
+{
+    const options *given = &which->running->options;
+    view_shown *shown = &which->state.shown;
+    shown->gi = given->gi != 0;
+    shown->photons = given->photons != 0;
+    shown->form = (svo_light_form)given->light_form;
+    shown->cones = given->cones > 0 ? (unsigned)given->cones : shown->cones;
+    shown->range = (float)given->range;
+    shown->falloff = (float)given->falloff;
+    if (given->exposure > 0) {
+        view_choose_exposure(&which->state, (float)given->exposure);
+    }
+    view_choose_picture(&which->state, picture_of_option(given->view));
+}
+
 static int run_frames(viewer *which)
 {
     int exit_code = window_use(which->window, &which->why) ? PROGRAM_DONE : fail(which);
@@ -269,6 +294,7 @@ static int show(viewer *which)
         return exit_code;
     }
     progress_destroy(&which->running->progress);
+    take_picture_options(which);
     exit_code = run_frames(which);
     marks_end(&which->marks);
     drawing_end(&which->drawing);
@@ -295,7 +321,7 @@ static int open_window(viewer *which)
     return which->overlay != NULL ? PROGRAM_DONE : fail(which);
 }
 
-/* What the command line says of the window goes before the settings, and the view before that of the state. */
+/* What the command line says of the window goes before the settings. */
 static void take_options(viewer *which)
 {
     const options *given = &which->running->options;
