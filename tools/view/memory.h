@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Device memory of what is looked at, by buffer. */
+/* Device memory of what is looked at, by buffer, beside what plans said of it. */
 #ifndef SVOCL_TOOLS_VIEW_MEMORY_H
 #define SVOCL_TOOLS_VIEW_MEMORY_H
 
 #include "view/subject.h"
 
-/* Lists the buffers in the state, beside what the plans said. */
+/* Lists the buffers of tree, light and scene in the state. What a plan cannot be asked for has no planned bytes. */
 void memory_list(const subject *which, view_state *state);
 
 #endif

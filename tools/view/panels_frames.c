@@ -8,7 +8,10 @@
 #include "view/panels_pages.h"
 #include "view/ui_theme.h"
 
-#define GRAPH_ROWS 4.0F /* of text: its height */
+/* Its height, in rows of text, in low and in high windows. */
+#define GRAPH_ROWS_LOW  2.5F
+#define GRAPH_ROWS_HIGH 4.0F
+#define HIGH_WINDOW     600u
 
 static const uint32_t stage_colors[VIEW_STAGES] = {
     UI_RGBA(140, 148, 160, 255), UI_RGBA(236, 118, 106, 255), UI_RGBA(94, 176, 239, 255),
@@ -32,7 +35,7 @@ static float graph_range(const view_state *state, size_t count)
     return rounds[i];
 }
 
-/* One frame from the bottom up; what no stage took is left dark. */
+/* One frame from the bottom up; on top what no stage took, as waiting for the screen does. */
 static void draw_frame(ui *toolkit, const view_frame *frame, ui_place column, float range)
 {
     float bottom = column.y + column.height;
@@ -42,6 +45,10 @@ static void draw_frame(ui *toolkit, const view_frame *frame, ui_place column, fl
             bottom -= height;
             ui_fill(toolkit, (ui_place){column.x, bottom, column.width, height}, stage_colors[i]);
         }
+    }
+    const float top = column.y + column.height * (1 - fminf(frame->ms / range, 1));
+    if (bottom > top) {
+        ui_fill(toolkit, (ui_place){column.x, top, column.width, bottom - top}, UI_COLOR_PRESSED);
     }
 }
 
@@ -58,7 +65,8 @@ static void draw_graph(ui *toolkit, const view_state *state)
 {
     ui_place place;
     char text[32];
-    (void)ui_canvas(toolkit, "graph", roundf(GRAPH_ROWS * ui_row_height(toolkit)), &place, NULL);
+    const float rows = state->height < HIGH_WINDOW ? GRAPH_ROWS_LOW : GRAPH_ROWS_HIGH;
+    (void)ui_canvas(toolkit, "graph", roundf(rows * ui_row_height(toolkit)), &place, NULL);
     const float step = 2;
     const size_t most = (size_t)(place.width / step);
     const size_t count = most < VIEW_FRAMES_KEPT ? most : VIEW_FRAMES_KEPT;
@@ -71,8 +79,8 @@ static void draw_graph(ui *toolkit, const view_state *state)
     draw_goal(toolkit, place, state->settings.goal_ms, range);
     (void)snprintf(text, sizeof text, "%.0f ms", (double)range);
     ui_fill_text(toolkit, place.x + 4, place.y + 2, UI_COLOR_DIM, text);
-    ui_tooltip(toolkit, "The last frames, the newest at the right, each as high as the time of its stages. The line is "
-                        "the goal while something moves.");
+    ui_tooltip(toolkit, "The last frames, the newest at the right, each as high as the time of its stages; gray is "
+                        "waiting. The line is the goal while something moves.");
 }
 
 /* Each stage's color and mean, two in a row. */
@@ -101,7 +109,7 @@ void panels_frames(ui *toolkit, view_state *state)
     const view_frame *last = panels_frame(state, 0);
     ui_value(toolkit, "Frame", "%.1f ms, %.0f /s", (double)means.ms, means.ms > 0 ? 1000.0 / (double)means.ms : 0.0);
     ui_tooltip(toolkit, "Mean time from frame to frame, and frames a second.");
-    ui_value(toolkit, "Rays", "%s", figure_rate(means.rays_a_second).text);
+    ui_value(toolkit, "Rays", "%s", means.rays_a_second > 0 ? figure_rate(means.rays_a_second).text : "-");
     ui_tooltip(toolkit, "Rays from the camera, by the time that OpenCL took for the pictures.");
     const unsigned coarse = last != NULL ? last->coarse : 0;
     ui_value(toolkit, "Detail", coarse > 1 ? "1 of %u pixels" : "all pixels", coarse * coarse);

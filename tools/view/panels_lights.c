@@ -2,6 +2,7 @@
 /* Sources of light and the sky; in scenes the lights that their pictures have. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "view/light_edit.h"
 #include "view/panels_pages.h"
@@ -63,6 +64,7 @@ static bool edit_kind(ui *toolkit, svo_light_source *source)
 
 static void edit_source(ui *toolkit, view_state *state, svo_light_source *source)
 {
+    const svo_light_source before = *source;
     bool changed = edit_kind(toolkit, source);
     if (source->kind != SVO_SOURCE_DIRECTIONAL) {
         changed |= ui_numbers(toolkit, "Position", source->position, 3, 0.01F, "%.2f");
@@ -76,7 +78,9 @@ static void edit_source(ui *toolkit, view_state *state, svo_light_source *source
     }
     changed |= ui_color(toolkit, "Color", source->value);
     ui_tooltip(toolkit, "Linear red, green and blue: irradiance of a sun, intensity of others.");
-    if (changed) {
+    if (!view_is_moderate(source->position, 3) || !view_is_moderate(source->value, 3)) {
+        *source = before;
+    } else if (changed) {
         view_lights_changed(state);
     }
 }
@@ -110,7 +114,9 @@ static void describe_sources(ui *toolkit, view_state *state)
             view_remove_source(state, state->source);
         }
     }
-    if (ui_color(toolkit, "Sky", state->sky)) {
+    float sky[3] = {state->sky[0], state->sky[1], state->sky[2]};
+    if (ui_color(toolkit, "Sky", sky) && view_is_moderate(sky, 3)) {
+        memcpy(state->sky, sky, sizeof sky);
         view_lights_changed(state);
     }
     ui_tooltip(toolkit, "Radiance from outside, linear red, green and blue.");
@@ -133,6 +139,7 @@ static void list_scene_lights(ui *toolkit, view_state *state)
 
 static void edit_scene_light(ui *toolkit, view_state *state, svo_scene_light *light)
 {
+    const float before[3] = {light->color[0], light->color[1], light->color[2]};
     float away[3] = {-light->direction[0], -light->direction[1], -light->direction[2]};
     bool shadows = light->shadows != 0;
     bool changed = false;
@@ -148,7 +155,9 @@ static void edit_scene_light(ui *toolkit, view_state *state, svo_scene_light *li
         light->shadows = shadows ? 1 : 0;
         changed = true;
     }
-    if (changed) {
+    if (!view_is_moderate(light->color, 3)) {
+        memcpy(light->color, before, sizeof before);
+    } else if (changed) {
         view_lights_changed(state);
     }
 }

@@ -135,7 +135,7 @@ static void place_camera(ui *toolkit, view_state *state)
         moved.vertical_fov = degrees * PI / 180;
     }
     ui_tooltip(toolkit, "Of view, from top to bottom.");
-    if (distance(moved.eye, moved.target) > 0) {
+    if (distance(moved.eye, moved.target) > 0 && view_is_moderate(moved.eye, 3) && view_is_moderate(moved.target, 3)) {
         state->camera.at = moved;
     }
 }

@@ -20,6 +20,7 @@ struct placed {
     svo_instance *instances; /* as the scene has them, instance_count */
     size_t instance_count;
     unsigned revision; /* of the state's instances */
+    unsigned changes;
 };
 
 /* ---- opening ---- */
@@ -230,6 +231,12 @@ static bool are_of_same_trees(const placed *which, const view_state *state)
     return true;
 }
 
+svo_status placed_plan(placed *which, const view_state *state, svo_scene_info *info)
+{
+    const svo_scene_options asked = place(which, state);
+    return svo_scene_plan(which->device, &asked, info);
+}
+
 static svo_status make_scene(placed *which, const view_state *state)
 {
     svo_scene *made = NULL;
@@ -279,6 +286,7 @@ int placed_update(placed *which, view_state *state)
     }
     const svo_status status = are_of_same_trees(which, state) ? move_scene(which, state) : make_scene(which, state);
     if (status == SVO_OK) {
+        ++which->changes;
         which->revision = state->revisions.instances;
         return remember(which, state->instances, state->instance_count)
                    ? PROGRAM_DONE
@@ -303,6 +311,11 @@ int placed_draw(placed *which, const view_state *state, unsigned width, unsigned
     return svo_scene_render(which->scene, &asked, which->queue, rgba) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(which->running, svo_device_message(which->device));
+}
+
+unsigned placed_changes(const placed *which)
+{
+    return which->changes;
 }
 
 svo_scene *placed_scene(const placed *which)

@@ -26,9 +26,14 @@ void placed_use_tree(placed *which, svo_device *device, cl_command_queue queue, 
 /* Places the trees as the state has the instances. What the library refuses is undone in the state, and the log says
    why. Returns the exit code. */
 int placed_update(placed *which, view_state *state);
+/* How often a scene was made or moved. */
+unsigned placed_changes(const placed *which);
 
 /* Draws what svocl render would of the scene as it is. Returns the exit code. */
 int placed_draw(placed *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba);
+
+/* The bytes of that scene beforehand. */
+svo_status placed_plan(placed *which, const view_state *state, svo_scene_info *info);
 
 /* NULL before placed_update. */
 svo_scene *placed_scene(const placed *which);

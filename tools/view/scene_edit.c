@@ -8,6 +8,9 @@
 
 #include "view/scene_save.h"
 
+/* Of scales, without sign: a scene refuses what is flat. */
+#define SCALE_MIN 1e-6F
+
 /* Angles are not unique, so what a hand turned is remembered as long as it gives the instance's matrix. */
 bool scene_edit_place(const view_state *state, size_t index, scene_place *out)
 {
@@ -28,11 +31,10 @@ bool scene_edit_place(const view_state *state, size_t index, scene_place *out)
 
 static bool is_usable(const scene_place *place)
 {
-    bool usable = true;
+    bool usable = view_is_moderate(place->translate, 3) && view_is_moderate(place->rotate, 3) &&
+                  view_is_moderate(place->scale, 3);
     for (int i = 0; i < 3; ++i) {
-        usable &= isfinite(place->translate[i]) && isfinite(place->rotate[i]) && isfinite(place->scale[i]) &&
-                  fabsf(place->scale[i]) >= 1e-6F && fabsf(place->scale[i]) <= 1e6F &&
-                  fabsf(place->translate[i]) <= 1e9F;
+        usable = usable && fabsf(place->scale[i]) >= SCALE_MIN;
     }
     return usable;
 }
@@ -50,13 +52,11 @@ bool scene_edit_set(view_state *state, size_t index, const scene_place *place)
 
 void scene_edit_move(view_state *state, size_t index, const float translate[3])
 {
-    if (index >= state->instance_count) {
+    if (index >= state->instance_count || !view_is_moderate(translate, 3)) {
         return;
     }
     for (int axis = 0; axis < 3; ++axis) {
-        if (fabsf(translate[axis]) <= 1e9F) {
-            state->instances[index].transform[4 * axis + 3] = translate[axis];
-        }
+        state->instances[index].transform[4 * axis + 3] = translate[axis];
     }
     view_instances_changed(state);
 }

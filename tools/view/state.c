@@ -14,11 +14,11 @@ void view_state_begin(view_state *state)
     state->settings = (view_settings){.width = 1280,
                                       .height = 800,
                                       .panels = true,
-                                      .open = {[VIEW_PANEL_FRAMES] = true, [VIEW_PANEL_CAMERA] = true},
+                                      .open = {[VIEW_PANEL_FRAMES] = true, [VIEW_PANEL_PICTURE] = true},
                                       .turn_speed = 3.0F,
                                       .move_speed = 0.25F,
                                       .goal_ms = 40.0F,
-                                      .text_scale = 1.0F};
+                                      .text_scale = 0.0F};
 }
 
 void view_state_end(view_state *state)
@@ -29,6 +29,16 @@ void view_state_end(view_state *state)
     state->instances = NULL;
     state->source_count = 0;
     state->instance_count = 0;
+}
+
+bool view_is_moderate(const float *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!(numbers[i] >= -1e9F && numbers[i] <= 1e9F)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* ---- names ---- */

@@ -176,7 +176,7 @@ typedef struct view_settings {
     float move_speed; /* widths of the scene a second */
     float goal_ms; /* of a frame while something moves */
     unsigned coarse; /* while something moves: 1, 2, 4, 8; 0: by goal_ms */
-    float text_scale;
+    float text_scale; /* 0: by the window; above 1: large */
 } view_settings;
 
 /* ---- all of it ---- */
@@ -232,6 +232,9 @@ typedef struct view_state {
 void view_state_begin(view_state *state);
 /* Frees its arrays. */
 void view_state_end(view_state *state);
+
+/* Whether so many numbers are finite and within a thousand million, as hands may not leave them. */
+bool view_is_moderate(const float *numbers, size_t count);
 
 /* "shaded", "normal", ...: as svocl render --view has them. */
 const char *view_picture_name(view_picture picture);

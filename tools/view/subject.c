@@ -2,22 +2,33 @@
 /* Trees and lights of the viewer, by the functions of svocl render. */
 #include "view/subject.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "support/viewpoint.h"
 
 /* ---- opening ---- */
 
+/* What a person changes in the settings is for the next start. */
+static void begin_camera(view_state *state, double scene_width)
+{
+    state->camera.home = state->camera.at;
+    state->camera.mode = state->settings.mode;
+    state->camera.speed = (float)(scene_width * (double)state->settings.move_speed);
+}
+
 static int place_camera(subject *which, view_state *state)
 {
     svo_camera *camera = &state->camera.at;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    (void)svo_tree_get_info(which->done.result.tree, &info);
     if (which->lit.file.has_camera) {
         *camera = which->lit.file.camera;
     } else {
         svo_camera_frame(which->done.result.tree, (float)state->width / (float)state->height, camera);
     }
     const int exit_code = viewpoint_apply(which->running, !which->lit.file.has_camera, camera);
-    state->camera.home = *camera;
+    begin_camera(state, info.edge);
     return exit_code;
 }
 
@@ -46,7 +57,6 @@ static int describe(subject *which, view_state *state)
         return program_fail(which->running, PROGRAM_FAILED, "the tree has no content");
     }
     which->level = info.depth;
-    state->camera.speed = state->settings.move_speed * (float)info.edge;
     state->device = svo_device_name(which->done.opened.device);
     state->level_max = info.depth;
     state->shown.level = info.depth;
@@ -56,30 +66,19 @@ static int describe(subject *which, view_state *state)
 
 /* ---- scenes ---- */
 
-/* Of the box around all instances. */
-static float width_of_scene(const svo_scene *measured)
-{
-    svo_scene_info info = SVO_SCENE_INFO_INIT;
-    double width = 0;
-    (void)svo_scene_get_info(measured, &info);
-    for (int axis = 0; axis < 3; ++axis) {
-        width = info.high[axis] - info.low[axis] > width ? info.high[axis] - info.low[axis] : width;
-    }
-    return (float)width;
-}
-
 /* The camera of the file, or one that frames all instances. */
 static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
 {
     svo_camera *camera = &state->camera.at;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    (void)svo_scene_get_info(placed_scene(which->placed), &info);
     if (file->has_camera) {
         *camera = file->camera;
     } else {
         svo_scene_camera_frame(placed_scene(which->placed), (float)state->width / (float)state->height, camera);
     }
     const int exit_code = viewpoint_apply(which->running, !file->has_camera, camera);
-    state->camera.home = *camera;
-    state->camera.speed = state->settings.move_speed * width_of_scene(placed_scene(which->placed));
+    begin_camera(state, fmax(fmax(info.high[0] - info.low[0], info.high[1] - info.low[1]), info.high[2] - info.low[2]));
     return exit_code;
 }
 
@@ -167,6 +166,7 @@ int subject_load(subject *which, view_state *state)
     placed_close(&which->placed);
     close_tree(which);
     which->placed = fresh;
+    ++which->changes;
     view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
              state->scene_path);
     return place_scene_camera(which, state, placed_file(fresh));
@@ -189,6 +189,7 @@ static int make_tree(subject *which, view_state *state)
     given->depth = state->shown.level;
     const int exit_code = job_build(which->running, lighting_need(&done->source, given->need), done);
     which->level = state->shown.level;
+    ++which->changes;
     if (exit_code == PROGRAM_DONE) {
         placed_use_tree(which->placed, done->opened.device, done->opened.queue, done->result.tree);
     }
@@ -220,6 +221,7 @@ static int make_light(subject *which, view_state *state)
         return program_fail_library(which->running, svo_device_message(done->opened.device));
     }
     which->is_lit = true;
+    ++which->changes;
     which->form = state->shown.form;
     which->photons = state->shown.photons;
     which->lights_revision = state->revisions.lights;

@@ -20,6 +20,7 @@ typedef struct subject {
     svo_light_form form;
     bool photons;
     unsigned lights_revision;
+    unsigned changes; /* how often a tree, a light or a scene was made */
 } subject;
 
 /* Loads or builds INPUT and places the camera as svocl render does. Returns the exit code; on failure nothing stays

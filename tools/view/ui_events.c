@@ -56,8 +56,12 @@ ui_input ui_events_frame(ui_events *events, unsigned width, unsigned height, flo
     input.width = (float)width;
     input.height = (float)height;
     input.seconds = seconds > 0 ? seconds : 1e-4F;
-    events->next = (ui_input){.mouse = {input.mouse[0], input.mouse[1]}, .large = input.large};
-    memcpy(events->next.buttons, events->buttons, sizeof events->buttons);
-    memcpy(events->next.keys, events->keys, sizeof events->keys);
+    for (int i = 0; i < 3; ++i) {
+        input.buttons[i] |= events->buttons[i];
+    }
+    for (int i = 0; i < UI_KEY_COUNT; ++i) {
+        input.keys[i] |= events->keys[i];
+    }
+    events->next = (ui_input){.mouse = {input.mouse[0], input.mouse[1]}};
     return input;
 }

@@ -8,8 +8,8 @@
 
 /* What is held, and what was pressed since the last frame even if it is held no more. */
 typedef struct ui_events {
-    ui_input next; /* without size and time */
-    bool buttons[3];
+    ui_input next; /* without size and time; its buttons and keys are those that went down */
+    bool buttons[3]; /* held */
     bool keys[UI_KEY_COUNT];
 } ui_events;
 

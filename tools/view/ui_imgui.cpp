@@ -397,9 +397,10 @@ bool ui_wants_mouse(const ui *panels)
            });
 }
 
+/* ImGui's wish alone would last a frame longer than the field's focus. */
 bool ui_wants_keys(const ui *panels)
 {
-    return !panels->failed && ImGui::GetIO().WantTextInput;
+    return !panels->failed && ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive();
 }
 
 float ui_row_height(const ui *panels)

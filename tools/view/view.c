@@ -21,6 +21,8 @@
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
 #define IDLE_MS 100u
+/* After an event, so many frames come at once. */
+#define LIVELY_FRAMES 3u
 /* A frame that took longer, as after sleep, moves the camera as if it had taken this. */
 #define STEP_SECONDS_MAX 0.25
 
@@ -34,6 +36,9 @@ typedef struct viewer {
     subject subject;
     drawing drawing;
     marks marks;
+    uint64_t listed; /* sum of changes whose memory is listed */
+    bool is_fullscreen;
+    unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
     input_mouse mouse;
     script script;
     bool has_script;
@@ -100,7 +105,6 @@ static int take_event(viewer *which, const view_event *event)
         return pick_at(&which->subject, state, which->mouse.x, which->mouse.y);
     case INPUT_FULLSCREEN:
         state->settings.fullscreen = !state->settings.fullscreen;
-        window_set_fullscreen(which->window, state->settings.fullscreen);
         return PROGRAM_DONE;
     case INPUT_NOTHING:
         break;
@@ -134,7 +138,8 @@ static int play(viewer *which)
 /* Whether the window shows all there is to show until something happens. */
 static bool is_idle(const viewer *which)
 {
-    return !which->has_script && which->state.is_refined && !camera_is_moving(&which->state);
+    return !which->has_script && which->lively_frames == 0 && which->state.is_refined &&
+           !camera_is_moving(&which->state);
 }
 
 static int take_events(viewer *which)
@@ -144,14 +149,32 @@ static int take_events(viewer *which)
     if (is_idle(which)) {
         window_wait(which->window, IDLE_MS);
     }
+    which->lively_frames -= which->lively_frames > 0 ? 1 : 0;
     while (exit_code == PROGRAM_DONE && window_poll(which->window, &event)) {
+        which->lively_frames = LIVELY_FRAMES;
         exit_code = take_event(which, &event);
+    }
+    if (which->is_fullscreen != which->state.settings.fullscreen) {
+        which->is_fullscreen = which->state.settings.fullscreen;
+        window_set_fullscreen(which->window, which->is_fullscreen);
     }
     window_size(which->window, &which->state.width, &which->state.height);
     return exit_code;
 }
 
 /* ---- a frame ---- */
+
+/* Once for each tree, its BVH, light and scene: plans take time. */
+static void list_memory(viewer *which)
+{
+    const subject *shown = &which->subject;
+    const uint64_t changes =
+        1 + shown->changes + placed_changes(shown->placed) + svo_tree_ray_bytes(shown->done.result.tree);
+    if (which->listed != changes) {
+        memory_list(shown, &which->state);
+        which->listed = changes;
+    }
+}
 
 /* Makes what the state asks for. is_new: whether there is a new picture. */
 static int update(viewer *which, bool *is_new)
@@ -163,8 +186,8 @@ static int update(viewer *which, bool *is_new)
         exit_code = drawing_next(&which->drawing, &which->subject, state, now_ms, which, is_new);
     }
     lap(which, VIEW_STAGE_PICTURE);
-    if (state->settings.panels && state->settings.open[VIEW_PANEL_MEMORY]) {
-        memory_list(&which->subject, state);
+    if (exit_code == PROGRAM_DONE) {
+        list_memory(which);
     }
     /* Builds by OpenGL have contexts of their own. */
     return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
@@ -290,6 +313,7 @@ static int open_window(viewer *which)
     if (which->window == NULL) {
         return fail(which);
     }
+    which->is_fullscreen = state->settings.fullscreen;
     window_size(which->window, &state->width, &state->height);
     state->renderer = window_renderer(which->window);
     which->canvas = canvas_create(window_gl(which->window), &which->why);
