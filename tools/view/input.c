@@ -30,7 +30,7 @@ input_binding input_describe(size_t index)
                                              {"+, -", "exposure"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
-                                             {"F1-F9", "one panel"},
+                                             {"F1-F10", "one panel"},
                                              {"F11", "full screen"},
                                              {"Ctrl+Q", "quit"}};
     return index < sizeof bindings / sizeof bindings[0] ? bindings[index] : (input_binding){NULL, NULL};
