@@ -200,6 +200,22 @@ bool camera_project(const view_state *state, const float point[3], float pixel[2
     return true;
 }
 
+void camera_drag_point(const view_state *state, float right, float down, float point[3])
+{
+    const svo_camera *camera = &state->camera.at;
+    const frame at = frame_of(camera);
+    double to[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        to[axis] = (double)point[axis] - (double)camera->eye[axis];
+    }
+    const double depth = fmax(dot(to, at.sight), NEAR_SHARE * at.distance);
+    const double pixel = 2 * depth * tan((double)camera->vertical_fov / 2) / (double)state->height;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double way = pixel * ((double)right * at.right[axis] - (double)down * at.above[axis]);
+        point[axis] = (float)((double)point[axis] + way);
+    }
+}
+
 void camera_ray(const view_state *state, float x, float y, float direction[3])
 {
     const svo_camera *camera = &state->camera.at;

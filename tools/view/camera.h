@@ -18,6 +18,10 @@ void camera_wheel(view_state *state, float steps);
 /* Moves by the keys that are held. */
 void camera_move(view_state *state, float seconds);
 
+/* Moves a point of the world by so many pixels of the window, in the plane through it that faces the camera: it stays
+   below the mouse that drags it. */
+void camera_drag_point(const view_state *state, float right, float down, float point[3]);
+
 /* Whether a key of it is held. */
 bool camera_is_moving(const view_state *state);
 

@@ -6,6 +6,7 @@
 
 #include "view/camera.h"
 #include "view/light_edit.h"
+#include "view/scene_edit.h"
 
 /* Pixels that the mouse may move in a click. */
 #define CLICK_PIXELS 3
@@ -28,6 +29,10 @@ input_binding input_describe(size_t index)
                                              {"P", "photons"},
                                              {"B", "faces, bricks, voxels"},
                                              {"+, -", "exposure"},
+                                             {"I", "edit instances, or look"},
+                                             {"N, Delete", "add, remove one"},
+                                             {"Shift+drag", "move it"},
+                                             {"Ctrl+S, Ctrl+O", "save, load the scene"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
                                              {"F1-F10", "one panel"},
@@ -63,6 +68,38 @@ static void change_form(view_state *state)
     view_log(state, "light is stored as %s", svo_light_form_name(state->shown.form));
 }
 
+static void edit_instances(view_state *state, bool is_added)
+{
+    if (!state->is_scene) {
+        view_log(state, "key I begins to edit instances");
+    } else if (is_added) {
+        (void)scene_edit_add(state);
+    } else {
+        scene_edit_remove(state);
+    }
+}
+
+/* Keys with Control; false: it is none of them. */
+static bool press_with_control(const view_event *event, view_state *state)
+{
+    if (!event->control || !event->is_down) {
+        return false;
+    }
+    switch (event->key) {
+    case 'q':
+        state->is_done = true;
+        return true;
+    case 's':
+        scene_edit_save(state, state->scene_path);
+        return true;
+    case 'o':
+        state->wants_load = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
 static void press_letter(const view_event *event, view_state *state)
 {
     switch (event->key) {
@@ -84,15 +121,18 @@ static void press_letter(const view_event *event, view_state *state)
         view_choose_level(state, (int)state->shown.level + (event->shift ? 1 : -1));
         view_log(state, "level %u of %u", state->shown.level, state->level_max);
         break;
-    case 'q':
-        state->is_done = state->is_done || event->control;
-        break;
     case '+':
     case '=':
         view_choose_exposure(state, state->shown.exposure * EXPOSURE_STEP);
         break;
     case '-':
         view_choose_exposure(state, state->shown.exposure / EXPOSURE_STEP);
+        break;
+    case 'i':
+        view_choose_scene(state, !state->is_scene);
+        break;
+    case 'n':
+        edit_instances(state, true);
         break;
     default:
         break;
@@ -112,6 +152,8 @@ static input_wish press_key(const view_event *event, view_state *state)
         state->settings.panels = !state->settings.panels;
     } else if (key == VIEW_KEY_HOME) {
         camera_go_home(state);
+    } else if (key == VIEW_KEY_DELETE) {
+        edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
         state->selection.is_hit = false;
     } else {
@@ -128,6 +170,8 @@ static void drag(const input_mouse *mouse, const view_event *event, view_state *
     const float down = (float)(event->y - mouse->y);
     if (mouse->held[VIEW_BUTTON_LEFT] && event->control) {
         light_edit_drag(state, right, down);
+    } else if (mouse->held[VIEW_BUTTON_LEFT] && event->shift && state->is_scene) {
+        scene_edit_drag(state, right, down);
     } else if (mouse->held[VIEW_BUTTON_LEFT]) {
         camera_turn(state, right, down);
     } else if (mouse->held[VIEW_BUTTON_RIGHT] || mouse->held[VIEW_BUTTON_MIDDLE]) {
@@ -166,7 +210,9 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
 {
     switch (event->kind) {
     case VIEW_EVENT_KEY:
-        return !hold_motion(event, state) && event->is_down ? press_key(event, state) : INPUT_NOTHING;
+        return !press_with_control(event, state) && !hold_motion(event, state) && event->is_down
+                   ? press_key(event, state)
+                   : INPUT_NOTHING;
     case VIEW_EVENT_MOVE:
         move(mouse, event, state);
         return INPUT_NOTHING;

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "view/camera.h"
+
 #define PI 3.14159265F
 
 /* What a step of the wheel multiplies a light's distance by. */
@@ -73,16 +75,6 @@ bool light_edit_add(view_state *state, uint32_t kind)
     return view_add_source(state, &source);
 }
 
-/* World units of a pixel, as far away as the light is. */
-static float pixel_at(const view_state *state, const float position[3], const frame *axes)
-{
-    const svo_camera *camera = &state->camera.at;
-    const float relative[3] = {position[0] - camera->eye[0], position[1] - camera->eye[1],
-                               position[2] - camera->eye[2]};
-    const float away = fmaxf(dot(relative, axes->away), 0.01F * distance_to_target(camera));
-    return 2 * away * tanf(camera->vertical_fov / 2) / (float)(state->height > 0 ? state->height : 1);
-}
-
 static void turn_direction(view_state *state, const frame *axes, float right, float down, float direction[3])
 {
     const float step = 2 * PI / (float)(state->width > 0 ? state->width : 1);
@@ -105,10 +97,7 @@ void light_edit_drag(view_state *state, float right, float down)
         if (source->kind == SVO_SOURCE_DIRECTIONAL) {
             turn_direction(state, &axes, right, down, source->direction);
         } else {
-            const float pixel = pixel_at(state, source->position, &axes);
-            for (int i = 0; i < 3; ++i) {
-                source->position[i] += pixel * (right * axes.right[i] - down * axes.up[i]);
-            }
+            camera_drag_point(state, right, down, source->position);
         }
         view_lights_changed(state);
     }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "view/camera.h"
 #include "view/scene_save.h"
 
 /* Of scales, without sign: a scene refuses what is flat. */
@@ -59,6 +60,29 @@ void scene_edit_move(view_state *state, size_t index, const float translate[3])
         state->instances[index].transform[4 * axis + 3] = translate[axis];
     }
     view_instances_changed(state);
+}
+
+/* Where an instance was picked is what the mouse holds, else its origin. The picked point moves along. */
+void scene_edit_drag(view_state *state, float right, float down)
+{
+    if (state->instance >= state->instance_count) {
+        return;
+    }
+    float *transform = state->instances[state->instance].transform;
+    const bool is_picked = state->selection.instance == state->instance;
+    float held[3];
+    float moved[3];
+    float translate[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        held[axis] = is_picked ? state->selection.point[axis] : transform[4 * axis + 3];
+        moved[axis] = held[axis];
+    }
+    camera_drag_point(state, right, down, moved);
+    for (int axis = 0; axis < 3; ++axis) {
+        translate[axis] = transform[4 * axis + 3] + moved[axis] - held[axis];
+    }
+    scene_edit_move(state, state->instance, translate);
+    memcpy(state->selection.point, moved, sizeof moved);
 }
 
 bool scene_edit_add(view_state *state)

@@ -16,6 +16,9 @@ bool scene_edit_set(view_state *state, size_t index, const scene_place *place);
 /* Moves an instance and leaves the rest of its matrix as it is. */
 void scene_edit_move(view_state *state, size_t index, const float translate[3]);
 
+/* Moves the chosen instance by pixels of the window, right and down, so that it stays below the mouse. */
+void scene_edit_drag(view_state *state, float right, float down);
+
 /* Adds a copy of the chosen instance beside it, or the first tree where it is. False without memory. */
 bool scene_edit_add(view_state *state);
 

@@ -169,6 +169,7 @@ void view_remove_source(view_state *state, size_t index)
 
 void view_instances_changed(view_state *state)
 {
+    state->selection.is_hit = false; /* what was picked may be elsewhere */
     ++state->revisions.instances;
 }
 

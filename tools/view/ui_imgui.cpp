@@ -5,6 +5,7 @@
  *
  * ImGui has no answer to a failed allocation. Its blocks are therefore kept in a list, a failed one throws through
  * ImGui to the function of ui.h that called it, and the blocks are released together: nothing runs in ImGui afterwards.
+ * While fonts are packed, stb_truetype holds blocks of its own, so nothing may throw there: a reserve stands by.
  */
 #include <imgui.h>
 
@@ -26,6 +27,7 @@ namespace
 
 constexpr size_t line_bytes = 512;
 constexpr int panels_max = 8;
+constexpr size_t reserve_bytes = 1024 * 1024; /* more than packing allocates in all */
 
 /* The head of each of ImGui's blocks; its size keeps what follows aligned. */
 struct alignas(std::max_align_t) block {
@@ -39,6 +41,8 @@ struct ui {
     ImFont *fonts[2]; /* small, large */
     ui_drawing drawing;
     block blocks; /* the list's end and begin */
+    unsigned char *reserve; /* NULL: fonts are not being packed, and nothing lies in it */
+    size_t reserve_used;
     bool failed; /* memory ran out */
     bool enabled;
     ui_place panel; /* the one that is being described */
@@ -53,10 +57,31 @@ namespace
 
 /* ---- memory ---- */
 
+void *take_from_reserve(ui *panels, size_t byte_count)
+{
+    const size_t begin = panels->reserve_used;
+    const size_t end = begin + (byte_count + sizeof(block) - 1) / sizeof(block) * sizeof(block);
+    if (panels->reserve == nullptr || end > reserve_bytes) {
+        return nullptr;
+    }
+    panels->reserve_used = end;
+    return panels->reserve + begin;
+}
+
+bool is_in_reserve(const ui *panels, const block *made)
+{
+    const auto at = reinterpret_cast<uintptr_t>(made);
+    const auto begin = reinterpret_cast<uintptr_t>(panels->reserve);
+    return panels->reserve != nullptr && at >= begin && at < begin + reserve_bytes;
+}
+
 void *allocate(size_t byte_count, void *user)
 {
     auto *panels = static_cast<ui *>(user);
     auto *made = static_cast<block *>(std::malloc(sizeof(block) + byte_count));
+    if (made == nullptr) {
+        made = static_cast<block *>(take_from_reserve(panels, sizeof(block) + byte_count));
+    }
     if (made == nullptr) {
         throw std::bad_alloc();
     }
@@ -67,13 +92,15 @@ void *allocate(size_t byte_count, void *user)
     return made + 1;
 }
 
-void release(void *bytes, void * /*user*/)
+void release(void *bytes, void *user)
 {
     if (bytes != nullptr) {
         block *made = static_cast<block *>(bytes) - 1;
         made->before->after = made->after;
         made->after->before = made->before;
-        std::free(made);
+        if (!is_in_reserve(static_cast<ui *>(user), made)) {
+            std::free(made);
+        }
     }
 }
 
@@ -82,8 +109,10 @@ void release_all(ui *panels)
     ImGui::SetCurrentContext(nullptr);
     panels->context = nullptr;
     while (panels->blocks.after != &panels->blocks) {
-        release(panels->blocks.after + 1, nullptr);
+        release(panels->blocks.after + 1, panels);
     }
+    std::free(panels->reserve);
+    panels->reserve = nullptr;
 }
 
 /* Calls what may run out of memory; otherwise, or once memory ran out, returns fallback. */
@@ -183,7 +212,15 @@ void set_fonts(ui *panels)
                                                           static_cast<int>(ui_font_byte_count), pixels[i], &config);
     }
     unsigned char *coverage = nullptr;
+    panels->reserve = static_cast<unsigned char *>(std::malloc(reserve_bytes));
+    if (panels->reserve == nullptr) {
+        throw std::bad_alloc();
+    }
     io.Fonts->GetTexDataAsAlpha8(&coverage, &panels->glyphs_width, &panels->glyphs_height);
+    if (panels->reserve_used == 0) {
+        std::free(panels->reserve);
+        panels->reserve = nullptr;
+    }
     panels->glyphs = coverage;
     io.Fonts->SetTexID(nullptr);
 }
