@@ -338,6 +338,9 @@ static void wrong_pictures_are_refused(void **state)
     REFUSED(wrong.camera.up[2] = NAN, "svo_light_render: camera.eye, target and up are not finite");
     REFUSED(wrong.camera.target[1] = 20, "camera.eye, target and up are not finite, or up is along");
     REFUSED(wrong.view = (svo_light_view)9, "svo_light_render: picture.view 9 is not in 0 .. 4");
+    REFUSED(wrong.first_row = 8, "svo_light_render: picture.first_row 8 is not a multiple of 16 below height");
+    REFUSED(wrong.first_row = 16 * wrong.height, "is not a multiple of 16 below height");
+    REFUSED(wrong.row_count = 17, "svo_light_render: picture.row_count 17 is not a multiple of 16");
     REFUSED(wrong.exposure = -1, "svo_light_render: picture.exposure -1 is negative or not finite");
     REFUSED(wrong.gather.cones = 3, "options.cones 3 is not 1, 5, 6, 16 or 64");
 #undef REFUSED
