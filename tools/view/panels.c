@@ -86,18 +86,22 @@ static float column_width(const view_state *state, bool large)
 
 /* ---- the line at the bottom ---- */
 
+/* What is shown, how large and how fast, and the last line of the log. */
 static void describe_line(ui *toolkit, view_state *state, float height)
 {
-    const panels_means means = panels_mean(state);
-    const char *last = state->log_count > 0 ? state->log[(state->log_count - 1) % VIEW_LOG_LINES] : "";
-    ui_place place = {MARGIN, (float)state->height - MARGIN - height, (float)state->width - 2 * MARGIN, height};
+    char level[32] = "";
     char text[128 + VIEW_LINE_BYTES];
     char shown[sizeof text];
-    (void)snprintf(text, sizeof text, "%s   level %u   %u x %u%s   %.1f ms%s%s",
-                   view_picture_name(state->shown.picture), state->shown.level, state->width, state->height,
-                   state->is_refined ? "" : " coarse", (double)means.ms, last[0] != '\0' ? "   " : "", last);
-    ui_panel_begin(toolkit, "#line", place);
+    const char *last = state->log_count > 0 ? state->log[(state->log_count - 1) % VIEW_LOG_LINES] : "";
+    const ui_place place = {MARGIN, (float)state->height - MARGIN - height, (float)state->width - 2 * MARGIN, height};
+    if (state->shown.level > 0) {
+        (void)snprintf(level, sizeof level, "   level %u", state->shown.level);
+    }
+    (void)snprintf(text, sizeof text, "%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture), level,
+                   state->width, state->height, state->is_refined ? "" : " coarse", (double)panels_mean(state).ms,
+                   last);
     panels_fit(toolkit, text, place.width - 2 * UI_PADDING, shown, sizeof shown);
+    ui_panel_begin(toolkit, "#line", place);
     ui_text(toolkit, "%s", shown);
     (void)ui_panel_end(toolkit);
 }

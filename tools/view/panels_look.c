@@ -23,11 +23,9 @@ static void choose_picture(ui *toolkit, view_state *state)
 static void choose_level(ui *toolkit, view_state *state)
 {
     int level = (int)state->shown.level;
-    ui_enable(toolkit, state->level_max > 0);
-    if (ui_slider_count(toolkit, "Level", &level, 1, state->level_max > 0 ? (int)state->level_max : 1)) {
+    if (ui_slider_count(toolkit, "Level", &level, 1, (int)state->level_max)) {
         view_choose_level(state, level);
     }
-    ui_enable(toolkit, true);
     ui_tooltip(toolkit, "Of the leaves that are drawn; lower ones are coarser. Key L.");
 }
 
@@ -90,13 +88,11 @@ static void choose_occlusion(ui *toolkit, view_state *state)
     ui_enable(toolkit, true);
 }
 
-void panels_picture(ui *toolkit, view_state *state)
+static void choose_light(ui *toolkit, view_state *state)
 {
     bool gi = state->shown.gi;
     bool photons = state->shown.photons;
     const bool is_lit = state->shown.picture >= VIEW_AO;
-    choose_picture(toolkit, state);
-    choose_level(toolkit, state);
     ui_enable(toolkit, is_lit);
     if (ui_checkbox(toolkit, "Global light", &gi)) {
         view_choose_gi(state, gi);
@@ -112,6 +108,22 @@ void panels_picture(ui *toolkit, view_state *state)
     ui_enable(toolkit, is_lit && state->shown.picture != VIEW_AO);
     choose_exposure(toolkit, state);
     choose_occlusion(toolkit, state);
+}
+
+/* Scenes are shaded alone, and those of a file have no level to choose. */
+void panels_picture(ui *toolkit, view_state *state)
+{
+    if (!state->is_scene) {
+        choose_picture(toolkit, state);
+    } else {
+        ui_note(toolkit, "Placed trees are shaded, by the lights below.");
+    }
+    if (state->level_max > 0) {
+        choose_level(toolkit, state);
+    }
+    if (!state->is_scene) {
+        choose_light(toolkit, state);
+    }
 }
 
 /* ---- the camera ---- */

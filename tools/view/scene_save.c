@@ -192,7 +192,9 @@ static void put_camera(writer *to, const svo_camera *camera)
     put_floats(to, "target", camera->target, 3);
     put(to, ", ");
     put_floats(to, "up", camera->up, 3);
-    put(to, ", \"fov\": %.9g}", (double)camera->vertical_fov * 180 / PI);
+    put(to, ", \"fov\": ");
+    put_float(to, (float)((double)camera->vertical_fov * 180 / PI));
+    put(to, "}");
 }
 
 static void put_lights(writer *to, const view_state *state)
