@@ -30,11 +30,10 @@ static svo_status check_band(const svo_light *light, const svo_light_picture *pi
                                  "%s: picture.first_row %u is not a multiple of %u below height %u", function,
                                  picture->first_row, TILE_EDGE, picture->height);
     }
-    return picture->row_count % TILE_EDGE == 0
-               ? SVO_OK
-               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                   "%s: picture.row_count %u is not a multiple of %u", function, picture->row_count,
-                                   TILE_EDGE);
+    return picture->row_count % TILE_EDGE == 0 ? SVO_OK
+                                               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                                                   "%s: picture.row_count %u is not a multiple of %u",
+                                                                   function, picture->row_count, TILE_EDGE);
 }
 
 static svo_status check_picture(const svo_light *light, const svo_light_picture *picture)
