@@ -54,6 +54,13 @@ static int fail(viewer *which)
     return program_fail(which->running, PROGRAM_FAILED, "%s", which->why.text);
 }
 
+/* Prints the last line of the log when the program ends. */
+static void warn(const viewer *which)
+{
+    const view_state *state = &which->state;
+    program_log(which->running, SVO_LOG_WARNING, state->log[(state->log_count - 1) % VIEW_LOG_LINES]);
+}
+
 /* ---- time ---- */
 
 /* In a script the clock stands still within a frame. */
@@ -340,8 +347,8 @@ static int run(viewer *which)
     overlay_destroy(&which->overlay);
     canvas_destroy(&which->canvas);
     window_close(&which->window);
-    if (exit_code == PROGRAM_DONE && !which->has_script) {
-        settings_save(&which->settings, &which->state);
+    if (exit_code == PROGRAM_DONE && !which->has_script && !settings_save(&which->settings, &which->state)) {
+        warn(which);
     }
     return exit_code;
 }
@@ -355,7 +362,9 @@ static int begin(viewer *which)
         return script_open(which->running, path, &which->script);
     }
     settings_find(&which->settings);
-    settings_load(&which->settings, &which->state);
+    if (!settings_load(&which->settings, &which->state)) {
+        warn(which);
+    }
     return PROGRAM_DONE;
 }
 
