@@ -22,8 +22,9 @@ take_tour()
 
 take_tour first
 take_tour second
-(($(ls first | wc -l) == $(grep -c '^shot' "$tour"))) || complain "$(ls first | wc -l) pictures in place of the script's"
-for picture in first/*; do
+pictures=(first/*)
+((${#pictures[@]} == $(grep -c '^shot' "$tour"))) || complain "${#pictures[@]} pictures, not the script's"
+for picture in "${pictures[@]}"; do
     cmp -s "$picture" "second/${picture#first/}" || complain "$picture differs when the tour is taken again"
 done
 [[ ! -e config ]] || complain "a script wrote settings"

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# svocl view with one call that fails: its allocations and its calls of OpenGL, SDL and OpenCL. Each must end in one line
-# and exit code 1, or in the same picture as without.
+# svocl view with one call that fails: its allocations and its calls of OpenGL, SDL and OpenCL. Each must end in one
+# line and exit code 1, or in the same picture as without.
 #
 # usage: view_faults.sh PROGRAM SHIM SCRIPT [every]
 #
 # Without "every" the first call from each place of the program fails, and every 50th of all.
 set -euo pipefail
 
-readonly program=$1 shim=$2 script=$3 step=$([[ ${4:-} == every ]] && echo 1 || echo 50)
+readonly program=$1 shim=$2 script=$3
+[[ ${4:-} == every ]] && step=1 || step=50
 # shellcheck source=tests/complain.sh
 source "${BASH_SOURCE[0]%/*}/complain.sh"
 cd "$work"

@@ -262,7 +262,10 @@ static svo_status move_scene(placed *which, const view_state *state)
     }
     svo_status status = svo_scene_set_transforms(which->scene, 0, (uint32_t)count, transforms, which->queue);
     free(transforms);
-    return status == SVO_OK ? svo_scene_rebuild(which->scene, which->queue) : status;
+    if (status == SVO_OK) {
+        status = svo_scene_rebuild(which->scene, which->queue);
+    }
+    return status;
 }
 
 /* Back to the instances that the scene has; they fit, since the state had them. */
