@@ -11,8 +11,8 @@ typedef struct placed placed;
 /* Reads a scene's file and makes its trees. Returns the exit code; on failure nothing stays open. */
 int placed_open(program *running, const char *path, placed **out);
 
-/* For the tree of INPUT in place of a file: nothing is placed until placed_use_tree. depth: of a tree that is built from
-   a mesh, else 0. NULL without memory. */
+/* For the tree of INPUT in place of a file: nothing is placed until placed_use_tree. depth: of a tree that is built
+   from a mesh, else 0. NULL without memory. */
 placed *placed_of_input(program *running, unsigned depth);
 void placed_close(placed **which);
 
