@@ -37,13 +37,16 @@ static uint64_t planned_bytes(const svo_plan *plan, const char *name)
     return 0;
 }
 
-static void list_tree(const subject *which, view_state *state)
+static int list_tree(const subject *which, view_state *state)
 {
     const job *done = &which->done;
     svo_plan *plan = NULL;
     if (done->source.mesh != NULL) {
         const uint32_t need = lighting_need(&done->source, which->running->options.need);
-        (void)job_plan(which->running, done->opened.device, &done->source, need, &plan);
+        const int exit_code = job_plan(which->running, done->opened.device, &done->source, need, &plan);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
     }
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const char *name = svo_tree_buffer_name((svo_tree_buffer)i);
@@ -52,6 +55,7 @@ static void list_tree(const subject *which, view_state *state)
     }
     add(state, "", "BVH", 0, svo_tree_ray_bytes(done->result.tree));
     svo_plan_destroy(&plan);
+    return PROGRAM_DONE;
 }
 
 /* ---- lights ---- */
@@ -85,16 +89,15 @@ static void list_scene(const subject *which, view_state *state)
     }
 }
 
-void memory_list(const subject *which, view_state *state)
+int memory_list(const subject *which, view_state *state)
 {
     state->memory_count = 0;
-    if (which->has_tree) {
-        list_tree(which, state);
-    }
+    const int exit_code = which->has_tree ? list_tree(which, state) : PROGRAM_DONE;
     if (which->has_tree && which->is_lit) {
         list_light(which, state);
     }
     if (placed_scene(which->placed) != NULL) {
         list_scene(which, state);
     }
+    return exit_code;
 }

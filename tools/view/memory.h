@@ -5,7 +5,8 @@
 
 #include "view/subject.h"
 
-/* Lists the buffers of tree, light and scene in the state. What a plan cannot be asked for has no planned bytes. */
-void memory_list(const subject *which, view_state *state);
+/* Lists the buffers of tree, light and scene in the state. What a plan cannot be asked for has no planned bytes. Returns
+   the exit code. */
+int memory_list(const subject *which, view_state *state);
 
 #endif

@@ -137,7 +137,7 @@ static bool take_open(const cJSON *list, view_settings *settings)
 static const char *take_document(const cJSON *document, view_settings *settings)
 {
     if (!cJSON_IsObject(document)) {
-        return "the document";
+        return "its content";
     }
     for (size_t i = 0; i < VALUES; ++i) {
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(document, values[i].name);
@@ -170,29 +170,36 @@ static bool read_text(const char *path, char *text, size_t text_bytes)
     return true;
 }
 
-void settings_load(const settings_file *file, view_state *state)
+/* Reads the text into settings. Returns what is wrong with it, or NULL. */
+static const char *take_text(const char *text, view_settings *settings)
+{
+    cJSON *document = cJSON_Parse(text);
+    const char *wrong = document != NULL ? take_document(document, settings) : "its JSON";
+    cJSON_Delete(document);
+    return wrong;
+}
+
+bool settings_load(const settings_file *file, view_state *state)
 {
     view_settings read = state->settings;
     char *text = file->path[0] != '\0' ? malloc(SETTINGS_BYTES_MAX) : NULL;
     if (text == NULL) {
-        return;
+        return true;
     }
-    if (!read_text(file->path, text, SETTINGS_BYTES_MAX)) {
-        if (errno != ENOENT && errno != ENOTDIR) {
-            view_log(state, "%s: %s; defaults are taken", file->path, errno != 0 ? strerror(errno) : "too long");
+    bool is_whole = true;
+    if (read_text(file->path, text, SETTINGS_BYTES_MAX)) {
+        const char *wrong = take_text(text, &read);
+        is_whole = wrong == NULL;
+        state->settings = is_whole ? read : state->settings;
+        if (!is_whole) {
+            view_log(state, "%s: %s is damaged; defaults are taken", file->path, wrong);
         }
-        free(text);
-        return;
+    } else if (errno != ENOENT && errno != ENOTDIR) {
+        is_whole = false;
+        view_log(state, "%s: %s; defaults are taken", file->path, errno != 0 ? strerror(errno) : "it is too long");
     }
-    cJSON *document = cJSON_Parse(text);
-    const char *wrong = document != NULL ? take_document(document, &read) : "the JSON";
-    if (wrong != NULL) {
-        view_log(state, "%s: %s is damaged; defaults are taken", file->path, wrong);
-    } else {
-        state->settings = read;
-    }
-    cJSON_Delete(document);
     free(text);
+    return is_whole;
 }
 
 /* ---- writing ---- */
@@ -253,10 +260,10 @@ static int write_text(const char *path, const char *text)
     return error;
 }
 
-void settings_save(const settings_file *file, view_state *state)
+bool settings_save(const settings_file *file, view_state *state)
 {
     if (file->path[0] == '\0') {
-        return;
+        return true;
     }
     char *text = print(&state->settings);
     const int error = text != NULL ? write_text(file->path, text) : ENOMEM;
@@ -264,4 +271,5 @@ void settings_save(const settings_file *file, view_state *state)
         view_log(state, "%s: %s; the settings are not kept", file->path, strerror(error));
     }
     cJSON_free(text);
+    return error == 0;
 }

@@ -14,11 +14,12 @@ typedef struct settings_file {
 /* Finds the place of the file, by the environment. */
 void settings_find(settings_file *out);
 
-/* Reads the file into state->settings. Where it is missing they stay; where it is damaged they stay too, and the log
-   has one line that says what is wrong. */
-void settings_load(const settings_file *file, view_state *state);
+/* Reads the file into state->settings. Where it is missing they stay; where it is damaged they stay too, the last line
+   of the log says what is wrong, and this returns false. */
+bool settings_load(const settings_file *file, view_state *state);
 
-/* Writes the file whole or not at all, and its folders where they are missing. A failure is a line of the log. */
-void settings_save(const settings_file *file, view_state *state);
+/* Writes the file whole or not at all, and its folders where they are missing. False on failure, with the last line of
+   the log. */
+bool settings_save(const settings_file *file, view_state *state);
 
 #endif

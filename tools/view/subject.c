@@ -186,6 +186,7 @@ static int make_tree(subject *which, view_state *state)
     options *given = &which->running->options;
     svo_light_destroy(&which->lit.light);
     which->is_lit = false;
+    state->selection.is_hit = false;
     given->depth = state->shown.level;
     const int exit_code = job_build(which->running, lighting_need(&done->source, given->need), done);
     which->level = state->shown.level;
@@ -255,12 +256,18 @@ static svo_light_view light_view(view_picture picture)
     return views[picture - VIEW_AO];
 }
 
-static svo_status draw_light(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba)
+/* The last band ends with the picture; the library cuts it there. */
+static unsigned round_rows(unsigned rows)
+{
+    return (rows + SVO_LIGHT_BAND_ROWS - 1) / SVO_LIGHT_BAND_ROWS * SVO_LIGHT_BAND_ROWS;
+}
+
+static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
 {
     const view_shown *shown = &state->shown;
     const svo_light_picture asked = {.struct_size = sizeof asked,
-                                     .width = width,
-                                     .height = height,
+                                     .width = part->width,
+                                     .height = part->height,
                                      .camera = state->camera.at,
                                      .view = light_view(shown->picture),
                                      .gather = {.struct_size = sizeof asked.gather,
@@ -268,30 +275,31 @@ static svo_status draw_light(subject *which, const view_state *state, unsigned w
                                                 .range = shown->range,
                                                 .falloff = shown->falloff,
                                                 .no_light = !shown->gi},
-                                     .exposure = shown->exposure};
+                                     .exposure = shown->exposure,
+                                     .first_row = part->first_row,
+                                     .row_count = round_rows(part->row_count)};
     return svo_light_render(which->lit.light, &asked, which->done.opened.queue, rgba);
 }
 
-static svo_status draw_tree(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba)
+static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
 {
     static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
                                             SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
     const svo_render_options asked = {.struct_size = sizeof asked,
-                                      .width = width,
-                                      .height = height,
+                                      .width = part->width,
+                                      .height = part->height,
                                       .camera = state->camera.at,
                                       .view = views[state->shown.picture]};
     return svo_tree_render(which->done.opened.device, which->done.result.tree, &asked, which->done.opened.queue, rgba);
 }
 
-int subject_draw(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba)
+int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
 {
     if (state->is_scene) {
-        return placed_draw(which->placed, state, width, height, rgba);
+        return placed_draw(which->placed, state, part->width, part->height, rgba);
     }
-    const svo_status status = subject_picture_is_lit(state->shown.picture)
-                                  ? draw_light(which, state, width, height, rgba)
-                                  : draw_tree(which, state, width, height, rgba);
+    const svo_status status = subject_picture_is_lit(state->shown.picture) ? draw_light(which, state, part, rgba)
+                                                                           : draw_tree(which, state, part, rgba);
     return status == SVO_OK ? PROGRAM_DONE
                             : program_fail_library(which->running, svo_device_message(which->done.opened.device));
 }

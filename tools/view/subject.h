@@ -35,8 +35,14 @@ int subject_update(subject *which, view_state *state);
    says so. Returns the exit code. */
 int subject_load(subject *which, view_state *state);
 
-/* Draws what the state shows with so many pixels: what svocl render writes. Returns the exit code. */
-int subject_draw(subject *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba);
+/* Rows of a picture. All but pictures that cones light are drawn whole. */
+typedef struct picture_part {
+    unsigned width, height; /* of the picture, pixels */
+    unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
+} picture_part;
+
+/* Draws rows of what the state shows: those of what svocl render writes. Returns the exit code. */
+int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba);
 
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);

@@ -54,6 +54,13 @@ static int fail(viewer *which)
     return program_fail(which->running, PROGRAM_FAILED, "%s", which->why.text);
 }
 
+/* Prints the last line of the log when the program ends. */
+static void warn(const viewer *which)
+{
+    const view_state *state = &which->state;
+    program_log(which->running, SVO_LOG_WARNING, state->log[(state->log_count - 1) % VIEW_LOG_LINES]);
+}
+
 /* ---- time ---- */
 
 /* In a script the clock stands still within a frame. */
@@ -165,30 +172,30 @@ static int take_events(viewer *which)
 /* ---- a frame ---- */
 
 /* Once for each tree, its BVH, light and scene: plans take time. */
-static void list_memory(viewer *which)
+static int list_memory(viewer *which)
 {
     const subject *shown = &which->subject;
     const uint64_t changes =
         1 + shown->changes + placed_changes(shown->placed) + svo_tree_ray_bytes(shown->done.result.tree);
-    if (which->listed != changes) {
-        memory_list(shown, &which->state);
-        which->listed = changes;
+    if (which->listed == changes) {
+        return PROGRAM_DONE;
     }
+    which->listed = changes;
+    return memory_list(shown, &which->state);
 }
 
 /* Makes what the state asks for. is_new: whether there is a new picture. */
 static int update(viewer *which, bool *is_new)
 {
     view_state *state = &which->state;
+    const drawing_clock clock = {now_ms, which};
     int exit_code = subject_update(&which->subject, state);
     lap(which, VIEW_STAGE_TREE);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = drawing_next(&which->drawing, &which->subject, state, now_ms, which, is_new);
+        exit_code = drawing_next(&which->drawing, &which->subject, state, &clock, is_new);
     }
     lap(which, VIEW_STAGE_PICTURE);
-    if (exit_code == PROGRAM_DONE) {
-        list_memory(which);
-    }
+    exit_code = exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
     /* Builds by OpenGL have contexts of their own. */
     return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
 }
@@ -340,8 +347,8 @@ static int run(viewer *which)
     overlay_destroy(&which->overlay);
     canvas_destroy(&which->canvas);
     window_close(&which->window);
-    if (exit_code == PROGRAM_DONE && !which->has_script) {
-        settings_save(&which->settings, &which->state);
+    if (exit_code == PROGRAM_DONE && !which->has_script && !settings_save(&which->settings, &which->state)) {
+        warn(which);
     }
     return exit_code;
 }
@@ -355,7 +362,9 @@ static int begin(viewer *which)
         return script_open(which->running, path, &which->script);
     }
     settings_find(&which->settings);
-    settings_load(&which->settings, &which->state);
+    if (!settings_load(&which->settings, &which->state)) {
+        warn(which);
+    }
     return PROGRAM_DONE;
 }
 
