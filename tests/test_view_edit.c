@@ -277,14 +277,14 @@ static void test_failed_saves_leave_the_file(void **unused)
 static void test_angles(void **unused)
 {
     (void)unused;
-    for (float around = -170; around <= 170; around += 10) {
-        for (float above = -80; above <= 80; above += 10) {
+    for (int around = -170; around <= 170; around += 10) {
+        for (int above = -80; above <= 80; above += 10) {
             float direction[3];
             float angles[2];
-            light_edit_direction((const float[2]){around, above}, direction);
+            light_edit_direction((const float[2]){(float)around, (float)above}, direction);
             light_edit_angles(direction, angles);
-            assert_float_equal(angles[0], around, 1e-3F);
-            assert_float_equal(angles[1], above, 1e-3F);
+            assert_float_equal(angles[0], (float)around, 1e-3F);
+            assert_float_equal(angles[1], (float)above, 1e-3F);
         }
     }
 }

@@ -229,7 +229,8 @@ static void move_matrix(const float matrix[12], const copies *lattice, const uns
     }
 }
 
-static void move_place(const scene_place *from, const copies *lattice, const unsigned at[3], unsigned index, float out[12])
+static void move_place(const scene_place *from, const copies *lattice, const unsigned at[3], unsigned index,
+                       float out[12])
 {
     scene_place moved = *from;
     for (int axis = 0; axis < 3; ++axis) {
@@ -240,7 +241,8 @@ static void move_place(const scene_place *from, const copies *lattice, const uns
 }
 
 /* matrix: NULL if a placement is given. */
-static void add_copies(scene_file *file, uint32_t tree, const float *matrix, const scene_place *from, const copies *lattice)
+static void add_copies(scene_file *file, uint32_t tree, const float *matrix, const scene_place *from,
+                       const copies *lattice)
 {
     unsigned at[3];
     unsigned index = 0;

@@ -80,7 +80,7 @@ static double rounded(double value, double step)
     return round(value / step) * step + 0.0; /* never -0 */
 }
 
-static bool is_same(const scene_place *place, const float transform[12])
+bool scene_place_is_exact(const scene_place *place, const float transform[12])
 {
     float composed[12];
     scene_place_compose(place, composed);
@@ -111,7 +111,7 @@ bool scene_place_find(const float transform[12], scene_place *out)
             out->rotate[k] = (float)(steps[i] > 0 ? rounded(degrees[k], steps[i]) : degrees[k]);
             out->scale[k] = (float)(steps[i] > 0 ? rounded(scale[k], steps[i]) : scale[k]);
         }
-        if (is_same(out, transform)) {
+        if (scene_place_is_exact(out, transform)) {
             break;
         }
     }

@@ -18,4 +18,7 @@ void scene_place_compose(const scene_place *place, float transform[12]);
    has a negative scale of z. */
 bool scene_place_find(const float transform[12], scene_place *out);
 
+/* Whether composing the placement gives exactly this matrix. */
+bool scene_place_is_exact(const scene_place *place, const float transform[12]);
+
 #endif

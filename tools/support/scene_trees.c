@@ -138,9 +138,11 @@ int scene_trees_open(program *state, const scene_file *file, scene_trees *out)
     *out = (scene_trees){.running = state, .file = file};
     out->trees = calloc(count, sizeof(svo_tree *));
     out->compacts = calloc(count, sizeof(svo_compact *));
-    int exit_code = out->trees != NULL && out->compacts != NULL
-                        ? session_open(state, &out->opened)
-                        : program_fail(state, PROGRAM_FAILED, "out of memory for %zu trees", count);
+    if (out->trees == NULL || out->compacts == NULL) {
+        scene_trees_close(out);
+        return program_fail(state, PROGRAM_FAILED, "out of memory for %zu trees", count);
+    }
+    int exit_code = session_open(state, &out->opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = make_trees(out);
     }

@@ -260,12 +260,12 @@ static svo_status move_scene(placed *which, const view_state *state)
     for (size_t i = 0; i < count; ++i) {
         memcpy(transforms + 12 * i, state->instances[i].transform, sizeof state->instances[i].transform);
     }
-    svo_status status = svo_scene_set_transforms(which->scene, 0, (uint32_t)count, transforms, which->queue);
+    const svo_status status = svo_scene_set_transforms(which->scene, 0, (uint32_t)count, transforms, which->queue);
     free(transforms);
-    if (status == SVO_OK) {
-        status = svo_scene_rebuild(which->scene, which->queue);
+    if (status != SVO_OK) {
+        return status;
     }
-    return status;
+    return svo_scene_rebuild(which->scene, which->queue);
 }
 
 /* Back to the instances that the scene has; they fit, since the state had them. */

@@ -16,9 +16,7 @@
 bool scene_edit_place(const view_state *state, size_t index, scene_place *out)
 {
     const float *transform = state->instances[index].transform;
-    float composed[12];
-    scene_place_compose(&state->edited, composed);
-    if (memcmp(composed, transform, sizeof composed) == 0) {
+    if (scene_place_is_exact(&state->edited, transform)) {
         *out = state->edited;
         return true;
     }

@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,31 +34,34 @@ static void flush(writer *to)
     to->used = 0;
 }
 
-/* At most FLUSH_BYTES at a time. */
-static void put(writer *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void put(writer *to, const char *format, ...)
+/* Texts of at most FLUSH_BYTES. */
+static void put(writer *to, const char *text)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = vsnprintf(to->buffer + to->used, sizeof to->buffer - to->used, format, arguments);
-    va_end(arguments);
-    to->used += length > 0 ? (size_t)length : 0;
+    const size_t length = strlen(text);
+    memcpy(to->buffer + to->used, text, length);
+    to->used += length;
     if (to->used >= FLUSH_BYTES) {
         flush(to);
     }
 }
 
-static void put_text(writer *to, const char *text)
+/* A character within quotes. */
+static void put_character(writer *to, char character)
+{
+    char text[8] = {character, '\0'};
+    if (character == '"' || character == '\\') {
+        (void)snprintf(text, sizeof text, "\\%c", character);
+    } else if ((unsigned char)character < ' ') {
+        (void)snprintf(text, sizeof text, "\\u%04x", (unsigned)(unsigned char)character);
+    }
+    put(to, text);
+}
+
+static void put_quoted(writer *to, const char *text)
 {
     put(to, "\"");
     for (; *text != '\0'; ++text) {
-        if (*text == '"' || *text == '\\') {
-            put(to, "\\%c", *text);
-        } else if ((unsigned char)*text < ' ') {
-            put(to, "\\u%04x", (unsigned)(unsigned char)*text);
-        } else {
-            put(to, "%c", *text);
-        }
+        put_character(to, *text);
     }
     put(to, "\"");
 }
@@ -74,14 +76,15 @@ static void put_float(writer *to, float value)
             break;
         }
     }
-    put(to, "%s", text);
+    put(to, text);
 }
 
 static void put_floats(writer *to, const char *name, const float *values, int count)
 {
-    put(to, "\"%s\": [", name);
+    put_quoted(to, name);
+    put(to, ": [");
     for (int i = 0; i < count; ++i) {
-        put(to, "%s", i > 0 ? ", " : "");
+        put(to, i > 0 ? ", " : "");
         put_float(to, values[i]);
     }
     put(to, "]");
@@ -103,12 +106,12 @@ static int put_path(writer *to, const char *tree, const char *scene)
     char absolute[2 * PATH_MAX];
     const size_t shared = folder_bytes(scene);
     if (shared == 0 || tree[0] == '/' || strncmp(tree, "scene:", 6) == 0) {
-        put_text(to, tree);
+        put_quoted(to, tree);
     } else if (strncmp(tree, scene, shared) == 0) {
-        put_text(to, tree + shared);
+        put_quoted(to, tree + shared);
     } else if (getcwd(folder, sizeof folder) != NULL) {
         (void)snprintf(absolute, sizeof absolute, "%s/%s", folder, tree);
-        put_text(to, absolute);
+        put_quoted(to, absolute);
     } else {
         return errno;
     }
@@ -117,18 +120,20 @@ static int put_path(writer *to, const char *tree, const char *scene)
 
 static int put_trees(writer *to, const view_state *state, const char *path)
 {
+    char depth[32];
     put(to, "  \"trees\": {");
     for (size_t i = 0; i < state->tree_count; ++i) {
         const view_tree *tree = &state->trees[i];
-        put(to, "%s\n    ", i > 0 ? "," : "");
-        put_text(to, tree->name);
+        put(to, i > 0 ? ",\n    " : "\n    ");
+        put_quoted(to, tree->name);
         put(to, ": {\"path\": ");
         const int error = put_path(to, tree->path, path);
         if (error != 0) {
             return error;
         }
         if (tree->depth > 0) {
-            put(to, ", \"depth\": %u", tree->depth);
+            (void)snprintf(depth, sizeof depth, ", \"depth\": %u", tree->depth);
+            put(to, depth);
         }
         put(to, "}");
     }
@@ -166,14 +171,9 @@ static void put_place(writer *to, const scene_place *place)
 static void put_instance(writer *to, const view_state *state, const svo_instance *instance)
 {
     scene_place place;
-    float composed[12];
     put(to, "    {\"tree\": ");
-    put_text(to, state->trees[instance->tree].name);
-    const bool is_placed = scene_place_find(instance->transform, &place);
-    if (is_placed) {
-        scene_place_compose(&place, composed);
-    }
-    if (is_placed && memcmp(composed, instance->transform, sizeof composed) == 0) {
+    put_quoted(to, state->trees[instance->tree].name);
+    if (scene_place_find(instance->transform, &place) && scene_place_is_exact(&place, instance->transform)) {
         put_place(to, &place);
     } else {
         put(to, ", ");
@@ -202,11 +202,11 @@ static void put_lights(writer *to, const view_state *state)
     put(to, ",\n  \"lights\": [");
     for (size_t i = 0; i < state->scene_light_count; ++i) {
         const svo_scene_light *light = &state->scene_lights[i];
-        put(to, "%s\n    {", i > 0 ? "," : "");
+        put(to, i > 0 ? ",\n    {" : "\n    {");
         put_floats(to, "direction", light->direction, 3);
         put(to, ", ");
         put_floats(to, "color", light->color, 3);
-        put(to, ", \"shadows\": %s}", light->shadows != 0 ? "true" : "false");
+        put(to, light->shadows != 0 ? ", \"shadows\": true}" : ", \"shadows\": false}");
     }
     put(to, "\n  ]");
 }
@@ -214,7 +214,7 @@ static void put_lights(writer *to, const view_state *state)
 static int put_scene(writer *to, const view_state *state, const char *path)
 {
     put(to, "{\n  \"form\": ");
-    put_text(to, state->scene_form != NULL ? state->scene_form : "built");
+    put_quoted(to, state->scene_form != NULL ? state->scene_form : "built");
     put(to, ",\n");
     const int error = put_trees(to, state, path);
     if (error != 0) {
@@ -222,7 +222,7 @@ static int put_scene(writer *to, const view_state *state, const char *path)
     }
     put(to, "  \"instances\": [");
     for (size_t i = 0; i < state->instance_count; ++i) {
-        put(to, "%s\n", i > 0 ? "," : "");
+        put(to, i > 0 ? ",\n" : "\n");
         put_instance(to, state, &state->instances[i]);
     }
     put(to, "\n  ],\n");
