@@ -12,6 +12,7 @@
     X(BindBuffer, PFNGLBINDBUFFERPROC)                           \
     X(BindTexture, PFNGLBINDTEXTUREPROC)                         \
     X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)                 \
+    X(BindVertexBuffer, PFNGLBINDVERTEXBUFFERPROC)               \
     X(BlendFunc, PFNGLBLENDFUNCPROC)                             \
     X(BufferData, PFNGLBUFFERDATAPROC)                           \
     X(Clear, PFNGLCLEARPROC)                                     \
@@ -50,7 +51,8 @@
     X(TexSubImage2D, PFNGLTEXSUBIMAGE2DPROC)                     \
     X(Uniform2f, PFNGLUNIFORM2FPROC)                             \
     X(UseProgram, PFNGLUSEPROGRAMPROC)                           \
-    X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \
+    X(VertexAttribBinding, PFNGLVERTEXATTRIBBINDINGPROC)         \
+    X(VertexAttribFormat, PFNGLVERTEXATTRIBFORMATPROC)           \
     X(Viewport, PFNGLVIEWPORTPROC)
 
 #define VIEW_GL_FIELD(name, type) type name;
