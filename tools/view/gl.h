@@ -10,16 +10,20 @@
     X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                     \
     X(AttachShader, PFNGLATTACHSHADERPROC)                       \
     X(BindBuffer, PFNGLBINDBUFFERPROC)                           \
+    X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)                 \
     X(BindTexture, PFNGLBINDTEXTUREPROC)                         \
     X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)                 \
+    X(BlitFramebuffer, PFNGLBLITFRAMEBUFFERPROC)                 \
     X(BlendFunc, PFNGLBLENDFUNCPROC)                             \
     X(BufferData, PFNGLBUFFERDATAPROC)                           \
     X(Clear, PFNGLCLEARPROC)                                     \
     X(ClearColor, PFNGLCLEARCOLORPROC)                           \
+    X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC)   \
     X(CompileShader, PFNGLCOMPILESHADERPROC)                     \
     X(CreateProgram, PFNGLCREATEPROGRAMPROC)                     \
     X(CreateShader, PFNGLCREATESHADERPROC)                       \
     X(DeleteBuffers, PFNGLDELETEBUFFERSPROC)                     \
+    X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC)           \
     X(DeleteProgram, PFNGLDELETEPROGRAMPROC)                     \
     X(DeleteShader, PFNGLDELETESHADERPROC)                       \
     X(DeleteTextures, PFNGLDELETETEXTURESPROC)                   \
@@ -30,7 +34,9 @@
     X(Enable, PFNGLENABLEPROC)                                   \
     X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
     X(Finish, PFNGLFINISHPROC)                                   \
+    X(FramebufferTexture2D, PFNGLFRAMEBUFFERTEXTURE2DPROC)       \
     X(GenBuffers, PFNGLGENBUFFERSPROC)                           \
+    X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)                 \
     X(GenTextures, PFNGLGENTEXTURESPROC)                         \
     X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)                 \
     X(GetError, PFNGLGETERRORPROC)                               \
