@@ -13,6 +13,8 @@ struct canvas {
     GLuint picture_program, line_program;
     GLuint picture_vertices, line_vertices; /* vertex arrays; the first one is empty */
     GLuint line_buffer;
+    GLuint frame, frame_texture; /* what is drawn, before the window has it */
+    unsigned frame_width, frame_height; /* 0: not made yet */
 };
 
 /* A triangle that covers the window, and the picture from its upper row on. */
@@ -71,6 +73,12 @@ static bool make_program(const view_gl *gl, const char *vertex, const char *frag
     return *out != 0;
 }
 
+static void make_frame(canvas *which)
+{
+    which->gl->GenFramebuffers(1, &which->frame);
+    which->gl->GenTextures(1, &which->frame_texture);
+}
+
 static void make_texture(canvas *which)
 {
     const view_gl *gl = which->gl;
@@ -106,6 +114,7 @@ canvas *canvas_create(const view_gl *gl, svo_message *why)
         return NULL;
     }
     made->gl = gl;
+    make_frame(made);
     make_texture(made);
     make_vertices(made);
     if (!make_program(gl, picture_vertex, picture_fragment, &made->picture_program, why) ||
@@ -129,6 +138,8 @@ void canvas_destroy(canvas **which)
     gl->DeleteVertexArrays(1, &gone->line_vertices);
     gl->DeleteBuffers(1, &gone->line_buffer);
     gl->DeleteTextures(1, &gone->texture);
+    gl->DeleteFramebuffers(1, &gone->frame);
+    gl->DeleteTextures(1, &gone->frame_texture);
     free(gone);
     *which = NULL;
 }
@@ -192,10 +203,33 @@ static bool draw_lines(const canvas *which, unsigned width, unsigned height, con
     return true;
 }
 
+/* Draws into a frame of this size from now on. A window without a screen keeps the size that it was opened with, so what
+   is drawn right there would be lost beyond it. */
+static bool use_frame(canvas *which, unsigned width, unsigned height, svo_message *why)
+{
+    const view_gl *gl = which->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, which->frame);
+    if (width != which->frame_width || height != which->frame_height) {
+        gl->BindTexture(GL_TEXTURE_2D, which->frame_texture);
+        gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)width, (GLsizei)height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+        gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, which->frame_texture, 0);
+        if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+            (void)snprintf(why->text, sizeof why->text, "OpenGL: no frame of %ux%u pixels", width, height);
+            return false;
+        }
+        which->frame_width = width;
+        which->frame_height = height;
+    }
+    return true;
+}
+
 bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices, size_t count,
                  svo_message *why)
 {
     const view_gl *gl = which->gl;
+    if (!use_frame(which, width, height, why)) {
+        return false;
+    }
     gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
     gl->Disable(GL_DEPTH_TEST);
     gl->ClearColor(0.09F, 0.10F, 0.12F, 1.0F);
@@ -210,6 +244,17 @@ bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_ve
     gl->BindVertexArray(0);
     gl->UseProgram(0);
     return check(gl, "drawing the window", why);
+}
+
+bool canvas_show(canvas *which, svo_message *why)
+{
+    const view_gl *gl = which->gl;
+    const GLint width = (GLint)which->frame_width;
+    const GLint height = (GLint)which->frame_height;
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    gl->BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    return check(gl, "showing the window", why);
 }
 
 /* ---- shots ---- */

@@ -25,11 +25,15 @@ void canvas_destroy(canvas **which);
 /* Takes a picture, rows from top to bottom. False on failure. */
 bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why);
 
-/* Draws the picture over a window of this many pixels, then count / 3 triangles. False on failure. */
+/* Begins a frame of this many pixels, draws the picture over it, then count / 3 triangles. What is drawn until
+   canvas_show is of the frame too. False on failure. */
 bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices, size_t count,
                  svo_message *why);
 
-/* Reads what was drawn, rows from top to bottom, as opaque pixels. False on failure. */
+/* Puts the frame into the window. False on failure. */
+bool canvas_show(canvas *which, svo_message *why);
+
+/* Reads what was drawn, before it is shown, rows from top to bottom, as opaque pixels. False on failure. */
 bool canvas_read(canvas *which, unsigned width, unsigned height, uint8_t *rgba, svo_message *why);
 
 #endif

@@ -10,17 +10,21 @@
     X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                     \
     X(AttachShader, PFNGLATTACHSHADERPROC)                       \
     X(BindBuffer, PFNGLBINDBUFFERPROC)                           \
+    X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)                 \
     X(BindTexture, PFNGLBINDTEXTUREPROC)                         \
     X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)                 \
     X(BindVertexBuffer, PFNGLBINDVERTEXBUFFERPROC)               \
+    X(BlitFramebuffer, PFNGLBLITFRAMEBUFFERPROC)                 \
     X(BlendFunc, PFNGLBLENDFUNCPROC)                             \
     X(BufferData, PFNGLBUFFERDATAPROC)                           \
     X(Clear, PFNGLCLEARPROC)                                     \
     X(ClearColor, PFNGLCLEARCOLORPROC)                           \
+    X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC)   \
     X(CompileShader, PFNGLCOMPILESHADERPROC)                     \
     X(CreateProgram, PFNGLCREATEPROGRAMPROC)                     \
     X(CreateShader, PFNGLCREATESHADERPROC)                       \
     X(DeleteBuffers, PFNGLDELETEBUFFERSPROC)                     \
+    X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC)           \
     X(DeleteProgram, PFNGLDELETEPROGRAMPROC)                     \
     X(DeleteShader, PFNGLDELETESHADERPROC)                       \
     X(DeleteTextures, PFNGLDELETETEXTURESPROC)                   \
@@ -31,7 +35,9 @@
     X(Enable, PFNGLENABLEPROC)                                   \
     X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
     X(Finish, PFNGLFINISHPROC)                                   \
+    X(FramebufferTexture2D, PFNGLFRAMEBUFFERTEXTURE2DPROC)       \
     X(GenBuffers, PFNGLGENBUFFERSPROC)                           \
+    X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)                 \
     X(GenTextures, PFNGLGENTEXTURESPROC)                         \
     X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)                 \
     X(GetError, PFNGLGETERRORPROC)                               \

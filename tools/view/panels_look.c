@@ -94,7 +94,7 @@ static void choose_light(ui *toolkit, view_state *state)
     bool photons = state->shown.photons;
     const bool is_lit = state->shown.picture >= VIEW_AO;
     ui_enable(toolkit, is_lit);
-    if (ui_checkbox(toolkit, "Global light", &gi)) {
+    if (ui_checkbox(toolkit, "Indirect light", &gi)) {
         view_choose_gi(state, gi);
     }
     ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other, gathered by cones. Key G.");
@@ -220,7 +220,7 @@ void panels_settings(ui *toolkit, view_state *state)
     choose_coarse(toolkit, settings);
     ui_slider(toolkit, "Turning", &settings->turn_speed, 0.5F, 12, "%.1f rad");
     ui_tooltip(toolkit, "How far a drag over the width of the window turns.");
-    ui_slider(toolkit, "Moving speed", &settings->move_speed, 0.01F, 2, "%.2f");
+    ui_slider(toolkit, "Flight", &settings->move_speed, 0.01F, 2, "%.2f");
     ui_tooltip(toolkit, "Widths of the scene a second; takes effect at the next start.");
     choose_text(toolkit, settings);
     ui_checkbox(toolkit, "Full screen", &settings->fullscreen);

@@ -251,7 +251,8 @@ static int run_frame(viewer *which)
     if (exit_code == PROGRAM_DONE && which->has_script && which->step.kind == SCRIPT_SHOT) {
         exit_code = take_shot(which);
     }
-    if (exit_code == PROGRAM_DONE && !window_show(which->window, &which->why)) {
+    if (exit_code == PROGRAM_DONE &&
+        !(canvas_show(which->canvas, &which->why) && window_show(which->window, &which->why))) {
         exit_code = fail(which);
     }
     lap(which, VIEW_STAGE_SHOW);
