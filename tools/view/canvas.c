@@ -91,16 +91,18 @@ static void make_texture(canvas *which)
 static void make_vertices(canvas *which)
 {
     const view_gl *gl = which->gl;
-    const char *const color = (const char *)NULL + offsetof(canvas_vertex, color);
     gl->GenVertexArrays(1, &which->picture_vertices);
     gl->GenVertexArrays(1, &which->line_vertices);
     gl->GenBuffers(1, &which->line_buffer);
     gl->BindVertexArray(which->line_vertices);
     gl->BindBuffer(GL_ARRAY_BUFFER, which->line_buffer);
-    gl->EnableVertexAttribArray(0);
-    gl->EnableVertexAttribArray(1);
-    gl->VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(canvas_vertex), NULL);
-    gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(canvas_vertex), color);
+    gl->BindVertexBuffer(0, which->line_buffer, 0, sizeof(canvas_vertex));
+    gl->VertexAttribFormat(0, 2, GL_FLOAT, GL_FALSE, offsetof(canvas_vertex, x));
+    gl->VertexAttribFormat(1, 4, GL_FLOAT, GL_FALSE, offsetof(canvas_vertex, color));
+    for (GLuint i = 0; i < 2; ++i) {
+        gl->VertexAttribBinding(i, 0);
+        gl->EnableVertexAttribArray(i);
+    }
     gl->BindVertexArray(0);
 }
 
@@ -175,7 +177,7 @@ static void draw_picture(const canvas *which, unsigned width, unsigned height)
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Positions become those of the clip space in place of a copy: the canvas's own. */
+/* Positions are in pixels, OpenGL's from -1 to 1. */
 static bool draw_lines(const canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices,
                        size_t count)
 {
@@ -201,7 +203,7 @@ static bool draw_lines(const canvas *which, unsigned width, unsigned height, con
     return true;
 }
 
-/* Draws into a frame of this size from now on. A window without a screen keeps the size that it was opened with, so what
+/* Draws into a frame of this size from now on. A window without a screen keeps the size that it was opened with: what
    is drawn right there would be lost beyond it. */
 static bool use_frame(canvas *which, unsigned width, unsigned height, svo_message *why)
 {

@@ -11,21 +11,37 @@ void drawing_end(drawing *which)
     *which = (drawing){.rgba = NULL};
 }
 
-/* Whether the last picture shows something else than the state does. Fields are compared one by one: structs have
-   padding. */
+static bool differs(float a, float b)
+{
+    return a < b || a > b;
+}
+
+static bool camera_differs(const svo_camera *had, const svo_camera *now)
+{
+    bool is_different = differs(had->vertical_fov, now->vertical_fov);
+    for (int axis = 0; axis < 3; ++axis) {
+        is_different = is_different || differs(had->eye[axis], now->eye[axis]) ||
+                       differs(had->target[axis], now->target[axis]) || differs(had->up[axis], now->up[axis]);
+    }
+    return is_different;
+}
+
+static bool shown_differs(const view_shown *had, const view_shown *now)
+{
+    return had->picture != now->picture || had->level != now->level || had->gi != now->gi ||
+           had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
+           differs(had->exposure, now->exposure) || differs(had->range, now->range) ||
+           differs(had->falloff, now->falloff);
+}
+
+/* Whether the last picture shows something else than the state does. */
 static bool is_outdated(const drawing *which, const view_state *state)
 {
-    const view_shown *had = &which->shown;
-    const view_shown *now = &state->shown;
     return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
-           had->picture != now->picture || had->level != now->level || had->gi != now->gi ||
-           had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
-           memcmp(&had->exposure, &now->exposure, sizeof had->exposure) != 0 ||
-           memcmp(&had->range, &now->range, sizeof had->range) != 0 ||
-           memcmp(&had->falloff, &now->falloff, sizeof had->falloff) != 0 ||
+           shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
            which->revisions.lights != state->revisions.lights ||
            which->revisions.instances != state->revisions.instances ||
-           memcmp(&which->camera, &state->camera.at, sizeof which->camera) != 0;
+           camera_differs(&which->camera, &state->camera.at);
 }
 
 /* The coarseness whose picture is expected to take no longer than the goal. */
@@ -67,6 +83,7 @@ static unsigned rays_of_pixel(view_picture picture)
 static void remember(drawing *which, const view_state *state, unsigned coarse)
 {
     which->shown = state->shown;
+    which->is_scene = state->is_scene;
     which->revisions = state->revisions;
     which->camera = state->camera.at;
     which->window_width = state->width;

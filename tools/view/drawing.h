@@ -19,6 +19,7 @@ typedef struct drawing {
     unsigned rows_done; /* of it, from the top; below them are those of the coarser picture before */
     /* What the last picture shows. */
     view_shown shown;
+    bool is_scene;
     view_revisions revisions;
     svo_camera camera;
     unsigned window_width, window_height;

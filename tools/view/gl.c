@@ -2,25 +2,32 @@
 /* Functions of OpenGL, its errors, and programs of shaders. */
 #include "view/gl.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 /* More errors than a context keeps: a context that is lost may report one forever. */
 #define ERRORS_MAX 16
 
+/* A function's name and where its pointer is in view_gl. */
+typedef struct gl_function {
+    const char *name;
+    size_t offset;
+} gl_function;
+
+#define ROW(name, type) {"gl" #name, offsetof(view_gl, name)},
+static const gl_function functions[] = {VIEW_GL_FUNCTIONS(ROW)};
+#undef ROW
+
 const char *view_gl_load(view_gl *gl, void *(*find)(const char *name))
 {
-    *gl = (view_gl){0};
-#define LOAD(name, type)                            \
-    do {                                            \
-        void *const found = find("gl" #name);       \
-        if (found == NULL) {                        \
-            return "gl" #name;                      \
-        }                                           \
-        memcpy(&gl->name, &found, sizeof gl->name); \
-    } while (0);
-    VIEW_GL_FUNCTIONS(LOAD)
-#undef LOAD
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; ++i) {
+        void *const found = find(functions[i].name);
+        if (found == NULL) {
+            return functions[i].name;
+        }
+        memcpy((char *)gl + functions[i].offset, &found, sizeof found);
+    }
     return NULL;
 }
 

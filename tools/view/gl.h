@@ -13,6 +13,7 @@
     X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)                 \
     X(BindTexture, PFNGLBINDTEXTUREPROC)                         \
     X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)                 \
+    X(BindVertexBuffer, PFNGLBINDVERTEXBUFFERPROC)               \
     X(BlitFramebuffer, PFNGLBLITFRAMEBUFFERPROC)                 \
     X(BlendFunc, PFNGLBLENDFUNCPROC)                             \
     X(BufferData, PFNGLBUFFERDATAPROC)                           \
@@ -56,7 +57,8 @@
     X(TexSubImage2D, PFNGLTEXSUBIMAGE2DPROC)                     \
     X(Uniform2f, PFNGLUNIFORM2FPROC)                             \
     X(UseProgram, PFNGLUSEPROGRAMPROC)                           \
-    X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \
+    X(VertexAttribBinding, PFNGLVERTEXATTRIBBINDINGPROC)         \
+    X(VertexAttribFormat, PFNGLVERTEXATTRIBFORMATPROC)           \
     X(Viewport, PFNGLVIEWPORTPROC)
 
 #define VIEW_GL_FIELD(name, type) type name;

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct ui_paint {
     const view_gl *gl;
@@ -64,20 +65,20 @@ static void make_glyphs(ui_paint *paint, const uint8_t *glyphs, unsigned width, 
 static void make_layout(ui_paint *paint)
 {
     const view_gl *gl = paint->gl;
-    const GLsizei stride = sizeof(ui_vertex);
-    const char *const begin = NULL;
     gl->GenVertexArrays(1, &paint->layout);
     gl->GenBuffers(1, &paint->vertices);
     gl->GenBuffers(1, &paint->indices);
     gl->BindVertexArray(paint->layout);
     gl->BindBuffer(GL_ARRAY_BUFFER, paint->vertices);
     gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, paint->indices);
+    gl->BindVertexBuffer(0, paint->vertices, 0, sizeof(ui_vertex));
+    gl->VertexAttribFormat(0, 2, GL_FLOAT, GL_FALSE, offsetof(ui_vertex, x));
+    gl->VertexAttribFormat(1, 2, GL_FLOAT, GL_FALSE, offsetof(ui_vertex, u));
+    gl->VertexAttribFormat(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(ui_vertex, color));
     for (GLuint i = 0; i < 3; ++i) {
+        gl->VertexAttribBinding(i, 0);
         gl->EnableVertexAttribArray(i);
     }
-    gl->VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, stride, begin + offsetof(ui_vertex, x));
-    gl->VertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, stride, begin + offsetof(ui_vertex, u));
-    gl->VertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, begin + offsetof(ui_vertex, color));
     gl->BindVertexArray(0);
 }
 
@@ -140,7 +141,8 @@ static int clamp(int value, int low, int high)
 static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, int height)
 {
     const view_gl *gl = paint->gl;
-    const char *const begin = NULL;
+    const uintptr_t begin = batch->index_begin * sizeof(uint32_t); /* in the buffer; OpenGL takes it for a pointer */
+    const void *indices = NULL;
     const int left = clamp(batch->clip[0], 0, width);
     const int top = clamp(batch->clip[1], 0, height);
     const int right = clamp(batch->clip[2], left, width);
@@ -150,8 +152,8 @@ static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, 
     }
     gl->Scissor(left, height - bottom, right - left, bottom - top);
     gl->BindTexture(GL_TEXTURE_2D, batch->texture == UI_TEXTURE_GLYPHS ? paint->glyphs : batch->texture);
-    gl->DrawElements(GL_TRIANGLES, (GLsizei)batch->index_count, GL_UNSIGNED_INT,
-                     begin + batch->index_begin * sizeof(uint32_t));
+    memcpy(&indices, &begin, sizeof indices);
+    gl->DrawElements(GL_TRIANGLES, (GLsizei)batch->index_count, GL_UNSIGNED_INT, indices);
 }
 
 bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, svo_message *why)
