@@ -16,3 +16,17 @@ function(svocl_embed target name)
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
 endfunction()
+
+# svocl_embed_bytes(target name file): compiles the bytes of a file into target as "extern const unsigned char
+# name_bytes[]", with their number in "extern const unsigned name_byte_count".
+function(svocl_embed_bytes target name file)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/embedded/${target}/${name}.c)
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DNAME=${name} -DFILE=${file} -P
+            ${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake
+    DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake
+    COMMENT "Embedding ${name}"
+    VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+endfunction()

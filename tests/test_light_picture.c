@@ -312,6 +312,35 @@ static void trees_without_triangles_are_drawn(void **state)
 
 /* ---- wrong calls ---- */
 
+/* ---- bands ---- */
+
+/* Rows that are drawn by themselves are those of the whole picture; what is beside them stays. */
+static void bands_are_rows_of_the_picture(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static uint8_t whole[WIDTH * HEIGHT * 4];
+    static uint8_t bands[WIDTH * HEIGHT * 4];
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
+    const size_t above = (size_t)WIDTH * SVO_LIGHT_BAND_ROWS * 4;
+    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_FULL);
+    lit_floor scene;
+    open_floor(&opened, true, &scene);
+    shine(&opened, scene.light, &sun, 0.2F);
+    picture.camera = (svo_camera){{0, 0.5F, 0.5F}, {0, 0, 0.1F}, {0, 1, 0}, 0.5F};
+    draw(&opened, scene.light, &picture, whole);
+    picture.row_count = SVO_LIGHT_BAND_ROWS;
+    draw(&opened, scene.light, &picture, bands);
+    assert_int_equal(bands[above], 0x5a);
+    picture.first_row = SVO_LIGHT_BAND_ROWS;
+    picture.row_count = 0;
+    light_succeed(&opened, svo_light_render(scene.light, &picture, opened.queue, bands + above));
+    assert_memory_equal(bands, whole, sizeof whole);
+    picture.row_count = 2 * SVO_LIGHT_BAND_ROWS;
+    light_succeed(&opened, svo_light_render(scene.light, &picture, opened.queue, bands + above));
+    assert_memory_equal(bands, whole, sizeof whole);
+    close_floor(&scene);
+}
+
 static void expect_refused(const fixture *opened, svo_light *light, const svo_light_picture *picture, const char *words)
 {
     static uint8_t rgba[WIDTH * HEIGHT * 4];
@@ -338,6 +367,9 @@ static void wrong_pictures_are_refused(void **state)
     REFUSED(wrong.camera.up[2] = NAN, "svo_light_render: camera.eye, target and up are not finite");
     REFUSED(wrong.camera.target[1] = 20, "camera.eye, target and up are not finite, or up is along");
     REFUSED(wrong.view = (svo_light_view)9, "svo_light_render: picture.view 9 is not in 0 .. 4");
+    REFUSED(wrong.first_row = 8, "svo_light_render: picture.first_row 8 is not a multiple of 16 below height");
+    REFUSED(wrong.first_row = 16 * wrong.height, "is not a multiple of 16 below height");
+    REFUSED(wrong.row_count = 17, "svo_light_render: picture.row_count 17 is not a multiple of 16");
     REFUSED(wrong.exposure = -1, "svo_light_render: picture.exposure -1 is negative or not finite");
     REFUSED(wrong.gather.cones = 3, "options.cones 3 is not 1, 5, 6, 16 or 64");
 #undef REFUSED
@@ -351,9 +383,9 @@ static void wrong_pictures_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sources_light_directly),     cmocka_unit_test(shadows_are_those_of_triangles),
-        cmocka_unit_test(floors_are_open_to_the_sky), cmocka_unit_test(full_is_direct_and_indirect),
-        cmocka_unit_test(finishes_emit_and_reflect),  cmocka_unit_test(trees_without_triangles_are_drawn),
-        cmocka_unit_test(wrong_pictures_are_refused)};
+        cmocka_unit_test(sources_light_directly),        cmocka_unit_test(shadows_are_those_of_triangles),
+        cmocka_unit_test(floors_are_open_to_the_sky),    cmocka_unit_test(full_is_direct_and_indirect),
+        cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
+        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(wrong_pictures_are_refused)};
     return cmocka_run_group_tests_name("pictures of light", tests, fixture_group_setup, fixture_group_teardown);
 }

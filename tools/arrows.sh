@@ -14,7 +14,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # other.
 readonly lib_rooms='output core plan commands stages build (io (voxels (rays compact solid (scene (light probes'
 readonly glinterop_rooms='context share raster compute frontend'
-readonly tools_rooms='scenes (reference support measure stress (bench (errors (report (web svocl (snapshot'
+readonly tools_rooms='scenes (reference support measure stress (bench (errors (report (web (view svocl (snapshot'
 
 files()
 {

@@ -316,7 +316,12 @@ typedef struct svo_light_picture {
     svo_light_view view; /**< what to show */
     svo_gather_options gather; /**< its struct_size must be set */
     float exposure; /**< radiance is multiplied by it before the tone curve, above 0; 0 means 1 */
+    uint32_t reserved; /**< zero */
+    uint32_t first_row; /**< of a band of the picture: a multiple of SVO_LIGHT_BAND_ROWS below height */
+    uint32_t row_count; /**< of the band, cut at the picture's end: a multiple as well; 0: all rows from first_row on */
 } svo_light_picture;
+
+#define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
 
 /** Everything zero but the sizes; width, height and camera have to be set. */
 #define SVO_LIGHT_PICTURE_INIT                                                      \
@@ -334,7 +339,7 @@ typedef struct svo_light_picture {
  * \param light not NULL
  * \param picture size, camera, view
  * \param queue on the context of its device; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom
+ * \param rgba receives the rows of the band, width * 4 bytes each, top to bottom: the same as in the whole picture
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on
  *          failure. */
 SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,

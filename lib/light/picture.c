@@ -13,13 +13,26 @@ _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)S
                    (uint32_t)SVO_LIGHT_VIEW_SPECULAR == SVO_LIT_VIEW_SPECULAR,
                "svo_light_view and kernels/light/picture.cl number the views alike");
 
-#define TILE_EDGE 16u
+#define TILE_EDGE SVO_LIGHT_BAND_ROWS
 /* Tiles of a launch, so that none takes long enough for a driver to end it. */
 #define BAND_TILES 256u
 
 static const char function[] = "svo_light_render";
 
 /* ---- parameters ---- */
+
+static svo_status check_band(const svo_light *light, const svo_light_picture *picture)
+{
+    if (picture->first_row >= picture->height || picture->first_row % TILE_EDGE != 0) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                 "%s: picture.first_row %u is not a multiple of %u below height %u", function,
+                                 picture->first_row, TILE_EDGE, picture->height);
+    }
+    return picture->row_count % TILE_EDGE == 0 ? SVO_OK
+                                               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                                                   "%s: picture.row_count %u is not a multiple of %u",
+                                                                   function, picture->row_count, TILE_EDGE);
+}
 
 static svo_status check_picture(const svo_light *light, const svo_light_picture *picture)
 {
@@ -29,7 +42,7 @@ static svo_status check_picture(const svo_light *light, const svo_light_picture 
                                  (int)picture->view, (int)SVO_LIGHT_VIEW_SPECULAR);
     }
     return picture->exposure >= 0.0F && isfinite(picture->exposure)
-               ? SVO_OK
+               ? check_band(light, picture)
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
                                    "%s: picture.exposure %g is negative or not finite", function,
                                    (double)picture->exposure);
@@ -79,15 +92,24 @@ static svo_status prepare(const svo_light *light, const svo_light_picture *pictu
                                     &drawn->shader);
 }
 
-static svo_status draw(const drawing *drawn, const svo_gather_params *gather, svo_lit_picture_params *params)
+/* Rows of the picture's band. */
+static uint32_t rows_of_band(const svo_light_picture *picture)
+{
+    const uint32_t below = picture->height - picture->first_row;
+    return picture->row_count == 0 || picture->row_count > below ? below : picture->row_count;
+}
+
+static svo_status draw(const drawing *drawn, const svo_light_picture *picture, const svo_gather_params *gather,
+                       svo_lit_picture_params *params)
 {
     const svo_i_argument own[] = {SVO_I_ARGUMENT(drawn->pixels)};
-    const uint64_t tiles =
-        (uint64_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
-    for (uint64_t first = 0; first < tiles; first += BAND_TILES) {
+    const uint64_t across = (params->width + TILE_EDGE - 1) / TILE_EDGE;
+    const uint64_t begin = across * (picture->first_row / TILE_EDGE);
+    const uint64_t end = begin + across * ((rows_of_band(picture) + TILE_EDGE - 1) / TILE_EDGE);
+    for (uint64_t first = begin; first < end; first += BAND_TILES) {
         params->first_tile = (uint32_t)first;
         SVO_I_TRY(svo_i_light_shader_launch(&drawn->shader, gather, params, SVO_I_ARGUMENTS(own),
-                                            tiles - first < BAND_TILES ? tiles - first : BAND_TILES));
+                                            end - first < BAND_TILES ? end - first : BAND_TILES));
     }
     return SVO_OK;
 }
@@ -114,8 +136,9 @@ svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, 
     SVO_I_TRY(fill_gather(light, &asked, &gather));
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &drawn.work));
     SVO_I_TRY_CLEANUP(prepare(light, &asked, &drawn));
-    SVO_I_TRY_CLEANUP(draw(&drawn, &gather, &params));
-    SVO_I_TRY_CLEANUP(svo_i_work_read(&drawn.work, drawn.pixels, 0, rgba, (size_t)asked.width * asked.height * 4));
+    SVO_I_TRY_CLEANUP(draw(&drawn, &asked, &gather, &params));
+    SVO_I_TRY_CLEANUP(svo_i_work_read(&drawn.work, drawn.pixels, (size_t)asked.width * asked.first_row * 4, rgba,
+                                      (size_t)asked.width * rows_of_band(&asked) * 4));
 
 cleanup:
     svo_i_work_end(&drawn.work);

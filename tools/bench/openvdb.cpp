@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The only file that uses OpenVDB, and the only C++ of the program; compiled where libopenvdb-dev is installed. */
+/* The only file that uses OpenVDB; compiled where libopenvdb-dev is installed. */
 #include "bench/openvdb.h"
 
 #include <openvdb/openvdb.h>

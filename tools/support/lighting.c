@@ -48,6 +48,8 @@ static int take_scene(program *state, lighting *out)
     return PROGRAM_DONE;
 }
 
+const float lighting_sky[3] = {0.42F, 0.52F, 0.66F};
+
 int lighting_open(program *state, lighting *out)
 {
     *out = (lighting){.light = NULL};
@@ -70,8 +72,7 @@ void lighting_close(lighting *work)
     scene_file_close(&work->scene);
 }
 
-/* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
-static uint32_t need_of(const options *given, const input *source)
+uint32_t lighting_need(const options *given, const input *source)
 {
     const uint32_t of_picture = picture_need(source, given->need);
     if (source->mesh == NULL || given->need != (uint32_t)SVO_NEED_DEFAULT) {
@@ -110,7 +111,7 @@ int lighting_tree(program *state, unsigned further_steps, lighting *work, job *d
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(state, need_of(&state->options, &done->source), done);
+    exit_code = job_build(state, lighting_need(&state->options, &done->source), done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
@@ -178,8 +179,7 @@ int lighting_place_camera(program *state, const lighting *work, const svo_tree *
     return viewpoint_apply(state, !work->file.has_camera, camera);
 }
 
-/* A sun high over the right shoulder of the viewer. */
-static svo_light_source make_sun(const svo_camera *camera)
+svo_light_source lighting_sun(const svo_camera *camera)
 {
     float away[3];
     svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
@@ -200,14 +200,13 @@ static svo_light_source make_sun(const svo_camera *camera)
 
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
 {
-    static const float sky[3] = {0.42F, 0.52F, 0.66F};
     svo_light_setup setup = lighting_setup(work, &done->source);
-    const svo_light_source sun = make_sun(camera);
+    const svo_light_source sun = lighting_sun(camera);
     if (state->options.lights_path == NULL) {
         setup.sources = setup.source_count > 0 ? setup.sources : &sun;
         setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
         for (int channel = 0; channel < 3; ++channel) {
-            setup.sky[channel] = sky[channel];
+            setup.sky[channel] = lighting_sky[channel];
         }
     }
     return lighting_make(state, done, &setup, work);

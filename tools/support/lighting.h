@@ -23,10 +23,17 @@ typedef struct lighting {
 int lighting_open(program *state, lighting *out);
 void lighting_close(lighting *work);
 
+/* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
+uint32_t lighting_need(const options *given, const input *source);
+
 /* Loads or builds the tree to be lit: with what --need says, or else all that makes light exact. A scene becomes one
    tree of all that it places, of --depth. Begins the progress bar, as job_run does. Returns the exit code; on failure
    nothing is left to release. */
 int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done);
+
+/* Without --lights: radiance from outside, and a sun high over the right shoulder of the viewer. */
+extern const float lighting_sky[3];
+svo_light_source lighting_sun(const svo_camera *camera);
 
 /* What lights the source's tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
 svo_light_setup lighting_setup(const lighting *work, const input *source);

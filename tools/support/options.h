@@ -39,7 +39,8 @@ enum option_group {
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
-    OPTION_PROBES = 16777216 /* probes, and how rays choose them */
+    OPTION_PROBES = 16777216, /* probes, and how rays choose them */
+    OPTION_VIEW_COMMAND = 33554432 /* the window, script */
 };
 
 enum option_frontend {
@@ -140,6 +141,9 @@ typedef struct options {
     uint32_t probe_counts[3]; /* probes along each axis */
     uint64_t probe_resolution, probe_field; /* texels along a map's side, field cells an axis; 0: not given */
     int probe_choice; /* svo_probe_choice */
+    uint64_t window_width, window_height; /* view: pixels; 0: not given */
+    uint64_t fullscreen; /* view: a flag */
+    const char *script_path; /* view: NULL: not given */
 } options;
 
 enum option_output {

@@ -23,19 +23,23 @@ static void write_bytes(void *user, void *bytes, int byte_count)
     output_write(user, bytes, (size_t)byte_count);
 }
 
-int picture_write(program *state, const uint8_t *rgba)
+int picture_write_as(program *state, const char *path, uint32_t width, uint32_t height, const uint8_t *rgba)
 {
     output_file file;
-    progress_step(state->progress, "writing the picture");
-    const int exit_code = output_open(state, state->options.output_path, &file);
+    const int exit_code = output_open(state, path, &file);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    const int width = (int)state->options.width;
-    const int height = (int)state->options.height;
-    if (stbi_write_png_to_func(write_bytes, &file, width, height, 4, rgba, width * 4) == 0) {
+    if (stbi_write_png_to_func(write_bytes, &file, (int)width, (int)height, 4, rgba, (int)width * 4) == 0) {
         output_abandon(&file);
-        return program_fail(state, PROGRAM_FAILED, "%s: out of memory for the picture", state->options.output_path);
+        return program_fail(state, PROGRAM_FAILED, "%s: out of memory for the picture", path);
     }
     return output_commit(state, &file);
+}
+
+int picture_write(program *state, const uint8_t *rgba)
+{
+    const options *given = &state->options;
+    progress_step(state->progress, "writing the picture");
+    return picture_write_as(state, given->output_path, given->width, given->height, rgba);
 }

@@ -9,6 +9,9 @@
    it has. A mesh without colors gets none, not white ones: it is shown as clay. */
 uint32_t picture_need(const input *source, uint32_t asked);
 
+/* Writes a picture, rows from top to bottom, to a path; - is standard output. Returns the exit code. */
+int picture_write_as(program *state, const char *path, uint32_t width, uint32_t height, const uint8_t *rgba);
+
 /* Writes a picture of --size to the path after -o; one step of the progress bar. Returns the exit code. */
 int picture_write(program *state, const uint8_t *rgba);
 

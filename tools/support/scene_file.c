@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "support/scene_place.h"
 #include "support/suggest.h"
 
 #define PI 3.14159265358979323846
@@ -124,40 +125,6 @@ static int find_tree(const json_source *source, const scene_file *file, const cJ
 
 /* ---- transforms ---- */
 
-/* A placement: scaled, then turned about x, y and z in degrees, then moved. */
-typedef struct parts {
-    float translate[3], rotate[3], scale[3];
-} parts;
-
-/* Turns the columns of a matrix about an axis. */
-static void turn(double matrix[9], int axis, double degrees)
-{
-    const int a = (axis + 1) % 3;
-    const int b = (axis + 2) % 3;
-    const double c = cos(degrees * PI / 180);
-    const double s = sin(degrees * PI / 180);
-    for (int k = 0; k < 3; ++k) {
-        const double u = matrix[3 * a + k];
-        const double v = matrix[3 * b + k];
-        matrix[3 * a + k] = c * u - s * v;
-        matrix[3 * b + k] = s * u + c * v;
-    }
-}
-
-static void compose(const parts *from, float transform[12])
-{
-    double matrix[9] = {0};
-    matrix[0] = (double)from->scale[0];
-    matrix[4] = (double)from->scale[1];
-    matrix[8] = (double)from->scale[2];
-    for (int axis = 0; axis < 3; ++axis) {
-        turn(matrix, axis, (double)from->rotate[axis]);
-    }
-    for (int i = 0; i < 12; ++i) {
-        transform[i] = i % 4 == 3 ? from->translate[i / 4] : (float)matrix[3 * (i / 4) + i % 4];
-    }
-}
-
 static int read_vector(const json_source *source, const cJSON *object, const char *name, float out[3])
 {
     const cJSON *value = member(object, name);
@@ -184,9 +151,9 @@ static int read_scale(const json_source *source, const cJSON *object, float out[
                : json_source_fail(source, value, "'scale' is 0 along an axis");
 }
 
-static int read_parts(const json_source *source, const cJSON *object, parts *out)
+static int read_place(const json_source *source, const cJSON *object, scene_place *out)
 {
-    *out = (parts){{0, 0, 0}, {0, 0, 0}, {1, 1, 1}};
+    *out = (scene_place){{0, 0, 0}, {0, 0, 0}, {1, 1, 1}};
     int exit_code = read_vector(source, object, "translate", out->translate);
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_vector(source, object, "rotate", out->rotate);
@@ -262,18 +229,20 @@ static void move_matrix(const float matrix[12], const copies *lattice, const uns
     }
 }
 
-static void move_parts(const parts *from, const copies *lattice, const unsigned at[3], unsigned index, float out[12])
+static void move_place(const scene_place *from, const copies *lattice, const unsigned at[3], unsigned index,
+                       float out[12])
 {
-    parts moved = *from;
+    scene_place moved = *from;
     for (int axis = 0; axis < 3; ++axis) {
         moved.translate[axis] += lattice->step[axis] * (float)at[axis];
         moved.rotate[axis] += (float)fmod((double)lattice->rotate[axis] * index, 360);
     }
-    compose(&moved, out);
+    scene_place_compose(&moved, out);
 }
 
-/* matrix: NULL if parts place the instance. */
-static void add_copies(scene_file *file, uint32_t tree, const float *matrix, const parts *from, const copies *lattice)
+/* matrix: NULL if a placement is given. */
+static void add_copies(scene_file *file, uint32_t tree, const float *matrix, const scene_place *from,
+                       const copies *lattice)
 {
     unsigned at[3];
     unsigned index = 0;
@@ -285,7 +254,7 @@ static void add_copies(scene_file *file, uint32_t tree, const float *matrix, con
                 if (matrix != NULL) {
                     move_matrix(matrix, lattice, at, added->transform);
                 } else {
-                    move_parts(from, lattice, at, index, added->transform);
+                    move_place(from, lattice, at, index, added->transform);
                 }
                 ++index;
             }
@@ -311,7 +280,7 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
     const cJSON *given_matrix = member(object, "matrix");
     uint32_t tree = 0;
     float matrix[12] = {0};
-    parts from;
+    scene_place from;
     copies lattice;
     int exit_code = json_source_check_keys(source, object, "an instance", keys);
     if (exit_code == PROGRAM_DONE) {
@@ -324,7 +293,7 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
         exit_code = json_source_floats(source, given_matrix, "matrix", 12, matrix);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_parts(source, object, &from);
+        exit_code = read_place(source, object, &from);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_copies(source, member(object, "copies"), &lattice);

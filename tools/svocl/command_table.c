@@ -78,6 +78,18 @@ static const command commands[] = {
                           "render scene:atrium -d 9 --view full --lights sun.json -o full.png",
                           "render scene:atrium --through probes --probes 8,8,8 -o p.png",
                           "render scene.json -o many.png", "render model.svo -o - | convert - model.jpg")},
+#ifdef SVOCL_VIEW
+    {.name = "view",
+     .run = command_view,
+     .groups =
+         OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_VIEW_COMMAND,
+     .input_name = "INPUT",
+     .needs_input = true,
+     .summary = "Shows the octree of a mesh or voxels, a .svo file or a .json scene in a window.",
+     .reads_file = true,
+     .examples = EXAMPLES("view scene:atrium", "view model.obj -d 10 --lights sun.json --view full",
+                          "view scene.json --width 1920 --height 1080")},
+#endif
     {.name = "export-web",
      .run = command_export_web,
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND,

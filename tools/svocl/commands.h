@@ -15,6 +15,7 @@ int command_convert(program *state);
 int command_verify(program *state);
 int command_render(program *state);
 int command_export_web(program *state);
+int command_view(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
 int command_reference(program *state);

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: MIT */
+/* Editing in svocl view: placements of instances and back, scenes to files bit for bit, lights that the mouse moves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cjson/cJSON.h>
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "support/scene_place.h"
+#include "view/camera.h"
+#include "view/light_edit.h"
+#include "view/scene_edit.h"
+#include "view/scene_save.h"
+#include "work_folder.h"
+
+/* ---- placements ---- */
+
+static uint32_t random_bits(uint32_t *seed)
+{
+    *seed = *seed * 1664525U + 1013904223U;
+    return *seed >> 8;
+}
+
+static float random_within(uint32_t *seed, float low, float high)
+{
+    return low + (high - low) * (float)random_bits(seed) / 16777216.0F;
+}
+
+static scene_place random_place(uint32_t *seed)
+{
+    scene_place place;
+    for (int axis = 0; axis < 3; ++axis) {
+        place.translate[axis] = random_within(seed, -100, 100);
+        place.rotate[axis] = random_within(seed, -180, 180);
+        place.scale[axis] = random_within(seed, 0.01F, 10) * (random_bits(seed) % 2 == 0 ? 1.0F : -1.0F);
+    }
+    return place;
+}
+
+static void test_found_placements_give_the_matrix(void **unused)
+{
+    (void)unused;
+    uint32_t seed = 17;
+    for (int i = 0; i < 20000; ++i) {
+        const scene_place place = random_place(&seed);
+        scene_place found;
+        float asked[12];
+        float composed[12];
+        scene_place_compose(&place, asked);
+        assert_true(scene_place_find(asked, &found));
+        scene_place_compose(&found, composed);
+        for (int k = 0; k < 12; ++k) {
+            assert_float_equal(composed[k], asked[k], 1e-5F * (k % 4 == 3 ? 100 : 10));
+        }
+    }
+}
+
+/* What people write comes back as they wrote it. */
+static void test_plain_placements_are_found(void **unused)
+{
+    (void)unused;
+    for (int x = -175; x <= 180; x += 5) {
+        for (int y = -85; y <= 85; y += 5) {
+            const scene_place place = {{1.5F, -2, 0.1F}, {(float)x, (float)y, 30}, {1.5F, 0.25F, 2}};
+            scene_place found;
+            float transform[12];
+            scene_place_compose(&place, transform);
+            assert_true(scene_place_find(transform, &found));
+            assert_memory_equal(&found, &place, sizeof place);
+        }
+    }
+}
+
+static void test_quarter_turns_and_shear(void **unused)
+{
+    (void)unused;
+    const scene_place quarter = {{0, 0, 0}, {20, 90, 50}, {1, 1, 1}};
+    const float sheared[12] = {1, 0.3F, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const float flat[12] = {0};
+    scene_place found;
+    float asked[12];
+    float composed[12];
+    scene_place_compose(&quarter, asked);
+    assert_true(scene_place_find(asked, &found));
+    scene_place_compose(&found, composed);
+    for (int k = 0; k < 12; ++k) {
+        assert_float_equal(composed[k], asked[k], 1e-6F);
+    }
+    assert_false(scene_place_find(sheared, &found));
+    assert_false(scene_place_find(flat, &found));
+}
+
+/* ---- editing ---- */
+
+static void begin_scene(view_state *state)
+{
+    static const view_tree trees[] = {{.name = "first \"tree\"", .path = "scene:atrium", .depth = 8},
+                                      {.name = "second", .path = "models/b.svo"}};
+    view_state_begin(state);
+    state->width = 640;
+    state->height = 400;
+    state->trees = trees;
+    state->tree_count = 2;
+    state->camera.at = (svo_camera){.eye = {1, 2, 10}, .up = {0, 1, 0}, .vertical_fov = 0.6F};
+    view_choose_scene(state, true);
+    assert_true(state->is_scene);
+    assert_int_equal(state->instance_count, 1);
+}
+
+static void test_edits(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    const unsigned before = state->revisions.instances;
+    assert_true(scene_edit_add(state));
+    assert_int_equal(state->instance, 1);
+    /* An angle beyond a quarter turn stays what the hand made it. */
+    const scene_place place = {{1, 2, 3}, {10, 170, 0}, {2, 2, 2}};
+    scene_place read;
+    assert_true(scene_edit_set(state, 1, &place));
+    assert_true(scene_edit_place(state, 1, &read));
+    assert_memory_equal(&read, &place, sizeof place);
+    assert_true(state->revisions.instances > before);
+    /* What a scene would refuse changes nothing. */
+    const scene_place flat = {{1, 2, 3}, {0, 0, 0}, {1, 0, 1}};
+    const scene_place not_finite = {{NAN, 0, 0}, {0, 0, 0}, {1, 1, 1}};
+    assert_false(scene_edit_set(state, 1, &flat));
+    assert_false(scene_edit_set(state, 1, &not_finite));
+    assert_false(scene_edit_set(state, 9, &place));
+    assert_true(scene_edit_place(state, 1, &read));
+    assert_memory_equal(&read, &place, sizeof place);
+    scene_edit_move(state, 1, (const float[3]){-1, -2, -3});
+    assert_true(scene_edit_place(state, 1, &read));
+    assert_memory_equal(read.translate, ((const float[3]){-1, -2, -3}), sizeof read.translate);
+    scene_edit_remove(state);
+    assert_int_equal(state->instance_count, 1);
+    scene_edit_remove(state);
+    assert_int_equal(state->instance_count, 1);
+    view_state_end(state);
+    free(state);
+}
+
+/* ---- files ---- */
+
+static char *read_whole(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    char *text = calloc(1, 1 << 22);
+    (void)fread(text, 1, (1 << 22) - 1, file);
+    (void)fclose(file);
+    return text;
+}
+
+static void read_floats(const cJSON *array, int count, float *out)
+{
+    assert_int_equal(cJSON_GetArraySize(array), count);
+    for (int i = 0; i < count; ++i) {
+        out[i] = (float)cJSON_GetArrayItem(array, i)->valuedouble;
+    }
+}
+
+/* As the format says: a matrix, or a placement. */
+static void read_transform(const cJSON *instance, float transform[12])
+{
+    scene_place place = {.scale = {1, 1, 1}};
+    const cJSON *matrix = cJSON_GetObjectItem(instance, "matrix");
+    const cJSON *scale = cJSON_GetObjectItem(instance, "scale");
+    if (matrix != NULL) {
+        read_floats(matrix, 12, transform);
+        return;
+    }
+    if (cJSON_GetObjectItem(instance, "translate") != NULL) {
+        read_floats(cJSON_GetObjectItem(instance, "translate"), 3, place.translate);
+    }
+    if (cJSON_GetObjectItem(instance, "rotate") != NULL) {
+        read_floats(cJSON_GetObjectItem(instance, "rotate"), 3, place.rotate);
+    }
+    if (cJSON_IsNumber(scale)) {
+        place.scale[0] = place.scale[1] = place.scale[2] = (float)scale->valuedouble;
+    } else if (scale != NULL) {
+        read_floats(scale, 3, place.scale);
+    }
+    scene_place_compose(&place, transform);
+}
+
+static void test_saved_instances_are_the_same(void **unused)
+{
+    (void)unused;
+    uint32_t seed = 5;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    for (int i = 0; i < 3000; ++i) {
+        svo_instance added = {.tree = random_bits(&seed) % 2};
+        const scene_place place = random_place(&seed);
+        scene_place_compose(&place, added.transform);
+        added.transform[1] += i % 3 == 0 ? 0.5F : 0; /* sheared */
+        assert_true(view_add_instance(state, &added));
+    }
+    work_folder_remember("scene.json");
+    assert_int_equal(scene_save(state, path_of("scene.json")), 0);
+    char *text = read_whole(path_of("scene.json"));
+    cJSON *document = cJSON_Parse(text);
+    assert_non_null(document);
+    const cJSON *instance = cJSON_GetObjectItem(document, "instances")->child;
+    for (size_t i = 0; i < state->instance_count; ++i, instance = instance->next) {
+        float transform[12];
+        read_transform(instance, transform);
+        for (int k = 0; k < 12; ++k) {
+            assert_true(transform[k] == state->instances[i].transform[k]);
+        }
+        assert_string_equal(cJSON_GetObjectItem(instance, "tree")->valuestring,
+                            state->trees[state->instances[i].tree].name);
+    }
+    assert_null(instance);
+    cJSON_Delete(document);
+    free(text);
+    view_state_end(state);
+    free(state);
+}
+
+static const char *path_in(const cJSON *document, const char *tree)
+{
+    const cJSON *trees = cJSON_GetObjectItem(document, "trees");
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(trees, tree), "path")->valuestring;
+}
+
+/* A scene's paths begin in its folder: the file finds its trees wherever it lies. */
+static void test_paths_follow_the_file(void **unused)
+{
+    (void)unused;
+    char folder[4096];
+    char wanted[8192];
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    assert_non_null(getcwd(folder, sizeof folder));
+    (void)snprintf(wanted, sizeof wanted, "%s/models/b.svo", folder);
+    work_folder_remember("elsewhere.json");
+    assert_int_equal(scene_save(state, path_of("elsewhere.json")), 0);
+    char *text = read_whole(path_of("elsewhere.json"));
+    cJSON *document = cJSON_Parse(text);
+    assert_string_equal(path_in(document, "first \"tree\""), "scene:atrium");
+    assert_string_equal(path_in(document, "second"), wanted);
+    cJSON_Delete(document);
+    free(text);
+    view_state_end(state);
+    free(state);
+}
+
+static void test_failed_saves_leave_the_file(void **unused)
+{
+    (void)unused;
+    char path[4096];
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    (void)snprintf(path, sizeof path, "%s/nowhere/scene.json", work_folder());
+    assert_int_equal(scene_save(state, path), ENOENT);
+    scene_edit_save(state, "");
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "not saved"));
+    assert_int_equal(scene_save(state, "/dev/full"), ENOSPC);
+    view_state_end(state);
+    free(state);
+}
+
+/* ---- lights ---- */
+
+static void test_angles(void **unused)
+{
+    (void)unused;
+    for (int around = -170; around <= 170; around += 10) {
+        for (int above = -80; above <= 80; above += 10) {
+            float direction[3];
+            float angles[2];
+            light_edit_direction((const float[2]){(float)around, (float)above}, direction);
+            light_edit_angles(direction, angles);
+            assert_float_equal(angles[0], (float)around, 1e-3F);
+            assert_float_equal(angles[1], (float)above, 1e-3F);
+        }
+    }
+}
+
+/* The light stays below the mouse. */
+static void test_dragged_light_follows_the_mouse(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    float before[2];
+    float after[2];
+    view_state_begin(state);
+    state->width = 640;
+    state->height = 400;
+    state->camera.at = (svo_camera){.eye = {1, 2, 10}, .up = {0, 1, 0}, .vertical_fov = 0.6F};
+    assert_true(light_edit_add(state, SVO_SOURCE_POINT));
+    assert_true(camera_project(state, state->sources[0].position, before));
+    light_edit_drag(state, 40, -25);
+    assert_true(camera_project(state, state->sources[0].position, after));
+    assert_float_equal(after[0] - before[0], 40, 0.05F);
+    assert_float_equal(after[1] - before[1], -25, 0.05F);
+    light_edit_push(state, 5);
+    assert_true(camera_project(state, state->sources[0].position, before));
+    assert_float_equal(after[0], before[0], 0.05F);
+    assert_float_equal(after[1], before[1], 0.05F);
+    view_state_end(state);
+    free(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_found_placements_give_the_matrix), cmocka_unit_test(test_plain_placements_are_found),
+        cmocka_unit_test(test_quarter_turns_and_shear),          cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_saved_instances_are_the_same),     cmocka_unit_test(test_paths_follow_the_file),
+        cmocka_unit_test(test_failed_saves_leave_the_file),      cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_dragged_light_follows_the_mouse),
+    };
+    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+}

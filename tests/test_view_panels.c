@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Panels of svocl view, by either toolkit: widgets answer the mouse and keys, the same inputs give the same triangles,
+ * the picture's center stays free, and memory that runs out is a failure in words.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "view/light_edit.h"
+#include "view/panels.h"
+#include "view/ui_events.h"
+#include "view/ui_theme.h"
+
+/* ---- memory that runs out ---- */
+
+static size_t calls_until_failure; /* 0: none fails */
+
+static int fails(void)
+{
+    return calls_until_failure > 0 && --calls_until_failure == 0;
+}
+
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names */
+void *__real_malloc(size_t bytes);
+void *__real_calloc(size_t count, size_t bytes);
+void *__real_realloc(void *block, size_t bytes);
+void *__wrap_malloc(size_t bytes);
+void *__wrap_calloc(size_t count, size_t bytes);
+void *__wrap_realloc(void *block, size_t bytes);
+
+void *__wrap_malloc(size_t bytes)
+{
+    return fails() ? NULL : __real_malloc(bytes);
+}
+
+void *__wrap_calloc(size_t count, size_t bytes)
+{
+    return fails() ? NULL : __real_calloc(count, bytes);
+}
+
+void *__wrap_realloc(void *block, size_t bytes)
+{
+    return fails() ? NULL : __real_realloc(block, bytes);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+/* ---- a panel with a widget of each kind ---- */
+
+enum { ROW_CHECKBOX, ROW_SLIDER, ROW_BUTTONS, ROW_FIELD, ROW_SECTION, ROW_NUMBERS, ROW_ITEM, ROW_DISABLED };
+
+#define PANEL_WIDTH 300.0F
+
+/* What the widgets show, and how often they said that they were used. */
+typedef struct shown {
+    bool checkbox, disabled, section;
+    float slider, number;
+    char field[32];
+    int last_button;
+    int buttons, entered, items, sections;
+} shown;
+
+static void describe(ui *toolkit, shown *state)
+{
+    static const char *const names[] = {"one", "two", "three"};
+    ui_panel_begin(toolkit, "panel", (ui_place){0, 0, PANEL_WIDTH, 350});
+    (void)ui_checkbox(toolkit, "checkbox", &state->checkbox);
+    (void)ui_slider(toolkit, "slider", &state->slider, 0, 1, "%.2f");
+    const int button = ui_buttons(toolkit, names, 3);
+    if (button >= 0) {
+        state->last_button = button;
+        ++state->buttons;
+    }
+    state->entered += ui_field(toolkit, "field", state->field, sizeof state->field) ? 1 : 0;
+    state->sections += ui_section(toolkit, "section", &state->section) ? 1 : 0;
+    (void)ui_numbers(toolkit, "number", &state->number, 1, 0.5F, "%.1f");
+    state->items += ui_item(toolkit, "item", false) ? 1 : 0;
+    ui_enable(toolkit, false);
+    (void)ui_checkbox(toolkit, "disabled", &state->disabled);
+    ui_enable(toolkit, true);
+    (void)ui_panel_end(toolkit);
+}
+
+typedef struct session {
+    ui *toolkit;
+    ui_events events;
+    shown state;
+    const ui_drawing *drawing; /* of the last frame */
+} session;
+
+static session begin_session(void)
+{
+    session made = {.toolkit = ui_create()};
+    assert_non_null(made.toolkit);
+    ui_events_begin(&made.events);
+    return made;
+}
+
+static void play_frame(session *at)
+{
+    const ui_input input = ui_events_frame(&at->events, 640, 400, 1.0F / 60);
+    ui_begin(at->toolkit, &input);
+    describe(at->toolkit, &at->state);
+    at->drawing = ui_end(at->toolkit);
+    assert_non_null(at->drawing);
+}
+
+static int middle_of_row(const session *at, int row)
+{
+    const float height = ui_row_height(at->toolkit);
+    return (int)(UI_PADDING + height * (float)row + (height - UI_GAP) / 2);
+}
+
+static void move_to(session *at, int x, int y)
+{
+    const view_event event = {.kind = VIEW_EVENT_MOVE, .x = x, .y = y};
+    ui_events_take(&at->events, &event);
+    play_frame(at);
+}
+
+static void press(session *at, int x, int y, bool is_down)
+{
+    const view_event event = {.kind = VIEW_EVENT_BUTTON, .is_down = is_down, .x = x, .y = y};
+    ui_events_take(&at->events, &event);
+    play_frame(at);
+}
+
+static void click(session *at, int x, int y)
+{
+    move_to(at, x, y);
+    press(at, x, y, true);
+    press(at, x, y, false);
+    play_frame(at);
+}
+
+static void press_key(session *at, int key)
+{
+    view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true};
+    ui_events_take(&at->events, &event);
+    play_frame(at);
+    event.is_down = false;
+    ui_events_take(&at->events, &event);
+    play_frame(at);
+}
+
+static void type(session *at, const char *text)
+{
+    view_event event = {.kind = VIEW_EVENT_TEXT};
+    (void)snprintf(event.text, sizeof event.text, "%s", text);
+    ui_events_take(&at->events, &event);
+    play_frame(at);
+}
+
+/* ---- widgets ---- */
+
+static void test_clicks(void **unused)
+{
+    (void)unused;
+    session at = begin_session();
+    play_frame(&at);
+    click(&at, 16, middle_of_row(&at, ROW_CHECKBOX));
+    assert_true(at.state.checkbox);
+    click(&at, 16, middle_of_row(&at, ROW_DISABLED));
+    assert_false(at.state.disabled);
+    click(&at, (int)PANEL_WIDTH / 2, middle_of_row(&at, ROW_BUTTONS));
+    assert_int_equal(at.state.buttons, 1);
+    assert_int_equal(at.state.last_button, 1);
+    click(&at, 40, middle_of_row(&at, ROW_ITEM));
+    assert_int_equal(at.state.items, 1);
+    click(&at, 40, middle_of_row(&at, ROW_SECTION));
+    assert_int_equal(at.state.sections, 1);
+    assert_true(at.state.section);
+    click(&at, 500, middle_of_row(&at, ROW_CHECKBOX));
+    assert_true(at.state.checkbox);
+    ui_destroy(&at.toolkit);
+}
+
+/* Both in one frame, as a slow picture makes them. */
+static void test_click_within_a_frame(void **unused)
+{
+    (void)unused;
+    session at = begin_session();
+    play_frame(&at);
+    const int y = middle_of_row(&at, ROW_CHECKBOX);
+    move_to(&at, 16, y);
+    view_event event = {.kind = VIEW_EVENT_BUTTON, .is_down = true, .x = 16, .y = y};
+    ui_events_take(&at.events, &event);
+    event.is_down = false;
+    ui_events_take(&at.events, &event);
+    play_frame(&at);
+    play_frame(&at);
+    assert_true(at.state.checkbox);
+    ui_destroy(&at.toolkit);
+}
+
+static void test_drags(void **unused)
+{
+    (void)unused;
+    session at = begin_session();
+    const float left = UI_PADDING + (PANEL_WIDTH - 2 * UI_PADDING) * UI_LABEL_SHARE;
+    const int middle = (int)((left + PANEL_WIDTH - UI_PADDING) / 2);
+    play_frame(&at);
+    int y = middle_of_row(&at, ROW_SLIDER);
+    move_to(&at, middle, y);
+    press(&at, middle, y, true);
+    assert_float_equal(at.state.slider, 0.5F, 0.03F);
+    move_to(&at, 600, y);
+    assert_float_equal(at.state.slider, 1, 0);
+    press(&at, 600, y, false);
+    y = middle_of_row(&at, ROW_NUMBERS);
+    move_to(&at, middle, y);
+    press(&at, middle, y, true);
+    move_to(&at, middle + 20, y);
+    move_to(&at, middle + 40, y);
+    press(&at, middle + 40, y, false);
+    assert_in_range((int)at.state.number, 8, 20);
+    assert_float_equal(at.state.slider, 1, 0);
+    ui_destroy(&at.toolkit);
+}
+
+static void test_field(void **unused)
+{
+    (void)unused;
+    session at = begin_session();
+    play_frame(&at);
+    click(&at, 200, middle_of_row(&at, ROW_FIELD));
+    assert_true(ui_wants_keys(at.toolkit));
+    type(&at, "ab\xC3\xBC");
+    assert_string_equal(at.state.field, "ab\xC3\xBC");
+    press_key(&at, VIEW_KEY_BACKSPACE);
+    assert_string_equal(at.state.field, "ab");
+    press_key(&at, VIEW_KEY_ENTER);
+    assert_int_equal(at.state.entered, 1);
+    assert_false(ui_wants_keys(at.toolkit));
+    type(&at, "c");
+    assert_string_equal(at.state.field, "ab");
+    ui_destroy(&at.toolkit);
+}
+
+static void test_whose_mouse(void **unused)
+{
+    (void)unused;
+    session at = begin_session();
+    play_frame(&at);
+    move_to(&at, 100, 30);
+    assert_true(ui_wants_mouse(at.toolkit));
+    move_to(&at, 100, 330); /* below what the panel holds */
+    assert_false(ui_wants_mouse(at.toolkit));
+    move_to(&at, 500, 30);
+    assert_false(ui_wants_mouse(at.toolkit));
+    ui_destroy(&at.toolkit);
+}
+
+/* ---- drawings ---- */
+
+static void assert_same_drawing(const ui_drawing *a, const ui_drawing *b)
+{
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_int_equal(a->index_count, b->index_count);
+    assert_int_equal(a->batch_count, b->batch_count);
+    assert_true(a->vertex_count > 100 && a->batch_count > 0);
+    assert_memory_equal(a->vertices, b->vertices, a->vertex_count * sizeof *a->vertices);
+    assert_memory_equal(a->indices, b->indices, a->index_count * sizeof *a->indices);
+    assert_memory_equal(a->batches, b->batches, a->batch_count * sizeof *a->batches);
+}
+
+/* A copy whose arrays are its own. */
+static ui_drawing copy_drawing(const ui_drawing *from)
+{
+    ui_drawing copy = *from;
+    copy.vertices = malloc(from->vertex_count * sizeof *from->vertices);
+    copy.indices = malloc(from->index_count * sizeof *from->indices);
+    copy.batches = malloc(from->batch_count * sizeof *from->batches);
+    memcpy(copy.vertices, from->vertices, from->vertex_count * sizeof *from->vertices);
+    memcpy(copy.indices, from->indices, from->index_count * sizeof *from->indices);
+    memcpy(copy.batches, from->batches, from->batch_count * sizeof *from->batches);
+    return copy;
+}
+
+static ui_drawing play_session(void)
+{
+    session at = begin_session();
+    play_frame(&at);
+    click(&at, 16, middle_of_row(&at, ROW_CHECKBOX));
+    click(&at, 200, middle_of_row(&at, ROW_FIELD));
+    type(&at, "out.json");
+    click(&at, 200, middle_of_row(&at, ROW_SLIDER));
+    const ui_drawing copy = copy_drawing(at.drawing);
+    ui_destroy(&at.toolkit);
+    return copy;
+}
+
+static void test_same_inputs_same_triangles(void **unused)
+{
+    (void)unused;
+    ui_drawing first = play_session();
+    ui_drawing second = play_session();
+    assert_same_drawing(&first, &second);
+    ui_drawing_free(&first);
+    ui_drawing_free(&second);
+}
+
+/* ---- the viewer's panels ---- */
+
+static void fill_state(view_state *state, unsigned width, unsigned height)
+{
+    static const view_tree trees[] = {{.name = "atrium", .path = "scene:atrium", .depth = 8}};
+    view_state_begin(state);
+    state->width = width;
+    state->height = height;
+    state->level_max = 9;
+    state->shown.level = 8;
+    state->trees = trees;
+    state->tree_count = 1;
+    state->camera.at = (svo_camera){.eye = {1, 2, 10}, .up = {0, 1, 0}, .vertical_fov = 0.6F};
+    assert_true(light_edit_add(state, SVO_SOURCE_DIRECTIONAL));
+    assert_true(light_edit_add(state, SVO_SOURCE_SPOT));
+    for (int i = 0; i < 2 * VIEW_FRAMES_KEPT; ++i) {
+        state->frames[state->frame_count++ % VIEW_FRAMES_KEPT] =
+            (view_frame){.ms = 20, .stage_ms = {[VIEW_STAGE_PICTURE] = 15}, .rays = 1000, .coarse = 2};
+    }
+    for (int i = 0; i < VIEW_MEMORY_MAX; ++i) {
+        state->memory[state->memory_count++] = (view_memory){.name = "a buffer", .bytes = 1U << (i % 30)};
+    }
+    for (int i = 0; i < 2 * VIEW_LOG_LINES; ++i) {
+        view_log(state, "line %d of the log, which is longer than a column is wide", i);
+    }
+    state->selection.is_hit = true;
+    state->selection.list_count = state->selection.list_kept = VIEW_LIST_KEPT;
+    memset(state->settings.open, true, sizeof state->settings.open);
+}
+
+static const ui_drawing *describe_panels(ui *toolkit, ui_events *events, view_state *state)
+{
+    ui_input input = ui_events_frame(events, state->width, state->height, 1.0F / 60);
+    input.large = panels_text_is_large(state);
+    ui_begin(toolkit, &input);
+    panels_describe(toolkit, state);
+    return ui_end(toolkit);
+}
+
+/* How far a batch reaches into a rectangle: pixels of what its clip leaves there. */
+static bool reaches(const ui_drawing *drawing, const ui_batch *batch, const float place[4])
+{
+    for (uint32_t i = batch->index_begin; i < batch->index_begin + batch->index_count; ++i) {
+        const ui_vertex *corner = &drawing->vertices[drawing->indices[i]];
+        if (corner->x > place[0] && corner->x < place[2] && corner->y > place[1] && corner->y < place[3] &&
+            corner->y < (float)batch->clip[3]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void test_center_is_free(void **unused)
+{
+    (void)unused;
+    static const unsigned sizes[][2] = {{160, 160}, {640, 400}, {1280, 800}, {3840, 2160}};
+    view_state *state = malloc(sizeof *state);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        const float width = (float)sizes[i][0];
+        const float height = (float)sizes[i][1];
+        const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40};
+        ui_events events;
+        ui *toolkit = ui_create();
+        fill_state(state, sizes[i][0], sizes[i][1]);
+        ui_events_begin(&events);
+        for (int scene = 0; scene < 2; ++scene) {
+            view_choose_scene(state, scene == 1);
+            (void)describe_panels(toolkit, &events, state);
+            const ui_drawing *drawing = describe_panels(toolkit, &events, state);
+            assert_non_null(drawing);
+            assert_true(drawing->vertex_count > 200);
+            for (size_t k = 0; k < drawing->batch_count; ++k) {
+                assert_false(reaches(drawing, &drawing->batches[k], center));
+            }
+        }
+        view_state_end(state);
+        ui_destroy(&toolkit);
+    }
+    free(state);
+}
+
+/* The first row of the left column is a heading. */
+static void test_heading_opens(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    ui_events events;
+    ui *toolkit = ui_create();
+    fill_state(state, 640, 400);
+    memset(state->settings.open, false, sizeof state->settings.open);
+    ui_events_begin(&events);
+    (void)describe_panels(toolkit, &events, state);
+    for (int i = 0; i < 3; ++i) {
+        const view_event event = {
+            .kind = i == 0 ? VIEW_EVENT_MOVE : VIEW_EVENT_BUTTON, .is_down = i == 1, .x = 60, .y = 22};
+        ui_events_take(&events, &event);
+        assert_non_null(describe_panels(toolkit, &events, state));
+    }
+    assert_true(state->settings.open[VIEW_PANEL_HELP]);
+    state->settings.panels = false;
+    assert_int_equal(describe_panels(toolkit, &events, state)->index_count, 0);
+    view_state_end(state);
+    ui_destroy(&toolkit);
+    free(state);
+}
+
+/* ---- memory ---- */
+
+/* Opens the panels and shows three frames; false when memory ran out. */
+static bool show_panels(view_state *state)
+{
+    ui_events events;
+    ui_events_begin(&events);
+    ui *toolkit = ui_create();
+    bool is_shown = toolkit != NULL;
+    for (int i = 0; i < 3 && is_shown; ++i) {
+        const view_event event = {.kind = VIEW_EVENT_MOVE, .x = 60, .y = 60};
+        ui_events_take(&events, &event);
+        is_shown = describe_panels(toolkit, &events, state) != NULL;
+    }
+    if (toolkit != NULL) {
+        /* What comes after a failure does nothing. */
+        is_shown = describe_panels(toolkit, &events, state) != NULL && is_shown;
+        (void)ui_wants_mouse(toolkit);
+        (void)ui_wants_keys(toolkit);
+        ui_destroy(&toolkit);
+    }
+    return is_shown;
+}
+
+static void test_each_allocation_fails(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    fill_state(state, 640, 400);
+    size_t failed = 0;
+    for (size_t call = 1;; ++call) {
+        calls_until_failure = call;
+        const bool is_shown = show_panels(state);
+        const bool all_succeeded = calls_until_failure > 0;
+        calls_until_failure = 0;
+        if (all_succeeded) {
+            assert_true(is_shown);
+            break;
+        }
+        failed += is_shown ? 0 : 1;
+    }
+    assert_true(failed > 5);
+    view_state_end(state);
+    free(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_clicks),
+        cmocka_unit_test(test_click_within_a_frame),
+        cmocka_unit_test(test_drags),
+        cmocka_unit_test(test_field),
+        cmocka_unit_test(test_whose_mouse),
+        cmocka_unit_test(test_same_inputs_same_triangles),
+        cmocka_unit_test(test_center_is_free),
+        cmocka_unit_test(test_heading_opens),
+        cmocka_unit_test(test_each_allocation_fails),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

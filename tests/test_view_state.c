@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: MIT */
+/* The camera of svocl view against closed forms, its keys and mouse, and its file of settings. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "view/camera.h"
+#include "view/input.h"
+#include "view/settings.h"
+#include "work_folder.h"
+
+#define PI 3.14159265358979323846
+
+/* Looks along -z at a target 10 away, 640 x 400 pixels. */
+static view_state *make_state(void)
+{
+    view_state *state = malloc(sizeof *state);
+    assert_non_null(state);
+    view_state_begin(state);
+    state->width = 640;
+    state->height = 400;
+    state->level_max = 8;
+    state->shown.level = 8;
+    state->has_triangles = true;
+    state->camera.speed = 2;
+    state->camera.at = (svo_camera){{1, 2, 13}, {1, 2, 3}, {0, 1, 0}, 0.8F};
+    state->camera.home = state->camera.at;
+    return state;
+}
+
+static void free_state(view_state *state)
+{
+    view_state_end(state);
+    free(state);
+}
+
+static double distance(const float a[3], const float b[3])
+{
+    return sqrt(pow((double)a[0] - (double)b[0], 2) + pow((double)a[1] - (double)b[1], 2) +
+                pow((double)a[2] - (double)b[2], 2));
+}
+
+static void expect_point(const float point[3], double x, double y, double z)
+{
+    const float wanted[3] = {(float)x, (float)y, (float)z};
+    if (!(distance(point, wanted) < 1e-4)) {
+        fail_msg("%g %g %g instead of %g %g %g", (double)point[0], (double)point[1], (double)point[2], x, y, z);
+    }
+}
+
+/* ---- camera ---- */
+
+/* A drag to the right by a quarter turn brings the scene's left side to the front: the eye is at -x of the target. */
+static void orbit_turns_the_eye_around_the_target(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    const svo_camera first = state->camera.at;
+    const float quarter = (float)(PI / 2 * 640 / (double)state->settings.turn_speed);
+    camera_turn(state, quarter, 0);
+    expect_point(state->camera.at.eye, -9, 2, 3);
+    expect_point(state->camera.at.target, 1, 2, 3);
+    for (int i = 0; i < 3; ++i) {
+        camera_turn(state, quarter, 0);
+    }
+    expect_point(state->camera.at.eye, (double)first.eye[0], (double)first.eye[1], (double)first.eye[2]);
+    camera_turn(state, 0, quarter / 2);
+    expect_point(state->camera.at.eye, 1, 2 + 10 * sqrt(0.5), 3 + 10 * sqrt(0.5));
+    free_state(state);
+}
+
+static void flying_turns_the_line_of_sight(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    state->camera.mode = VIEW_FLY;
+    camera_turn(state, (float)(PI / 2 * 640 / (double)state->settings.turn_speed), 0);
+    expect_point(state->camera.at.eye, 1, 2, 13);
+    expect_point(state->camera.at.target, 11, 2, 13);
+    free_state(state);
+}
+
+/* However far a drag goes, the line of sight stays off the vertical, and the distance of the target is kept. */
+static void no_drag_passes_the_poles(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    for (int mode = 0; mode < 2; ++mode) {
+        state->camera.mode = (view_camera_mode)mode;
+        for (int i = 0; i < 2000; ++i) {
+            camera_turn(state, (float)(i % 37) - 11, (float)(i % 1000 < 500 ? 97 : -89));
+            const svo_camera *at = &state->camera.at;
+            const double flat =
+                hypot((double)at->eye[0] - (double)at->target[0], (double)at->eye[2] - (double)at->target[2]);
+            const double away = distance(at->eye, at->target);
+            if (!(flat > 0.019 * away) || !(fabs(away - 10) < 0.01)) {
+                fail_msg("drag %d of mode %d: %g away, %g of it flat", i, mode, away, flat);
+                return;
+            }
+        }
+    }
+    free_state(state);
+}
+
+static void speed_does_not_depend_on_the_frames(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    state->camera.held[VIEW_FORWARD] = true;
+    state->camera.held[VIEW_UP] = true;
+    camera_move(state, 1);
+    expect_point(state->camera.at.eye, 1, 4, 11);
+    camera_go_home(state);
+    for (int i = 0; i < 240; ++i) {
+        camera_move(state, 1.0F / 240);
+    }
+    expect_point(state->camera.at.eye, 1, 4, 11);
+    expect_point(state->camera.at.target, 1, 4, 1);
+    free_state(state);
+}
+
+/* The target stays below the mouse, and so does every point of its plane. */
+static void panning_keeps_the_target_below_the_mouse(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    const float target[3] = {1, 2, 3};
+    float pixel[2];
+    camera_turn(state, 50, 30);
+    camera_pan(state, 33, -21);
+    assert_true(camera_project(state, target, pixel));
+    assert_true(fabsf(pixel[0] - 353) < 0.01F);
+    assert_true(fabsf(pixel[1] - 179) < 0.01F);
+    free_state(state);
+}
+
+/* A point along the ray of a pixel is at that pixel; one behind the eye is nowhere. */
+static void rays_and_pixels_agree(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    camera_turn(state, -70, 40);
+    for (int i = 0; i < 400; ++i) {
+        const float x = (float)(i * 37 % 640) + 0.5F;
+        const float y = (float)(i * 53 % 400) + 0.5F;
+        float direction[3];
+        float ahead[3];
+        float behind[3];
+        float pixel[2];
+        camera_ray(state, x, y, direction);
+        for (int axis = 0; axis < 3; ++axis) {
+            ahead[axis] = state->camera.at.eye[axis] + 7 * direction[axis];
+            behind[axis] = state->camera.at.eye[axis] - 7 * direction[axis];
+        }
+        assert_true(camera_project(state, ahead, pixel));
+        if (!(fabsf(pixel[0] - x) < 0.01F && fabsf(pixel[1] - y) < 0.01F)) {
+            fail_msg("%g %g instead of %g %g", (double)pixel[0], (double)pixel[1], (double)x, (double)y);
+            return;
+        }
+        assert_false(camera_project(state, behind, pixel));
+    }
+    free_state(state);
+}
+
+/* ---- keys and the mouse ---- */
+
+static input_wish press(view_state *state, int key, bool shift)
+{
+    static input_mouse mouse;
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true, .shift = shift};
+    return input_take(&mouse, &event, state);
+}
+
+static void keys_choose_what_is_shown(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    for (int i = 0; i < 10; ++i) {
+        press(state, i == 9 ? '0' : '1' + i, false);
+        assert_int_equal(state->shown.picture, i);
+    }
+    press(state, 'l', false);
+    assert_int_equal(state->shown.level, 7);
+    press(state, 'l', true);
+    press(state, 'l', true);
+    assert_int_equal(state->shown.level, 8);
+    press(state, 'g', false);
+    press(state, 'p', false);
+    press(state, 'b', false);
+    assert_false(state->shown.gi);
+    assert_false(state->shown.photons);
+    assert_int_equal(state->shown.form, SVO_LIGHT_BRICKS);
+    state->has_triangles = false;
+    const size_t lines = state->log_count;
+    press(state, '6', false);
+    assert_int_equal(state->shown.picture, VIEW_FULL);
+    assert_int_equal(state->log_count, lines + 1);
+    assert_int_equal(press(state, VIEW_KEY_F1 + 10, false), INPUT_FULLSCREEN);
+    free_state(state);
+}
+
+static input_wish button(input_mouse *mouse, view_state *state, bool is_down, int x, int y)
+{
+    const view_event event = {
+        .kind = VIEW_EVENT_BUTTON, .button = VIEW_BUTTON_LEFT, .is_down = is_down, .x = x, .y = y};
+    return input_take(mouse, &event, state);
+}
+
+/* A click picks, even if the hand trembles; a drag turns and does not pick. */
+static void clicks_pick_and_drags_turn(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    input_mouse mouse = {.x = 0};
+    const view_event tremble = {.kind = VIEW_EVENT_MOVE, .x = 102, .y = 99};
+    const view_event drag = {.kind = VIEW_EVENT_MOVE, .x = 140, .y = 90};
+    assert_int_equal(button(&mouse, state, true, 100, 100), INPUT_NOTHING);
+    assert_int_equal(input_take(&mouse, &tremble, state), INPUT_NOTHING);
+    assert_int_equal(button(&mouse, state, false, 102, 99), INPUT_PICK);
+    expect_point(state->camera.at.eye, 1, 2, 13);
+    assert_int_equal(button(&mouse, state, true, 100, 100), INPUT_NOTHING);
+    assert_int_equal(input_take(&mouse, &drag, state), INPUT_NOTHING);
+    assert_int_equal(button(&mouse, state, false, 140, 90), INPUT_NOTHING);
+    assert_true(distance(state->camera.at.eye, state->camera.home.eye) > 0.1);
+    assert_int_equal(button(&mouse, state, false, 140, 90), INPUT_NOTHING);
+    free_state(state);
+}
+
+/* ---- settings ---- */
+
+static settings_file file_in_folder(const char *name)
+{
+    settings_file file;
+    (void)snprintf(file.path, sizeof file.path, "%s", path_of(name));
+    return file;
+}
+
+static void settings_come_back(void **unused)
+{
+    (void)unused;
+    view_state *written = make_state();
+    view_state *read = make_state();
+    const settings_file file = file_in_folder("view.json");
+    assert_true(settings_load(&file, written)); /* it is missing */
+    written->settings.width = 321;
+    written->settings.coarse = 4;
+    written->settings.move_speed = 0.7F;
+    written->settings.mode = VIEW_FLY;
+    written->settings.panels = false;
+    written->settings.open[VIEW_PANEL_LOG] = true;
+    written->settings.open[VIEW_PANEL_CAMERA] = false;
+    work_folder_remember("view.json");
+    assert_true(settings_save(&file, written));
+    assert_true(settings_load(&file, read));
+    assert_int_equal(read->settings.width, 321);
+    assert_int_equal(read->settings.coarse, 4);
+    assert_true(fabsf(read->settings.move_speed - 0.7F) < 1e-6F);
+    assert_int_equal(read->settings.mode, VIEW_FLY);
+    assert_false(read->settings.panels);
+    assert_memory_equal(read->settings.open, written->settings.open, sizeof read->settings.open);
+    assert_int_equal(read->log_count, 0);
+    free_state(written);
+    free_state(read);
+}
+
+static void damaged_settings_mean_defaults_and_a_line(void **unused)
+{
+    (void)unused;
+    static const char *const texts[] = {"",
+                                        "{\"width\": 300",
+                                        "[]",
+                                        "{\"height\": 300, \"width\": 3}",
+                                        "{\"height\": 300, \"width\": \"640\"}",
+                                        "{\"height\": 300, \"goal_ms\": 1e99}",
+                                        "{\"height\": 300, \"panels\": 1}",
+                                        "{\"height\": 300, \"camera\": \"walk\"}",
+                                        "{\"height\": 300, \"open\": {}}"};
+    const settings_file file = file_in_folder("damaged.json");
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        view_state *state = make_state();
+        const view_settings defaults = state->settings;
+        write_text("damaged.json", texts[i]);
+        if (settings_load(&file, state) || state->log_count != 1 ||
+            strstr(state->log[0], "damaged; defaults are taken") == NULL) {
+            fail_msg("'%s' is taken: %s", texts[i], state->log[0]);
+            return;
+        }
+        assert_memory_equal(&state->settings, &defaults, sizeof defaults);
+        free_state(state);
+    }
+}
+
+/* A folder in place of the file, and a file in place of the folder. */
+static void settings_that_cannot_be_kept_are_a_line(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    const settings_file below = file_in_folder("plain/view.json");
+    write_text("plain", "a file");
+    assert_false(settings_save(&below, state));
+    assert_int_equal(state->log_count, 1);
+    assert_non_null(strstr(state->log[0], "the settings are not kept"));
+    const settings_file folder = file_in_folder("");
+    assert_false(settings_save(&folder, state));
+    assert_int_equal(state->log_count, 2);
+    free_state(state);
+}
+
+static void settings_have_the_place_of_the_standard(void **unused)
+{
+    (void)unused;
+    settings_file file;
+    assert_int_equal(setenv("HOME", "/home/somebody", 1), 0);
+    assert_int_equal(setenv("XDG_CONFIG_HOME", "/config", 1), 0);
+    settings_find(&file);
+    assert_string_equal(file.path, "/config/svocl/view.json");
+    assert_int_equal(setenv("XDG_CONFIG_HOME", "relative", 1), 0);
+    settings_find(&file);
+    assert_string_equal(file.path, "/home/somebody/.config/svocl/view.json");
+    assert_int_equal(unsetenv("XDG_CONFIG_HOME"), 0);
+    assert_int_equal(unsetenv("HOME"), 0);
+    settings_find(&file);
+    assert_string_equal(file.path, "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(orbit_turns_the_eye_around_the_target),
+                                       cmocka_unit_test(flying_turns_the_line_of_sight),
+                                       cmocka_unit_test(no_drag_passes_the_poles),
+                                       cmocka_unit_test(speed_does_not_depend_on_the_frames),
+                                       cmocka_unit_test(panning_keeps_the_target_below_the_mouse),
+                                       cmocka_unit_test(rays_and_pixels_agree),
+                                       cmocka_unit_test(keys_choose_what_is_shown),
+                                       cmocka_unit_test(clicks_pick_and_drags_turn),
+                                       cmocka_unit_test(settings_come_back),
+                                       cmocka_unit_test(damaged_settings_mean_defaults_and_a_line),
+                                       cmocka_unit_test(settings_that_cannot_be_kept_are_a_line),
+                                       cmocka_unit_test(settings_have_the_place_of_the_standard)};
+    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+}

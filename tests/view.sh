@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# svocl view by scripts: a tour of everything that is the same, byte for byte, when it is taken again; pictures that
+# are those of svocl render; what is missing, in one line.
+#
+# usage: view.sh PROGRAM SCRIPT
+set -euo pipefail
+
+readonly program=$1 tour=$2
+# shellcheck source=tests/complain.sh
+source "${BASH_SOURCE[0]%/*}/complain.sh"
+cd "$work"
+export SDL_VIDEODRIVER=offscreen XDG_CONFIG_HOME=$work/config
+readonly scene=(scene:atrium -d 6)
+
+take_tour()
+{
+    mkdir "$1"
+    (cd "$1" && "$program" view "${scene[@]}" --width 640 --height 400 --script "$tour")
+}
+
+take_tour first
+take_tour second
+pictures=(first/*)
+((${#pictures[@]} == $(grep -c '^shot' "$tour"))) || complain "${#pictures[@]} pictures, not the script's"
+for picture in "${pictures[@]}"; do
+    cmp -s "$picture" "second/${picture#first/}" || complain "$picture differs when the tour is taken again"
+done
+[[ ! -e config ]] || complain "a script wrote settings"
+
+# Pictures are those of svocl render.
+same()
+{
+    local picture=$1
+    shift
+    "$program" render "${scene[@]}" --size 640x400 "$@" -q -o rendered.png
+    cmp -s "first/$picture.png" rendered.png || complain "$picture is not what svocl render $* writes"
+}
+same view-1-shaded
+same view-2-normal --view normal
+same view-5-level --view level
+same view-6-triangles --view triangles
+same view-8-direct --view direct
+same view-0-full --view full
+same toggle-no-gi --view full --gi off
+same toggle-no-photons --view full --photons off
+
+# What changes a picture shows; what goes back does.
+differ()
+{
+    ! cmp -s "first/$1.png" "first/$2.png" || complain "$1 and $2 are the same"
+}
+differ view-0-full toggle-no-gi
+differ view-0-full toggle-no-photons
+differ view-0-full toggle-exposure
+differ view-9-gi toggle-bricks
+differ view-9-gi toggle-voxels
+differ view-8-direct light-moved
+differ view-1-shaded level-up
+differ level-up level-down
+differ camera-coarse camera-orbit
+differ camera-orbit camera-near
+differ camera-near camera-fly
+differ pick pick-none
+cmp -s first/camera-home.png first/view-2-normal.png || complain "the first view does not come back"
+mapfile -t panels < <(ls first/panel-*)
+(($(md5sum "${panels[@]}" | cut -d' ' -f1 | sort -u | wc -l) == ${#panels[@]})) || complain "panels that look alike"
+
+# What is missing, and mistakes in scripts.
+printf 'shot a.png\n' >short.txt
+view=("$program" view scene:cube -d 2 --script short.txt)
+expect_failure 1 'no display' env -u SDL_VIDEODRIVER -u DISPLAY -u WAYLAND_DISPLAY "${view[@]}"
+expect_failure 1 'OpenGL 4.3' env MESA_GL_VERSION_OVERRIDE=4.2 "${view[@]}"
+expect_failure 1 'OpenCL' env OCL_ICD_VENDORS=/nonexistent "${view[@]}"
+expect_failure 1 'nothing.txt' "$program" view scene:cube -d 2 --script nothing.txt
+[[ ! -e a.png ]] || complain "a picture in spite of failures"
+while IFS='|' read -r line words; do
+    printf '\n%s\n' "$line" >wrong.txt
+    expect_failure 1 "wrong.txt:2: .*$words" "$program" view scene:cube -d 2 --script wrong.txt
+done <<'LINES'
+jump 1 2|'jump' is not a command
+key|lacks a key
+key hyper|'hyper' is not a key
+move 10|lacks a number
+move 10 -4|'-4' is not a number within
+wait 1.5|not a whole number
+coarse 3|none of 0, 1, 2, 4, 8
+shot|takes one file name
+shot a b|takes one file name
+a b c d e f g h i|more than 8 words
+LINES
+exit "$failed"

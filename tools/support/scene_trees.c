@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* Trees of scenes, built, loaded, or made compact. */
+#include "support/scene_trees.h"
+
+#include <stdlib.h>
+
+#include "support/compact_input.h"
+#include "support/job.h"
+#include "support/picture.h"
+
+/* The directory of compact trees in SVO_FORM_IMPLIED, which must be the same in all of a scene. */
+#define DIRECTORY_STEP_LOG2 5u
+
+/* ---- trees ---- */
+
+static int load_tree(scene_trees *work, size_t index)
+{
+    const int exit_code = input_load_tree(work->running, &work->trees[index]);
+    return exit_code == PROGRAM_DONE &&
+                   svo_tree_upload(work->trees[index], work->opened.device, work->opened.queue) != SVO_OK
+               ? program_fail_library(work->running, svo_device_message(work->opened.device))
+               : exit_code;
+}
+
+static int build_tree(scene_trees *work, size_t index)
+{
+    job one = {.opened = work->opened};
+    int exit_code = input_open(work->running, &one.source);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = job_build(work->running, picture_need(&one.source, work->running->options.need), &one);
+    work->opened = one.opened; /* the front end is chosen by the first build */
+    work->trees[index] = one.result.tree;
+    free(one.result.buffers);
+    input_close(&one.source);
+    return exit_code;
+}
+
+/* The input and the depth of each tree stand in for the command line's. */
+static int make_tree(scene_trees *work, size_t index)
+{
+    const scene_file_tree *tree = &work->file->trees[index];
+    options *given = &work->running->options;
+    const options before = *given;
+    given->input = tree->path;
+    given->depth = tree->depth > 0 ? tree->depth : given->depth;
+    const int exit_code = input_is_tree(work->running) ? load_tree(work, index) : build_tree(work, index);
+    *given = before;
+    return exit_code;
+}
+
+/* ---- compact trees ---- */
+
+static bool has_form(const scene_trees *work, const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    return svo_compact_get_info(compact, &info) == SVO_OK && (int)info.form == work->file->form &&
+           (info.form != SVO_FORM_IMPLIED || info.directory_step_log2 == DIRECTORY_STEP_LOG2);
+}
+
+/* A file of the scene's form is used as it is: it may be minimized, or a solid. For another one nothing is loaded. */
+static int load_compact(scene_trees *work, size_t index)
+{
+    svo_message message = {""};
+    svo_compact **out = &work->compacts[index];
+    if (svo_compact_load(work->file->trees[index].path, NULL, out, &message) != SVO_OK) {
+        return program_fail_library(work->running, message.text);
+    }
+    if (!has_form(work, *out)) {
+        svo_compact_destroy(out);
+        return PROGRAM_DONE;
+    }
+    return svo_compact_upload(*out, work->opened.device, work->opened.queue) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->running, svo_device_message(work->opened.device));
+}
+
+static int make_compact(scene_trees *work, size_t index)
+{
+    const svo_compact_options asked = {
+        .struct_size = sizeof asked, .form = (svo_form)work->file->form, .directory_step_log2 = DIRECTORY_STEP_LOG2};
+    int exit_code = compact_input_is_name(work->file->trees[index].path) ? load_compact(work, index) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE || work->compacts[index] != NULL) {
+        return exit_code;
+    }
+    exit_code = make_tree(work, index);
+    if (exit_code == PROGRAM_DONE && svo_compact_create(work->opened.device, work->trees[index], &asked,
+                                                        work->opened.queue, &work->compacts[index]) != SVO_OK) {
+        exit_code = program_fail_library(work->running, svo_device_message(work->opened.device));
+    }
+    svo_tree_destroy(&work->trees[index]);
+    return exit_code;
+}
+
+/* Whether nodes of a compact tree differ in payload, so that it has places of it. */
+static bool has_places(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    (void)svo_compact_get_info(compact, &info);
+    return (info.need & ~info.constant) != 0;
+}
+
+/* Compact trees of a scene have all places of payload, or none has. */
+static int check_places(const scene_trees *work, size_t index)
+{
+    const scene_file *file = work->file;
+    const bool places = has_places(work->compacts[index]);
+    if (places == has_places(work->compacts[0])) {
+        return PROGRAM_DONE;
+    }
+    return json_source_fail(&file->source, file->trees[index].value,
+                            "the nodes of tree '%s' are alike in color, normal, material and fill, and those of '%s' "
+                            "are not; form '%s' cannot hold both",
+                            file->trees[places ? 0 : index].name, file->trees[places ? index : 0].name,
+                            scene_file_form_name(file));
+}
+
+/* ---- all of them ---- */
+
+static int make_trees(scene_trees *work)
+{
+    const size_t count = work->file->tree_count;
+    const bool built = work->file->form == SCENE_FILE_BUILT;
+    int exit_code = PROGRAM_DONE;
+    for (size_t i = 0; i < count && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = built ? make_tree(work, i) : make_compact(work, i);
+        if (exit_code == PROGRAM_DONE && !built) {
+            exit_code = check_places(work, i);
+        }
+    }
+    return exit_code;
+}
+
+int scene_trees_open(program *state, const scene_file *file, scene_trees *out)
+{
+    const size_t count = file->tree_count;
+    *out = (scene_trees){.running = state, .file = file};
+    out->trees = calloc(count, sizeof(svo_tree *));
+    out->compacts = calloc(count, sizeof(svo_compact *));
+    if (out->trees == NULL || out->compacts == NULL) {
+        scene_trees_close(out);
+        return program_fail(state, PROGRAM_FAILED, "out of memory for %zu trees", count);
+    }
+    int exit_code = session_open(state, &out->opened);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_trees(out);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        scene_trees_close(out);
+    }
+    return exit_code;
+}
+
+void scene_trees_close(scene_trees *which)
+{
+    for (size_t i = 0; which->trees != NULL && i < which->file->tree_count; ++i) {
+        svo_tree_destroy(&which->trees[i]);
+    }
+    for (size_t i = 0; which->compacts != NULL && i < which->file->tree_count; ++i) {
+        svo_compact_destroy(&which->compacts[i]);
+    }
+    free(which->trees);
+    free(which->compacts);
+    session_close(&which->opened);
+    *which = (scene_trees){.trees = NULL};
+}
+
+svo_scene_options scene_trees_place(const scene_trees *which, const svo_instance *instances, size_t instance_count)
+{
+    const bool built = which->file->form == SCENE_FILE_BUILT;
+    return (svo_scene_options){.struct_size = sizeof(svo_scene_options),
+                               .trees = built ? which->trees : NULL,
+                               .compacts = built ? NULL : which->compacts,
+                               .instances = instances,
+                               .tree_count = (uint32_t)which->file->tree_count,
+                               .instance_count = (uint32_t)instance_count};
+}

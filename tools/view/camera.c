@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+/* Turning, moving and projecting, in double: a camera is turned many thousand times. */
+#include "view/camera.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Least angle between the line of sight and up, radians. */
+#define POLE_ANGLE 0.02
+#define WHEEL_STEP 1.15
+/* Nearest to the eye, in distances of the target. */
+#define NEAR_SHARE 1e-3
+
+/* An orthonormal frame: to the right, up in the picture, along the line of sight; and the distance of the target. */
+typedef struct frame {
+    double right[3], above[3], sight[3];
+    double distance;
+} frame;
+
+/* ---- vectors ---- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const int next = (axis + 1) % 3;
+        const int last = (axis + 2) % 3;
+        out[axis] = a[next] * b[last] - a[last] * b[next];
+    }
+}
+
+/* Returns the length that it had. */
+static double normalize(double a[3])
+{
+    const double length = sqrt(dot(a, a));
+    for (int axis = 0; axis < 3 && length > 0; ++axis) {
+        a[axis] /= length;
+    }
+    return length;
+}
+
+/* Turns a vector around a unit axis (Rodrigues' formula). */
+static void turn(double vector[3], const double axis[3], double angle)
+{
+    double across[3];
+    const double along = dot(axis, vector) * (1 - cos(angle));
+    cross(axis, vector, across);
+    for (int i = 0; i < 3; ++i) {
+        vector[i] = vector[i] * cos(angle) + across[i] * sin(angle) + axis[i] * along;
+    }
+}
+
+static void unit_up(const svo_camera *camera, double up[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        up[axis] = (double)camera->up[axis];
+    }
+    (void)normalize(up);
+}
+
+static frame frame_of(const svo_camera *camera)
+{
+    frame out;
+    double up[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        out.sight[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
+    }
+    unit_up(camera, up);
+    out.distance = normalize(out.sight);
+    cross(out.sight, up, out.right);
+    (void)normalize(out.right);
+    cross(out.right, out.sight, out.above);
+    return out;
+}
+
+/* ---- turning ---- */
+
+/* The angle by which the line of sight may turn towards up, of what is wanted. */
+static double limit_angle(const double sight[3], const double up[3], double wanted)
+{
+    const double cosine = dot(sight, up);
+    const double now = acos(cosine > 1 ? 1 : cosine < -1 ? -1 : cosine); /* from up */
+    const double least = POLE_ANGLE - now;
+    const double most = acos(-1.0) - POLE_ANGLE - now;
+    const double asked = -wanted; /* away from up */
+    return -(asked < least ? least : asked > most ? most : asked);
+}
+
+void camera_turn(view_state *state, float right, float down)
+{
+    svo_camera *camera = &state->camera.at;
+    const double radians = (double)state->settings.turn_speed / (double)state->width;
+    const bool orbits = state->camera.mode == VIEW_ORBIT;
+    const double sign = orbits ? -1 : 1; /* dragging to the right turns the scene, or the head, to the right */
+    frame at = frame_of(camera);
+    double up[3];
+    unit_up(camera, up);
+    turn(at.sight, at.right, limit_angle(at.sight, up, -(double)down * radians));
+    turn(at.sight, up, (orbits ? sign : -sign) * (double)right * radians);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double way = at.sight[axis] * at.distance;
+        if (orbits) {
+            camera->eye[axis] = (float)((double)camera->target[axis] - way);
+        } else {
+            camera->target[axis] = (float)((double)camera->eye[axis] + way);
+        }
+    }
+}
+
+/* ---- moving ---- */
+
+static void shift(svo_camera *camera, const double by[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        camera->eye[axis] = (float)((double)camera->eye[axis] + by[axis]);
+        camera->target[axis] = (float)((double)camera->target[axis] + by[axis]);
+    }
+}
+
+void camera_pan(view_state *state, float right, float down)
+{
+    const frame at = frame_of(&state->camera.at);
+    const double pixel = 2 * at.distance * tan((double)state->camera.at.vertical_fov / 2) / (double)state->height;
+    double by[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        by[axis] = pixel * ((double)down * at.above[axis] - (double)right * at.right[axis]);
+    }
+    shift(&state->camera.at, by);
+}
+
+void camera_wheel(view_state *state, float steps)
+{
+    svo_camera *camera = &state->camera.at;
+    const double factor = pow(WHEEL_STEP, (double)steps);
+    if (state->camera.mode == VIEW_FLY) {
+        state->camera.speed = (float)((double)state->camera.speed * factor);
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const double away = (double)camera->eye[axis] - (double)camera->target[axis];
+        camera->eye[axis] = (float)((double)camera->target[axis] + away / factor);
+    }
+}
+
+bool camera_is_moving(const view_state *state)
+{
+    bool is_moving = false;
+    for (int i = 0; i < VIEW_MOTIONS; ++i) {
+        is_moving = is_moving || state->camera.held[i];
+    }
+    return is_moving;
+}
+
+void camera_move(view_state *state, float seconds)
+{
+    const bool *held = state->camera.held;
+    const frame at = frame_of(&state->camera.at);
+    const double way = (double)state->camera.speed * (double)seconds;
+    const double forward = (held[VIEW_FORWARD] ? 1 : 0) - (held[VIEW_BACK] ? 1 : 0);
+    const double right = (held[VIEW_RIGHT] ? 1 : 0) - (held[VIEW_LEFT] ? 1 : 0);
+    const double up = (held[VIEW_UP] ? 1 : 0) - (held[VIEW_DOWN] ? 1 : 0);
+    double axis_up[3];
+    double by[3];
+    if (!camera_is_moving(state)) {
+        return;
+    }
+    unit_up(&state->camera.at, axis_up);
+    for (int axis = 0; axis < 3; ++axis) {
+        by[axis] = way * (forward * at.sight[axis] + right * at.right[axis] + up * axis_up[axis]);
+    }
+    shift(&state->camera.at, by);
+}
+
+void camera_go_home(view_state *state)
+{
+    state->camera.at = state->camera.home;
+}
+
+/* ---- the window ---- */
+
+bool camera_project(const view_state *state, const float point[3], float pixel[2])
+{
+    const svo_camera *camera = &state->camera.at;
+    const frame at = frame_of(camera);
+    double to[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        to[axis] = (double)point[axis] - (double)camera->eye[axis];
+    }
+    const double depth = dot(to, at.sight);
+    const double scale = (double)state->height / (2 * tan((double)camera->vertical_fov / 2));
+    if (!(depth > NEAR_SHARE * at.distance)) {
+        return false;
+    }
+    pixel[0] = (float)((double)state->width / 2 + scale * dot(to, at.right) / depth);
+    pixel[1] = (float)((double)state->height / 2 - scale * dot(to, at.above) / depth);
+    return true;
+}
+
+void camera_drag_point(const view_state *state, float right, float down, float point[3])
+{
+    const svo_camera *camera = &state->camera.at;
+    const frame at = frame_of(camera);
+    double to[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        to[axis] = (double)point[axis] - (double)camera->eye[axis];
+    }
+    const double depth = fmax(dot(to, at.sight), NEAR_SHARE * at.distance);
+    const double pixel = 2 * depth * tan((double)camera->vertical_fov / 2) / (double)state->height;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double way = pixel * ((double)right * at.right[axis] - (double)down * at.above[axis]);
+        point[axis] = (float)((double)point[axis] + way);
+    }
+}
+
+void camera_ray(const view_state *state, float x, float y, float direction[3])
+{
+    const svo_camera *camera = &state->camera.at;
+    const frame at = frame_of(camera);
+    const double pixel = 2 * tan((double)camera->vertical_fov / 2) / (double)state->height;
+    const double right = ((double)x - (double)state->width / 2) * pixel;
+    const double above = ((double)state->height / 2 - (double)y) * pixel;
+    double ray[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        ray[axis] = at.sight[axis] + right * at.right[axis] + above * at.above[axis];
+    }
+    (void)normalize(ray);
+    for (int axis = 0; axis < 3; ++axis) {
+        direction[axis] = (float)ray[axis];
+    }
+}

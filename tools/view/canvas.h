@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* What the window shows below the panels: a picture in a texture, and lines and areas over it. */
+#ifndef SVOCL_TOOLS_VIEW_CANVAS_H
+#define SVOCL_TOOLS_VIEW_CANVAS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/status.h"
+#include "view/gl.h"
+
+/* A corner of a triangle over the picture. */
+typedef struct canvas_vertex {
+    float x, y; /* pixels from the window's left upper corner */
+    float color[4]; /* 0 .. 1, not multiplied by alpha */
+} canvas_vertex;
+
+typedef struct canvas canvas;
+
+/* Makes textures and programs in the current context, whose functions must outlive the canvas. NULL with a reason on
+   failure. */
+canvas *canvas_create(const view_gl *gl, svo_message *why);
+void canvas_destroy(canvas **which);
+
+/* Takes a picture, rows from top to bottom. False on failure. */
+bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why);
+
+/* Begins a frame of this many pixels, draws the picture over it, then count / 3 triangles. What is drawn until
+   canvas_show is of the frame too. False on failure. */
+bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices, size_t count,
+                 svo_message *why);
+
+/* Puts the frame into the window. False on failure. */
+bool canvas_show(canvas *which, svo_message *why);
+
+/* Reads what was drawn, before it is shown, rows from top to bottom, as opaque pixels. False on failure. */
+bool canvas_read(canvas *which, unsigned width, unsigned height, uint8_t *rgba, svo_message *why);
+
+#endif

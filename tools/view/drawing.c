@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/* Coarse and refined pictures. */
+#include "view/drawing.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void drawing_end(drawing *which)
+{
+    free(which->rgba);
+    *which = (drawing){.rgba = NULL};
+}
+
+static bool differs(float a, float b)
+{
+    return a < b || a > b;
+}
+
+static bool camera_differs(const svo_camera *had, const svo_camera *now)
+{
+    bool is_different = differs(had->vertical_fov, now->vertical_fov);
+    for (int axis = 0; axis < 3; ++axis) {
+        is_different = is_different || differs(had->eye[axis], now->eye[axis]) ||
+                       differs(had->target[axis], now->target[axis]) || differs(had->up[axis], now->up[axis]);
+    }
+    return is_different;
+}
+
+static bool shown_differs(const view_shown *had, const view_shown *now)
+{
+    return had->picture != now->picture || had->level != now->level || had->gi != now->gi ||
+           had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
+           differs(had->exposure, now->exposure) || differs(had->range, now->range) ||
+           differs(had->falloff, now->falloff);
+}
+
+/* Whether the last picture shows something else than the state does. */
+static bool is_outdated(const drawing *which, const view_state *state)
+{
+    return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
+           shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
+           which->revisions.lights != state->revisions.lights ||
+           which->revisions.instances != state->revisions.instances ||
+           camera_differs(&which->camera, &state->camera.at);
+}
+
+/* The coarseness whose picture is expected to take no longer than the goal. */
+static unsigned coarse_for(const drawing *which, const view_state *state)
+{
+    if (state->settings.coarse != 0) {
+        return state->settings.coarse;
+    }
+    const double pixel_ms = which->pixel_ms[state->shown.picture];
+    const double pixels = (double)state->width * (double)state->height;
+    unsigned coarse = pixel_ms > 0 ? 1 : VIEW_COARSE_MAX;
+    while (coarse < VIEW_COARSE_MAX && pixel_ms * pixels / (coarse * coarse) > (double)state->settings.goal_ms) {
+        coarse *= 2;
+    }
+    return coarse;
+}
+
+static bool make_room(drawing *which, unsigned width, unsigned height)
+{
+    const size_t bytes = (size_t)width * height * 4;
+    if (bytes <= which->capacity) {
+        return true;
+    }
+    uint8_t *larger = realloc(which->rgba, bytes);
+    if (larger == NULL) {
+        return false;
+    }
+    which->rgba = larger;
+    which->capacity = bytes;
+    return true;
+}
+
+/* Rays from the camera through a pixel: both shaded pictures and those of light have two by two. */
+static unsigned rays_of_pixel(view_picture picture)
+{
+    return picture == VIEW_SHADED || subject_picture_is_lit(picture) ? 4 : 1;
+}
+
+static void remember(drawing *which, const view_state *state, unsigned coarse)
+{
+    which->shown = state->shown;
+    which->is_scene = state->is_scene;
+    which->revisions = state->revisions;
+    which->camera = state->camera.at;
+    which->window_width = state->width;
+    which->window_height = state->height;
+    which->coarse = coarse;
+}
+
+/* Takes the place of the picture by one of twice the width, enlarged. */
+static bool enlarge(drawing *which, unsigned width, unsigned height)
+{
+    uint8_t *larger = malloc((size_t)width * height * 4);
+    if (larger == NULL) {
+        return false;
+    }
+    for (unsigned y = 0; y < height; ++y) {
+        for (unsigned x = 0; x < width; ++x) {
+            memcpy(larger + 4 * ((size_t)y * width + x), which->rgba + 4 * ((size_t)(y / 2) * which->width + x / 2), 4);
+        }
+    }
+    free(which->rgba);
+    which->rgba = larger;
+    which->capacity = (size_t)width * height * 4;
+    which->width = width;
+    which->height = height;
+    return true;
+}
+
+/* Rows of a band that is expected to take no longer than the goal. */
+static unsigned band_rows(const drawing *which, const view_state *state)
+{
+    const double row_ms = which->pixel_ms[state->shown.picture] * (double)which->width;
+    const double rows = row_ms > 0 ? (double)state->settings.goal_ms / row_ms : SVO_LIGHT_BAND_ROWS;
+    const unsigned below = which->height - which->rows_done;
+    const unsigned bands =
+        rows < (double)below ? (unsigned)rows / SVO_LIGHT_BAND_ROWS : below / SVO_LIGHT_BAND_ROWS + 1;
+    const unsigned count = SVO_LIGHT_BAND_ROWS * (bands > 0 ? bands : 1);
+    return count < below ? count : below;
+}
+
+/* Draws rows of the picture and measures them. */
+static int draw_rows(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock,
+                     unsigned row_count)
+{
+    const picture_part part = {which->width, which->height, which->rows_done, row_count};
+    const double begin_ms = clock->now_ms(clock->user);
+    const int exit_code = subject_draw(shown, state, &part, which->rgba + (size_t)which->width * which->rows_done * 4);
+    const double pixels = (double)which->width * (double)row_count;
+    which->pixel_ms[state->shown.picture] = (clock->now_ms(clock->user) - begin_ms) / pixels;
+    which->rays = (uint64_t)pixels * rays_of_pixel(state->shown.picture);
+    which->rows_done += row_count;
+    return exit_code;
+}
+
+static int fail_without_memory(subject *shown, unsigned width, unsigned height)
+{
+    return program_fail(shown->running, PROGRAM_FAILED, "out of memory for %ux%u pixels", width, height);
+}
+
+/* A whole picture. */
+static int draw_all(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock,
+                    unsigned coarse)
+{
+    const unsigned width = (state->width + coarse - 1) / coarse;
+    const unsigned height = (state->height + coarse - 1) / coarse;
+    if (!make_room(which, width, height)) {
+        return fail_without_memory(shown, width, height);
+    }
+    which->width = width;
+    which->height = height;
+    which->rows_done = 0;
+    remember(which, state, coarse);
+    return draw_rows(which, shown, state, clock, height);
+}
+
+/* The next band of a finer picture. */
+static int draw_band(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock)
+{
+    if (which->rows_done == which->height) {
+        const unsigned coarse = which->coarse / 2;
+        const unsigned width = (state->width + coarse - 1) / coarse;
+        const unsigned height = (state->height + coarse - 1) / coarse;
+        if (!enlarge(which, width, height)) {
+            return fail_without_memory(shown, width, height);
+        }
+        which->coarse = coarse;
+        which->rows_done = 0;
+    }
+    return draw_rows(which, shown, state, clock, band_rows(which, state));
+}
+
+int drawing_next(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, bool *is_new)
+{
+    int exit_code = PROGRAM_DONE;
+    const bool outdated = is_outdated(which, state);
+    *is_new = outdated || which->coarse > 1 || which->rows_done < which->height;
+    if (outdated) {
+        exit_code = draw_all(which, shown, state, clock, coarse_for(which, state));
+    } else if (*is_new && subject_picture_is_lit(state->shown.picture)) {
+        exit_code = draw_band(which, shown, state, clock);
+    } else if (*is_new) {
+        exit_code = draw_all(which, shown, state, clock, which->coarse / 2);
+    }
+    state->is_refined = which->coarse == 1 && which->rows_done == which->height;
+    return exit_code;
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* Events to changes of the state. */
+#include "view/input.h"
+
+#include <stdlib.h>
+
+#include "view/camera.h"
+#include "view/light_edit.h"
+#include "view/scene_edit.h"
+
+/* Pixels that the mouse may move in a click. */
+#define CLICK_PIXELS 3
+/* Of a key of exposure: a third of a stop. */
+#define EXPOSURE_STEP 1.26F
+
+input_binding input_describe(size_t index)
+{
+    static const input_binding bindings[] = {{"drag", "turn"},
+                                             {"right drag", "pan"},
+                                             {"wheel", "nearer, or faster"},
+                                             {"click", "pick"},
+                                             {"Ctrl+drag", "move the light"},
+                                             {"W S A D", "move; R F up, down"},
+                                             {"C", "orbit or fly"},
+                                             {"Home", "first view"},
+                                             {"1-9, 0", "views"},
+                                             {"L, Shift+L", "level up, down"},
+                                             {"G", "indirect light"},
+                                             {"P", "photons"},
+                                             {"B", "faces, bricks, voxels"},
+                                             {"+, -", "exposure"},
+                                             {"I", "edit instances"},
+                                             {"N, Delete", "add, remove one"},
+                                             {"Shift+drag", "move it"},
+                                             {"Ctrl+S, O", "save, load them"},
+                                             {"Esc", "drop the selection"},
+                                             {"Tab", "panels"},
+                                             {"F1-F10", "one panel"},
+                                             {"F11", "full screen"},
+                                             {"Ctrl+Q", "quit"}};
+    return index < sizeof bindings / sizeof bindings[0] ? bindings[index] : (input_binding){NULL, NULL};
+}
+
+/* ---- keys ---- */
+
+static bool hold_motion(const view_event *event, view_state *state)
+{
+    static const int keys[VIEW_MOTIONS] = {'w', 's', 'a', 'd', 'r', 'f'};
+    for (int i = 0; i < VIEW_MOTIONS; ++i) {
+        if (event->key == keys[i]) {
+            state->camera.held[i] = event->is_down && !event->control;
+            return true;
+        }
+    }
+    return false;
+}
+
+static void change_camera_mode(view_state *state)
+{
+    state->camera.mode = state->camera.mode == VIEW_ORBIT ? VIEW_FLY : VIEW_ORBIT;
+    state->settings.mode = state->camera.mode;
+    view_log(state, "camera: %s", state->camera.mode == VIEW_ORBIT ? "orbit" : "fly");
+}
+
+static void change_form(view_state *state)
+{
+    view_choose_form(state, (svo_light_form)(((int)state->shown.form + 1) % ((int)SVO_LIGHT_VOXELS + 1)));
+    view_log(state, "light is stored as %s", svo_light_form_name(state->shown.form));
+}
+
+static void edit_instances(view_state *state, bool is_added)
+{
+    if (!state->is_scene) {
+        view_log(state, "key I begins to edit instances");
+    } else if (is_added) {
+        (void)scene_edit_add(state);
+    } else {
+        scene_edit_remove(state);
+    }
+}
+
+/* Keys with Control; false: it is none of them. */
+static bool press_with_control(const view_event *event, view_state *state)
+{
+    if (!event->control || !event->is_down) {
+        return false;
+    }
+    switch (event->key) {
+    case 'q':
+        state->is_done = true;
+        return true;
+    case 's':
+        scene_edit_save(state, state->scene_path);
+        return true;
+    case 'o':
+        state->wants_load = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static void press_letter(const view_event *event, view_state *state)
+{
+    switch (event->key) {
+    case 'g':
+        view_choose_gi(state, !state->shown.gi);
+        view_log(state, "indirect light: %s", state->shown.gi ? "on" : "off");
+        break;
+    case 'p':
+        view_choose_photons(state, !state->shown.photons);
+        view_log(state, "photons: %s", state->shown.photons ? "on" : "off");
+        break;
+    case 'b':
+        change_form(state);
+        break;
+    case 'c':
+        change_camera_mode(state);
+        break;
+    case 'l':
+        view_choose_level(state, (int)state->shown.level + (event->shift ? 1 : -1));
+        view_log(state, "level %u of %u", state->shown.level, state->level_max);
+        break;
+    case '+':
+    case '=':
+        view_choose_exposure(state, state->shown.exposure * EXPOSURE_STEP);
+        break;
+    case '-':
+        view_choose_exposure(state, state->shown.exposure / EXPOSURE_STEP);
+        break;
+    case 'i':
+        view_choose_scene(state, !state->is_scene);
+        break;
+    case 'n':
+        edit_instances(state, true);
+        break;
+    default:
+        break;
+    }
+}
+
+static input_wish press_key(const view_event *event, view_state *state)
+{
+    const int key = event->key;
+    if (key >= '0' && key <= '9') {
+        view_choose_picture(state, key == '0' ? VIEW_FULL : (view_picture)(key - '1'));
+    } else if (key >= VIEW_KEY_F1 && key < VIEW_KEY_F1 + (int)VIEW_PANELS) {
+        view_toggle_panel(state, (view_panel)(key - VIEW_KEY_F1));
+    } else if (key == VIEW_KEY_F12 - 1) {
+        return INPUT_FULLSCREEN;
+    } else if (key == VIEW_KEY_TAB) {
+        state->settings.panels = !state->settings.panels;
+    } else if (key == VIEW_KEY_HOME) {
+        camera_go_home(state);
+    } else if (key == VIEW_KEY_DELETE) {
+        edit_instances(state, false);
+    } else if (key == VIEW_KEY_ESCAPE) {
+        state->selection.is_hit = false;
+    } else {
+        press_letter(event, state);
+    }
+    return INPUT_NOTHING;
+}
+
+/* ---- the mouse ---- */
+
+static void drag(const input_mouse *mouse, const view_event *event, view_state *state)
+{
+    const float right = (float)(event->x - mouse->x);
+    const float down = (float)(event->y - mouse->y);
+    if (mouse->held[VIEW_BUTTON_LEFT] && event->control) {
+        light_edit_drag(state, right, down);
+    } else if (mouse->held[VIEW_BUTTON_LEFT] && event->shift && state->is_scene) {
+        scene_edit_drag(state, right, down);
+    } else if (mouse->held[VIEW_BUTTON_LEFT]) {
+        camera_turn(state, right, down);
+    } else if (mouse->held[VIEW_BUTTON_RIGHT] || mouse->held[VIEW_BUTTON_MIDDLE]) {
+        camera_pan(state, right, down);
+    }
+}
+
+static void move(input_mouse *mouse, const view_event *event, view_state *state)
+{
+    const int across = abs(event->x - mouse->press_x);
+    const int along = abs(event->y - mouse->press_y);
+    mouse->dragged = mouse->dragged || across > CLICK_PIXELS || along > CLICK_PIXELS;
+    if (mouse->dragged) {
+        drag(mouse, event, state);
+    }
+    mouse->x = event->x;
+    mouse->y = event->y;
+}
+
+static input_wish press_button(input_mouse *mouse, const view_event *event)
+{
+    const bool was_held = mouse->held[event->button];
+    mouse->held[event->button] = event->is_down;
+    mouse->x = event->x;
+    mouse->y = event->y;
+    if (event->is_down) {
+        mouse->press_x = event->x;
+        mouse->press_y = event->y;
+        mouse->dragged = false;
+    }
+    return event->button == VIEW_BUTTON_LEFT && was_held && !event->is_down && !mouse->dragged ? INPUT_PICK
+                                                                                               : INPUT_NOTHING;
+}
+
+input_wish input_take(input_mouse *mouse, const view_event *event, view_state *state)
+{
+    switch (event->kind) {
+    case VIEW_EVENT_KEY:
+        return !press_with_control(event, state) && !hold_motion(event, state) && event->is_down
+                   ? press_key(event, state)
+                   : INPUT_NOTHING;
+    case VIEW_EVENT_MOVE:
+        move(mouse, event, state);
+        return INPUT_NOTHING;
+    case VIEW_EVENT_BUTTON:
+        return press_button(mouse, event);
+    case VIEW_EVENT_WHEEL:
+        if (event->control) {
+            light_edit_push(state, event->steps);
+        } else {
+            camera_wheel(state, event->steps);
+        }
+        return INPUT_NOTHING;
+    case VIEW_EVENT_QUIT:
+        state->is_done = true;
+        return INPUT_NOTHING;
+    case VIEW_EVENT_TEXT:
+    case VIEW_EVENT_RESIZE:
+        return INPUT_NOTHING;
+    }
+    return INPUT_NOTHING;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Panels above the picture: events go in, and each frame they are described and drawn. */
+#ifndef SVOCL_TOOLS_VIEW_OVERLAY_H
+#define SVOCL_TOOLS_VIEW_OVERLAY_H
+
+#include "svocl/status.h"
+#include "view/events.h"
+#include "view/gl.h"
+#include "view/state.h"
+
+typedef struct overlay overlay;
+
+/* Makes what panels need in the current context, whose functions must outlive them. NULL with a reason on failure. */
+overlay *overlay_create(const view_gl *gl, svo_message *why);
+void overlay_destroy(overlay **which);
+
+/* Tells the panels of an event. Returns whether it is theirs alone: the mouse over them, text for a field. What a
+   button or key that went down on the picture does until it goes up is never theirs. */
+bool overlay_take(overlay *which, const view_event *event);
+
+/* Describes the panels, which may change the state, and draws them over what is there. False on failure. */
+bool overlay_draw(overlay *which, view_state *state, float seconds, svo_message *why);
+
+#endif

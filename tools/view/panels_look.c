@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT */
+/* What is shown, from where, and the settings. */
+#include <math.h>
+
+#include "view/panels_pages.h"
+
+#define PI 3.14159265F
+
+/* ---- the picture ---- */
+
+static void choose_picture(ui *toolkit, view_state *state)
+{
+    const char *names[VIEW_PICTURES];
+    int chosen = (int)state->shown.picture;
+    for (int i = 0; i < VIEW_PICTURES; ++i) {
+        names[i] = view_picture_name((view_picture)i);
+    }
+    if (ui_tabs(toolkit, names, VIEW_PICTURES, &chosen)) {
+        view_choose_picture(state, (view_picture)chosen);
+    }
+}
+
+static void choose_level(ui *toolkit, view_state *state)
+{
+    int level = (int)state->shown.level;
+    if (ui_slider_count(toolkit, "Level", &level, 1, (int)state->level_max)) {
+        view_choose_level(state, level);
+    }
+    ui_tooltip(toolkit, "Of the leaves that are drawn; lower ones are coarser. Key L.");
+}
+
+static void choose_form(ui *toolkit, view_state *state)
+{
+    const svo_light_form forms[] = {SVO_LIGHT_FACES, SVO_LIGHT_BRICKS, SVO_LIGHT_VOXELS};
+    const char *names[3];
+    int chosen = 0;
+    for (int i = 0; i < 3; ++i) {
+        names[i] = svo_light_form_name(forms[i]);
+        chosen = forms[i] == state->shown.form ? i : chosen;
+    }
+    if (ui_choice(toolkit, "Light in", names, 3, &chosen)) {
+        view_choose_form(state, forms[chosen]);
+    }
+    ui_tooltip(toolkit,
+               "How the tree holds light: on the faces of voxels, in bricks of samples, or once a voxel. Key B.");
+}
+
+static void choose_cones(ui *toolkit, view_state *state)
+{
+    static const char *const names[] = {"1", "5", "6", "16", "64"};
+    static const unsigned counts[] = {1, 5, 6, 16, 64};
+    int chosen = 0;
+    while (chosen < 4 && counts[chosen] < state->shown.cones) {
+        ++chosen;
+    }
+    if (ui_choice(toolkit, "Cones", names, 5, &chosen)) {
+        state->shown.cones = counts[chosen];
+    }
+    ui_tooltip(toolkit, "That each point gathers occlusion and light with. More are smoother and slower.");
+}
+
+/* The slider moves in powers of two. */
+static void choose_exposure(ui *toolkit, view_state *state)
+{
+    float stops = log2f(state->shown.exposure);
+    if (ui_slider(toolkit, "Exposure", &stops, -log2f(VIEW_EXPOSURE_MAX), log2f(VIEW_EXPOSURE_MAX), "%+.1f stops")) {
+        view_choose_exposure(state, exp2f(stops));
+    }
+    ui_tooltip(toolkit, "What light is multiplied by before it is shown: two to this power.");
+}
+
+static bool shows_cones(view_picture picture)
+{
+    return picture == VIEW_AO || picture == VIEW_GI || picture == VIEW_FULL;
+}
+
+static void choose_occlusion(ui *toolkit, view_state *state)
+{
+    ui_enable(toolkit, state->shown.picture == VIEW_AO);
+    if (ui_numbers(toolkit, "AO range", &state->shown.range, 1, 0.01F, state->shown.range > 0 ? "%.2f" : "no end")) {
+        state->shown.range = fmaxf(state->shown.range, 0);
+    }
+    ui_tooltip(toolkit, "World units within which surfaces darken others; 0: all of the scene.");
+    if (ui_numbers(toolkit, "AO falloff", &state->shown.falloff, 1, 0.01F, "%.2f")) {
+        state->shown.falloff = fmaxf(state->shown.falloff, 0);
+    }
+    ui_tooltip(toolkit, "How much less far surfaces darken, a world unit.");
+    ui_enable(toolkit, true);
+}
+
+static void choose_light(ui *toolkit, view_state *state)
+{
+    bool gi = state->shown.gi;
+    bool photons = state->shown.photons;
+    const bool is_lit = state->shown.picture >= VIEW_AO;
+    ui_enable(toolkit, is_lit);
+    if (ui_checkbox(toolkit, "Indirect light", &gi)) {
+        view_choose_gi(state, gi);
+    }
+    ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other, gathered by cones. Key G.");
+    if (ui_checkbox(toolkit, "Photons", &photons)) {
+        view_choose_photons(state, photons);
+    }
+    ui_tooltip(toolkit, "Surfaces that the lights reach light others; without, only what emits does. Key P.");
+    choose_form(toolkit, state);
+    ui_enable(toolkit, shows_cones(state->shown.picture));
+    choose_cones(toolkit, state);
+    ui_enable(toolkit, is_lit && state->shown.picture != VIEW_AO);
+    choose_exposure(toolkit, state);
+    choose_occlusion(toolkit, state);
+}
+
+/* Scenes are shaded alone, and those of a file have no level to choose. */
+void panels_picture(ui *toolkit, view_state *state)
+{
+    if (!state->is_scene) {
+        choose_picture(toolkit, state);
+    } else {
+        ui_note(toolkit, "Placed trees are shaded, by the lights below.");
+    }
+    if (state->level_max > 0) {
+        choose_level(toolkit, state);
+    }
+    if (!state->is_scene) {
+        choose_light(toolkit, state);
+    }
+}
+
+/* ---- the camera ---- */
+
+static float distance(const float a[3], const float b[3])
+{
+    return hypotf(hypotf(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+/* Numbers that leave the eye apart from its target are taken. */
+static void place_camera(ui *toolkit, view_state *state)
+{
+    svo_camera moved = state->camera.at;
+    const float step = 0.002F * distance(moved.eye, moved.target);
+    ui_numbers(toolkit, "Eye", moved.eye, 3, step, "%.2f");
+    ui_tooltip(toolkit, "Where the camera is, in the world. Drag to change.");
+    ui_numbers(toolkit, "Target", moved.target, 3, step, "%.2f");
+    ui_tooltip(toolkit, "What it looks at, and what it turns around in orbit.");
+    float degrees = moved.vertical_fov * 180 / PI;
+    if (ui_slider(toolkit, "Angle", &degrees, 5, 120, "%.0f \xC2\xB0")) {
+        moved.vertical_fov = degrees * PI / 180;
+    }
+    ui_tooltip(toolkit, "Of view, from top to bottom.");
+    if (distance(moved.eye, moved.target) > 0 && view_is_moderate(moved.eye, 3) && view_is_moderate(moved.target, 3)) {
+        state->camera.at = moved;
+    }
+}
+
+/* From the front, the side or above, as far away as now. */
+static void look_along(view_state *state, int axis)
+{
+    svo_camera *at = &state->camera.at;
+    const float away = distance(at->eye, at->target);
+    for (int i = 0; i < 3; ++i) {
+        at->eye[i] = at->target[i] + (i == axis ? away : 0);
+        at->up[i] = i == (axis == 1 ? 2 : 1) ? (axis == 1 ? -1.0F : 1.0F) : 0;
+    }
+}
+
+void panels_camera(ui *toolkit, view_state *state)
+{
+    static const char *const modes[] = {"orbit", "fly"};
+    static const char *const along[] = {"X", "Y", "Z", "Home"};
+    int mode = (int)state->camera.mode;
+    if (ui_choice(toolkit, "Mode", modes, 2, &mode)) {
+        state->camera.mode = (view_camera_mode)mode;
+    }
+    ui_tooltip(toolkit, "Dragging turns around the target, or turns the view where the camera is. Key C.");
+    place_camera(toolkit, state);
+    if (ui_numbers(toolkit, "Speed", &state->camera.speed, 1, 0.01F * fmaxf(state->camera.speed, 0.01F), "%.2f")) {
+        state->camera.speed = fmaxf(state->camera.speed, 0);
+    }
+    ui_tooltip(toolkit, "World units a second while W S A D R F are held.");
+    const int pressed = ui_buttons(toolkit, along, 4);
+    if (pressed == 3) {
+        state->camera.at = state->camera.home;
+    } else if (pressed >= 0) {
+        look_along(state, pressed);
+    }
+    ui_tooltip(toolkit, "Looks along an axis, or from where the camera began.");
+}
+
+/* ---- settings ---- */
+
+static void choose_coarse(ui *toolkit, view_settings *settings)
+{
+    static const char *const names[] = {"by goal", "all pixels", "2 x 2", "4 x 4", "8 x 8"};
+    static const unsigned sides[] = {0, 1, 2, 4, 8};
+    int chosen = 0;
+    while (chosen < 4 && sides[chosen] != settings->coarse) {
+        ++chosen;
+    }
+    if (ui_choice(toolkit, "Moving", names, 5, &chosen)) {
+        settings->coarse = sides[chosen];
+    }
+    ui_tooltip(toolkit, "Blocks of pixels that get one ray while something moves; at rest every pixel gets its own.");
+}
+
+static void choose_text(ui *toolkit, view_settings *settings)
+{
+    static const char *const names[] = {"by window", "small", "large"};
+    int chosen = settings->text_scale <= 0 ? 0 : settings->text_scale > 1 ? 2 : 1;
+    if (ui_choice(toolkit, "Text", names, 3, &chosen)) {
+        settings->text_scale = chosen == 0 ? 0 : chosen == 1 ? 1 : 1.25F;
+    }
+    ui_tooltip(toolkit, "Size of the text in panels; by window: large from 720 pixels of height on.");
+}
+
+void panels_settings(ui *toolkit, view_state *state)
+{
+    view_settings *settings = &state->settings;
+    ui_slider(toolkit, "Goal", &settings->goal_ms, 8, 200, "%.0f ms");
+    ui_tooltip(toolkit, "Time of a frame while something moves; pictures get coarser to keep it.");
+    choose_coarse(toolkit, settings);
+    ui_slider(toolkit, "Turning", &settings->turn_speed, 0.5F, 12, "%.1f rad");
+    ui_tooltip(toolkit, "How far a drag over the width of the window turns.");
+    ui_slider(toolkit, "Flight", &settings->move_speed, 0.01F, 2, "%.2f");
+    ui_tooltip(toolkit, "Widths of the scene a second; takes effect at the next start.");
+    choose_text(toolkit, settings);
+    ui_checkbox(toolkit, "Full screen", &settings->fullscreen);
+    ui_tooltip(toolkit, "Key F11.");
+    ui_note(toolkit, "Kept in view.json of $XDG_CONFIG_HOME/svocl.");
+    ui_note(toolkit, "%s; %s; %s", ui_toolkit(), state->renderer != NULL ? state->renderer : "",
+            state->device != NULL ? state->device : "");
+}

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* Placements and lists of instances. */
+#include "view/scene_edit.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "view/camera.h"
+#include "view/scene_save.h"
+
+/* Of scales, without sign: a scene refuses what is flat. */
+#define SCALE_MIN 1e-6F
+
+/* Angles are not unique, so what a hand turned is remembered as long as it gives the instance's matrix. */
+bool scene_edit_place(const view_state *state, size_t index, scene_place *out)
+{
+    const float *transform = state->instances[index].transform;
+    if (scene_place_is_exact(&state->edited, transform)) {
+        *out = state->edited;
+        return true;
+    }
+    *out = (scene_place){.scale = {1, 1, 1}};
+    const bool is_found = scene_place_find(transform, out);
+    for (int axis = 0; axis < 3; ++axis) {
+        out->translate[axis] = transform[4 * axis + 3];
+    }
+    return is_found;
+}
+
+static bool is_usable(const scene_place *place)
+{
+    bool usable = view_is_moderate(place->translate, 3) && view_is_moderate(place->rotate, 3) &&
+                  view_is_moderate(place->scale, 3);
+    for (int i = 0; i < 3; ++i) {
+        usable = usable && fabsf(place->scale[i]) >= SCALE_MIN;
+    }
+    return usable;
+}
+
+bool scene_edit_set(view_state *state, size_t index, const scene_place *place)
+{
+    if (index >= state->instance_count || !is_usable(place)) {
+        return false;
+    }
+    state->edited = *place;
+    scene_place_compose(place, state->instances[index].transform);
+    view_instances_changed(state);
+    return true;
+}
+
+void scene_edit_move(view_state *state, size_t index, const float translate[3])
+{
+    if (index >= state->instance_count || !view_is_moderate(translate, 3)) {
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        state->instances[index].transform[4 * axis + 3] = translate[axis];
+    }
+    view_instances_changed(state);
+}
+
+/* Where an instance was picked is what the mouse holds, else its origin. The picked point moves along. */
+void scene_edit_drag(view_state *state, float right, float down)
+{
+    if (state->instance >= state->instance_count) {
+        return;
+    }
+    float *transform = state->instances[state->instance].transform;
+    const bool is_picked = state->selection.instance == state->instance;
+    float held[3];
+    float moved[3];
+    float translate[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        held[axis] = is_picked ? state->selection.point[axis] : transform[4 * axis + 3];
+        moved[axis] = held[axis];
+    }
+    camera_drag_point(state, right, down, moved);
+    for (int axis = 0; axis < 3; ++axis) {
+        translate[axis] = transform[4 * axis + 3] + moved[axis] - held[axis];
+    }
+    scene_edit_move(state, state->instance, translate);
+    memcpy(state->selection.point, moved, sizeof moved);
+}
+
+bool scene_edit_add(view_state *state)
+{
+    svo_instance added = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    if (state->instance < state->instance_count) {
+        const float *eye = state->camera.at.eye;
+        const float *target = state->camera.at.target;
+        added = state->instances[state->instance];
+        const float away = hypotf(hypotf(eye[0] - target[0], eye[1] - target[1]), eye[2] - target[2]);
+        added.transform[3] += 0.25F * away;
+    }
+    if (!view_add_instance(state, &added)) {
+        return false;
+    }
+    view_log(state, "added instance %zu of %s", state->instance, state->trees[added.tree].name);
+    return true;
+}
+
+void scene_edit_remove(view_state *state)
+{
+    if (state->instance_count < 2) {
+        view_log(state, "a scene keeps its last instance");
+        return;
+    }
+    view_log(state, "removed instance %zu", state->instance);
+    view_remove_instance(state, state->instance);
+}
+
+void scene_edit_save(view_state *state, const char *path)
+{
+    const int error = path[0] != '\0' ? scene_save(state, path) : ENOENT;
+    if (error != 0) {
+        view_log(state, "%s was not saved: %s", path, strerror(error));
+    } else {
+        view_log(state, "saved %zu instances in %s", state->instance_count, path);
+    }
+}

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenes to files that svocl render and svocl view read (docs/scenes.md). */
+#ifndef SVOCL_TOOLS_VIEW_SCENE_SAVE_H
+#define SVOCL_TOOLS_VIEW_SCENE_SAVE_H
+
+#include "view/state.h"
+
+/* Writes trees, instances, camera, lights and the range of occlusion, whole or not at all. Read again, instances are
+   the same bit for bit. Returns 0 or an errno. */
+int scene_save(const view_state *state, const char *path);
+
+#endif

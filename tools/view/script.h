@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scripts: keys, moves, clicks, waits and shots in place of hands, one step a frame. docs/view.md describes the
+ * commands. While one plays, a frame lasts 1/60 s, however long it takes: so the same script gives the same pictures.
+ */
+#ifndef SVOCL_TOOLS_VIEW_SCRIPT_H
+#define SVOCL_TOOLS_VIEW_SCRIPT_H
+
+#include "support/program.h"
+#include "view/events.h"
+#include "view/state.h"
+
+#define SCRIPT_FRAME_SECONDS (1.0 / 60.0)
+
+/* What happens in one frame. */
+typedef enum script_kind {
+    SCRIPT_EVENT, /* an event; it is seen by this frame */
+    SCRIPT_WAIT, /* nothing, for some frames */
+    SCRIPT_REFINE, /* nothing until the picture is refined */
+    SCRIPT_COARSE, /* sets how coarse pictures are while something moves */
+    SCRIPT_SHOT, /* what this frame shows, as a PNG */
+    SCRIPT_END
+} script_kind;
+
+typedef struct script_step {
+    script_kind kind;
+    view_event event;
+    unsigned count; /* SCRIPT_WAIT: frames; SCRIPT_COARSE: pixels */
+    const char *path; /* SCRIPT_SHOT */
+} script_step;
+
+typedef struct script {
+    char *text; /* of the file; paths of steps lie in it */
+    script_step *steps;
+    size_t step_count, step_capacity;
+    size_t next;
+    unsigned waited; /* frames of the current step */
+} script;
+
+/* Reads and checks the file. Returns the exit code; on failure nothing stays open. */
+int script_open(program *running, const char *path, script *out);
+void script_close(script *which);
+
+/* The step of the next frame. Waits come once for each of their frames. */
+script_step script_next(script *which, const view_state *state);
+
+#endif

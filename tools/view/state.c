@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+/* Changes of the viewer's state. */
+#include "view/state.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void view_state_begin(view_state *state)
+{
+    *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F}};
+    state->selection.instance = SVO_NO_INSTANCE;
+    state->settings = (view_settings){.width = 1280,
+                                      .height = 800,
+                                      .panels = true,
+                                      .open = {[VIEW_PANEL_FRAMES] = true, [VIEW_PANEL_PICTURE] = true},
+                                      .turn_speed = 3.0F,
+                                      .move_speed = 0.25F,
+                                      .goal_ms = 40.0F,
+                                      .text_scale = 0.0F};
+}
+
+void view_state_end(view_state *state)
+{
+    free(state->sources);
+    free(state->instances);
+    state->sources = NULL;
+    state->instances = NULL;
+    state->source_count = 0;
+    state->instance_count = 0;
+}
+
+bool view_is_moderate(const float *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!(numbers[i] >= -1e9F && numbers[i] <= 1e9F)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- names ---- */
+
+const char *view_picture_name(view_picture picture)
+{
+    static const char *const names[VIEW_PICTURES] = {"shaded", "normal", "depth", "steps", "level",   "triangles",
+                                                     "ao",     "direct", "gi",    "full",  "specular"};
+    return (unsigned)picture < VIEW_PICTURES ? names[picture] : "unknown picture";
+}
+
+const char *view_stage_name(view_stage stage)
+{
+    static const char *const names[VIEW_STAGES] = {"events", "tree", "picture", "upload", "panels", "show"};
+    return (unsigned)stage < VIEW_STAGES ? names[stage] : "unknown stage";
+}
+
+const char *view_panel_name(view_panel panel)
+{
+    static const char *const names[VIEW_PANELS] = {"help",   "frames",    "memory",    "view",     "camera",
+                                                   "lights", "selection", "instances", "settings", "log"};
+    return (unsigned)panel < VIEW_PANELS ? names[panel] : "unknown panel";
+}
+
+/* ---- log ---- */
+
+void view_log(view_state *state, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(state->log[state->log_count % VIEW_LOG_LINES], VIEW_LINE_BYTES, format, arguments);
+    va_end(arguments);
+    ++state->log_count;
+}
+
+/* ---- what is shown ---- */
+
+void view_choose_picture(view_state *state, view_picture picture)
+{
+    if (state->is_scene && picture != VIEW_SHADED) {
+        view_log(state, "view %s does not apply to a scene", view_picture_name(picture));
+    } else if (picture == VIEW_TRIANGLES && !state->has_triangles) {
+        view_log(state, "view triangles: the tree holds no triangles");
+    } else if ((unsigned)picture < VIEW_PICTURES) {
+        state->shown.picture = picture;
+    }
+}
+
+void view_choose_level(view_state *state, int level)
+{
+    const int last = (int)state->level_max;
+    state->shown.level = (unsigned)(level < 1 ? 1 : level > last ? last : level);
+}
+
+void view_choose_form(view_state *state, svo_light_form form)
+{
+    state->shown.form = form;
+}
+
+void view_choose_gi(view_state *state, bool is_on)
+{
+    state->shown.gi = is_on;
+}
+
+void view_choose_photons(view_state *state, bool is_on)
+{
+    state->shown.photons = is_on;
+}
+
+void view_choose_exposure(view_state *state, float exposure)
+{
+    const float least = 1.0F / VIEW_EXPOSURE_MAX;
+    state->shown.exposure = exposure < least ? least : exposure > VIEW_EXPOSURE_MAX ? VIEW_EXPOSURE_MAX : exposure;
+}
+
+void view_toggle_panel(view_state *state, view_panel panel)
+{
+    if ((unsigned)panel < VIEW_PANELS) {
+        state->settings.open[panel] = !state->settings.open[panel];
+    }
+}
+
+/* ---- lists ---- */
+
+/* Makes room for one more element. */
+static void *grow(void *list, size_t count, size_t *capacity, size_t element_bytes)
+{
+    if (count < *capacity) {
+        return list;
+    }
+    const size_t wanted = *capacity > 0 ? 2 * *capacity : 8;
+    void *larger = realloc(list, wanted * element_bytes);
+    if (larger != NULL) {
+        *capacity = wanted;
+    }
+    return larger;
+}
+
+void view_lights_changed(view_state *state)
+{
+    ++state->revisions.lights;
+}
+
+bool view_add_source(view_state *state, const svo_light_source *source)
+{
+    svo_light_source *sources =
+        grow(state->sources, state->source_count, &state->source_capacity, sizeof *state->sources);
+    if (sources == NULL) {
+        view_log(state, "out of memory for another light");
+        return false;
+    }
+    state->sources = sources;
+    state->source = state->source_count;
+    state->sources[state->source_count++] = *source;
+    view_lights_changed(state);
+    return true;
+}
+
+void view_remove_source(view_state *state, size_t index)
+{
+    if (index < state->source_count) {
+        svo_light_source *gone = &state->sources[index];
+        memmove(gone, gone + 1, (--state->source_count - index) * sizeof *gone);
+        state->source = state->source > 0 && state->source >= index ? state->source - 1 : state->source;
+        view_lights_changed(state);
+    }
+}
+
+void view_instances_changed(view_state *state)
+{
+    state->selection.is_hit = false; /* what was picked may be elsewhere */
+    ++state->revisions.instances;
+}
+
+bool view_add_instance(view_state *state, const svo_instance *instance)
+{
+    svo_instance *instances =
+        grow(state->instances, state->instance_count, &state->instance_capacity, sizeof *state->instances);
+    if (instances == NULL) {
+        view_log(state, "out of memory for another instance");
+        return false;
+    }
+    state->instances = instances;
+    state->instance = state->instance_count;
+    state->instances[state->instance_count++] = *instance;
+    view_instances_changed(state);
+    return true;
+}
+
+void view_remove_instance(view_state *state, size_t index)
+{
+    if (index < state->instance_count) {
+        svo_instance *gone = &state->instances[index];
+        memmove(gone, gone + 1, (--state->instance_count - index) * sizeof *gone);
+        state->instance = state->instance > 0 && state->instance >= index ? state->instance - 1 : state->instance;
+        view_instances_changed(state);
+    }
+}
+
+/* ---- scenes ---- */
+
+void view_choose_scene(view_state *state, bool is_scene)
+{
+    static const svo_instance first = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    if (!is_scene && state->scene_form != NULL) {
+        view_log(state, "a scene from a file has no tree to show alone");
+    } else if (is_scene && state->tree_count == 0) {
+        view_log(state, "trees that came through a pipe cannot be placed");
+    } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {
+        state->is_scene = is_scene;
+        state->shown.picture = VIEW_SHADED;
+    }
+}
+
+void view_add_scene_light(view_state *state)
+{
+    if (state->scene_light_count == SVO_SCENE_LIGHTS_MAX) {
+        view_log(state, "a scene has at most %u lights", SVO_SCENE_LIGHTS_MAX);
+        return;
+    }
+    state->scene_light = state->scene_light_count;
+    state->scene_lights[state->scene_light_count++] =
+        (svo_scene_light){.direction = {0.5F, 0.7F, 0.4F}, .shadows = 1, .color = {1, 1, 1}};
+    view_lights_changed(state);
+}
+
+void view_remove_scene_light(view_state *state, size_t index)
+{
+    if (index < state->scene_light_count) {
+        svo_scene_light *gone = &state->scene_lights[index];
+        memmove(gone, gone + 1, (--state->scene_light_count - index) * sizeof *gone);
+        state->scene_light =
+            state->scene_light > 0 && state->scene_light >= index ? state->scene_light - 1 : state->scene_light;
+        view_lights_changed(state);
+    }
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the viewer shows and knows: plain data, without a type of SDL, OpenGL or OpenCL, and the functions that change
+ * it. Keys, the mouse, scripts and panels all go through these functions. What they change is drawn by the next frame:
+ * the drawing compares the state with what it drew last.
+ */
+#ifndef SVOCL_TOOLS_VIEW_STATE_H
+#define SVOCL_TOOLS_VIEW_STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "support/scene_place.h"
+#include "svocl/light.h"
+#include "svocl/scene.h"
+#include "svocl/trace.h"
+
+#define VIEW_NAME_BYTES   64
+#define VIEW_LINE_BYTES   160
+#define VIEW_PATH_BYTES   1024
+#define VIEW_LOG_LINES    200
+#define VIEW_FRAMES_KEPT  240
+#define VIEW_LIST_KEPT    256
+#define VIEW_COARSE_MAX   8u
+#define VIEW_EDGE_MIN     160u /* of the window, pixels */
+#define VIEW_EDGE_MAX     16384u
+#define VIEW_EXPOSURE_MAX 64.0F
+
+/* ---- what is shown ---- */
+
+/* In the order of their keys, 1 to 9 and 0; the last one has none. */
+typedef enum view_picture {
+    VIEW_SHADED = 0,
+    VIEW_NORMAL,
+    VIEW_DEPTH,
+    VIEW_STEPS,
+    VIEW_LEVEL,
+    VIEW_TRIANGLES,
+    VIEW_AO,
+    VIEW_DIRECT,
+    VIEW_GI,
+    VIEW_FULL,
+    VIEW_SPECULAR,
+    VIEW_PICTURES
+} view_picture;
+
+/* Everything that decides a picture besides camera, lights and instances. */
+typedef struct view_shown {
+    view_picture picture;
+    unsigned level; /* of the leaves: 1 .. view_state.level_max */
+    bool gi; /* VIEW_FULL shows what cones gather */
+    bool photons; /* surfaces that the lights reach light others */
+    svo_light_form form; /* how light is stored */
+    unsigned cones; /* 1, 5, 6, 16, 64 */
+    float exposure;
+    float range, falloff; /* of ambient occlusion; 0: unlimited, none */
+} view_shown;
+
+/* Everything that decides the bytes of a picture: it is drawn anew when one of these differs from what was drawn. */
+typedef struct view_revisions {
+    unsigned lights; /* sources and sky */
+    unsigned instances;
+} view_revisions;
+
+/* ---- camera ---- */
+
+typedef enum view_camera_mode { VIEW_ORBIT = 0, VIEW_FLY } view_camera_mode;
+
+/* Directions in which the camera moves while their keys are held: W S A D R F. */
+typedef enum view_motion {
+    VIEW_FORWARD = 0,
+    VIEW_BACK,
+    VIEW_LEFT,
+    VIEW_RIGHT,
+    VIEW_UP,
+    VIEW_DOWN,
+    VIEW_MOTIONS
+} view_motion;
+
+typedef struct view_camera {
+    svo_camera at;
+    svo_camera home; /* where it began */
+    view_camera_mode mode;
+    float speed; /* world units a second */
+    bool held[VIEW_MOTIONS];
+} view_camera;
+
+/* ---- selection ---- */
+
+/* What a click found. */
+typedef struct view_selection {
+    bool is_hit;
+    float t; /* world units from the eye */
+    float point[3]; /* world */
+    uint32_t instance; /* SVO_NO_INSTANCE: the tree is not placed */
+    uint32_t triangle; /* position in the mesh's index array; SVO_NO_TRIANGLE: the tree has none, or none was hit */
+    float corners[3][3]; /* world; of the triangle */
+    uint32_t node; /* SVO_NO_NODE: none was hit */
+    unsigned level; /* of the node */
+    bool has_box;
+    float box[8][3]; /* world; the corners of the node: bit a of the number is the high side of axis a */
+    bool has_color, has_normal, has_material, has_fill;
+    uint8_t color[4];
+    float normal[3];
+    unsigned material, fill;
+    size_t list_count; /* triangles of the leaf */
+    size_t list_kept; /* of those, in list: the first VIEW_LIST_KEPT */
+    uint32_t list[VIEW_LIST_KEPT]; /* positions in the mesh's index array */
+    float list_corners[VIEW_LIST_KEPT][3][3]; /* world */
+} view_selection;
+
+/* ---- instances ---- */
+
+/* A tree that can be placed. */
+typedef struct view_tree {
+    char name[VIEW_NAME_BYTES]; /* as the scene file calls it */
+    char path[4096]; /* a .svo or .svc file, a mesh or scene:...; relative to where the program runs */
+    unsigned depth; /* 0: not given */
+} view_tree;
+
+/* ---- statistics ---- */
+
+typedef enum view_stage {
+    VIEW_STAGE_EVENTS = 0,
+    VIEW_STAGE_TREE, /* a level or a light is made */
+    VIEW_STAGE_PICTURE, /* OpenCL */
+    VIEW_STAGE_UPLOAD, /* to the texture */
+    VIEW_STAGE_PANELS,
+    VIEW_STAGE_SHOW, /* OpenGL until the buffers are swapped */
+    VIEW_STAGES
+} view_stage;
+
+/* One frame. In a script times are those of its clock. */
+typedef struct view_frame {
+    float ms; /* from the begin of the one before to the begin of this one */
+    float stage_ms[VIEW_STAGES];
+    uint64_t rays; /* from the camera; 0: nothing was drawn */
+    unsigned coarse; /* pixels along the side of a block of one color; 1: fully refined */
+} view_frame;
+
+/* Device memory of one buffer. */
+typedef struct view_memory {
+    char name[VIEW_NAME_BYTES];
+    uint64_t planned_bytes; /* 0: the plan did not list it */
+    uint64_t bytes;
+} view_memory;
+
+#define VIEW_MEMORY_MAX 48
+
+/* ---- panels and settings ---- */
+
+/* In the order of their keys, F1 to F10. */
+typedef enum view_panel {
+    VIEW_PANEL_HELP = 0,
+    VIEW_PANEL_FRAMES,
+    VIEW_PANEL_MEMORY,
+    VIEW_PANEL_PICTURE,
+    VIEW_PANEL_CAMERA,
+    VIEW_PANEL_LIGHTS,
+    VIEW_PANEL_SELECTION,
+    VIEW_PANEL_INSTANCES,
+    VIEW_PANEL_SETTINGS,
+    VIEW_PANEL_LOG,
+    VIEW_PANELS
+} view_panel;
+
+/* What is kept from one run to the next. */
+typedef struct view_settings {
+    unsigned width, height; /* of the window, pixels */
+    bool fullscreen;
+    bool panels; /* shown at all */
+    bool open[VIEW_PANELS];
+    view_camera_mode mode;
+    float turn_speed; /* radians for the width of the window */
+    float move_speed; /* widths of the scene a second */
+    float goal_ms; /* of a frame while something moves */
+    unsigned coarse; /* while something moves: 1, 2, 4, 8; 0: by goal_ms */
+    float text_scale; /* 0: by the window; above 1: large */
+} view_settings;
+
+/* ---- all of it ---- */
+
+typedef struct view_state {
+    const char *input; /* INPUT, for titles */
+    const char *device; /* name of the OpenCL device */
+    const char *renderer; /* name of OpenGL's */
+    unsigned width, height; /* of the window, pixels */
+    bool is_done; /* the window is to close */
+    view_shown shown;
+    view_revisions revisions;
+    view_camera camera;
+    double seconds; /* of the clock */
+    bool is_refined; /* the window shows the picture in full */
+
+    unsigned level_max;
+    bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
+    bool is_scene; /* placed trees: VIEW_SHADED alone */
+
+    svo_light_source *sources; /* source_count of source_capacity */
+    size_t source_count, source_capacity;
+    float sky[3];
+    size_t source; /* the chosen one */
+
+    const view_tree *trees;
+    size_t tree_count;
+    svo_instance *instances; /* instance_count of instance_capacity */
+    size_t instance_count, instance_capacity;
+    size_t instance; /* the chosen one */
+    scene_place edited; /* how an instance was placed last: its angles, which its matrix does not tell */
+    svo_scene_light scene_lights[SVO_SCENE_LIGHTS_MAX]; /* of a scene, in place of sources */
+    size_t scene_light_count;
+    size_t scene_light; /* the chosen one */
+    float occlusion_range; /* of a scene; 0: its own */
+    const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
+    char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
+    bool wants_load; /* scene_path is to be loaded */
+
+    view_selection selection;
+
+    view_frame frames[VIEW_FRAMES_KEPT]; /* a ring */
+    size_t frame_count; /* of all frames; the last one is at (frame_count - 1) % VIEW_FRAMES_KEPT */
+    view_memory memory[VIEW_MEMORY_MAX];
+    size_t memory_count;
+    char log[VIEW_LOG_LINES][VIEW_LINE_BYTES]; /* a ring */
+    size_t log_count; /* of all lines */
+
+    view_settings settings;
+} view_state;
+
+/* The state before anything is loaded. */
+void view_state_begin(view_state *state);
+/* Frees its arrays. */
+void view_state_end(view_state *state);
+
+/* Whether so many numbers are finite and within a thousand million, as hands may not leave them. */
+bool view_is_moderate(const float *numbers, size_t count);
+
+/* "shaded", "normal", ...: as svocl render --view has them. */
+const char *view_picture_name(view_picture picture);
+/* "events", "tree", ... */
+const char *view_stage_name(view_stage stage);
+/* "help", "frames", ... */
+const char *view_panel_name(view_panel panel);
+
+/* Adds a line to the log; a longer one is cut. */
+void view_log(view_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
+void view_choose_picture(view_state *state, view_picture picture);
+/* Clamped to what there is. */
+void view_choose_level(view_state *state, int level);
+void view_choose_form(view_state *state, svo_light_form form);
+void view_choose_gi(view_state *state, bool is_on);
+void view_choose_photons(view_state *state, bool is_on);
+void view_choose_exposure(view_state *state, float exposure);
+void view_toggle_panel(view_state *state, view_panel panel);
+
+/* Lights. After a change of a source or the sky by hand, view_lights_changed. Adding one fails without memory. */
+void view_lights_changed(view_state *state);
+bool view_add_source(view_state *state, const svo_light_source *source);
+void view_remove_source(view_state *state, size_t index);
+
+/* Instances. After a change of a matrix by hand, view_instances_changed. Adding one fails without memory. */
+void view_instances_changed(view_state *state);
+bool view_add_instance(view_state *state, const svo_instance *instance);
+void view_remove_instance(view_state *state, size_t index);
+
+/* Shows the tree as the first instance of a scene, or alone again; a scene from a file stays one. */
+void view_choose_scene(view_state *state, bool is_scene);
+/* Lights of a scene, at most SVO_SCENE_LIGHTS_MAX. */
+void view_add_scene_light(view_state *state);
+void view_remove_scene_light(view_state *state, size_t index);
+
+#endif

@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: MIT */
+/* Trees and lights of the viewer, by the functions of svocl render. */
+#include "view/subject.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "support/viewpoint.h"
+
+/* ---- opening ---- */
+
+/* What a person changes in the settings is for the next start. */
+static void begin_camera(view_state *state, double scene_width)
+{
+    state->camera.home = state->camera.at;
+    state->camera.mode = state->settings.mode;
+    state->camera.speed = (float)(scene_width * (double)state->settings.move_speed);
+}
+
+static int place_camera(subject *which, view_state *state)
+{
+    svo_camera *camera = &state->camera.at;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    (void)svo_tree_get_info(which->done.result.tree, &info);
+    if (which->lit.file.has_camera) {
+        *camera = which->lit.file.camera;
+    } else {
+        svo_camera_frame(which->done.result.tree, (float)state->width / (float)state->height, camera);
+    }
+    const int exit_code = viewpoint_apply(which->running, !which->lit.file.has_camera, camera);
+    begin_camera(state, info.edge);
+    return exit_code;
+}
+
+/* The lights of --lights, or the sun and the sky of svocl render. */
+static int take_lights(subject *which, view_state *state)
+{
+    const svo_light_source sun = lighting_sun(&state->camera.at);
+    const light_file *file = &which->lit.file;
+    const bool from_file = which->running->options.lights_path != NULL;
+    const svo_light_source *sources = from_file ? file->sources : &sun;
+    const size_t count = from_file ? file->source_count : 1;
+    for (size_t i = 0; i < count; ++i) {
+        if (!view_add_source(state, &sources[i])) {
+            return program_fail(which->running, PROGRAM_FAILED, "out of memory for %zu lights", count);
+        }
+    }
+    state->source = 0;
+    memcpy(state->sky, from_file ? file->sky : lighting_sky, sizeof state->sky);
+    return PROGRAM_DONE;
+}
+
+static int describe(subject *which, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    if (svo_tree_get_info(which->done.result.tree, &info) != SVO_OK) {
+        return program_fail(which->running, PROGRAM_FAILED, "the tree has no content");
+    }
+    which->level = info.depth;
+    state->device = svo_device_name(which->done.opened.device);
+    state->level_max = info.depth;
+    state->shown.level = info.depth;
+    state->has_triangles = (info.need & (uint32_t)SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
+    return PROGRAM_DONE;
+}
+
+/* ---- scenes ---- */
+
+/* The camera of the file, or one that frames all instances. */
+static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
+{
+    svo_camera *camera = &state->camera.at;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    (void)svo_scene_get_info(placed_scene(which->placed), &info);
+    if (file->has_camera) {
+        *camera = file->camera;
+    } else {
+        svo_scene_camera_frame(placed_scene(which->placed), (float)state->width / (float)state->height, camera);
+    }
+    const int exit_code = viewpoint_apply(which->running, !file->has_camera, camera);
+    begin_camera(state, fmax(fmax(info.high[0] - info.low[0], info.high[1] - info.low[1]), info.high[2] - info.low[2]));
+    return exit_code;
+}
+
+static int open_scene(program *running, view_state *state, subject *out)
+{
+    int exit_code = placed_open(running, running->options.input, &out->placed);
+    if (exit_code == PROGRAM_DONE && !placed_describe(out->placed, state)) {
+        exit_code = program_fail(running, PROGRAM_FAILED, "out of memory for the instances");
+    }
+    return exit_code == PROGRAM_DONE ? place_scene_camera(out, state, placed_file(out->placed)) : exit_code;
+}
+
+/* ---- both ---- */
+
+/* The tree can be placed too. */
+static int prepare_placing(subject *which, view_state *state)
+{
+    const bool is_mesh = which->done.source.mesh != NULL;
+    which->placed = placed_of_input(which->running, is_mesh ? which->level : 0);
+    if (which->placed == NULL) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory");
+    }
+    placed_use_tree(which->placed, which->done.opened.device, which->done.opened.queue, which->done.result.tree);
+    (void)placed_describe(which->placed, state);
+    return PROGRAM_DONE;
+}
+
+static int open_tree(program *running, view_state *state, subject *out)
+{
+    int exit_code = lighting_open(running, &out->lit);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = lighting_tree(running, 1, &out->lit, &out->done);
+    if (exit_code != PROGRAM_DONE) {
+        lighting_close(&out->lit);
+        return exit_code;
+    }
+    out->has_tree = true;
+    exit_code = describe(out, state);
+    exit_code = exit_code == PROGRAM_DONE ? place_camera(out, state) : exit_code;
+    exit_code = exit_code == PROGRAM_DONE ? take_lights(out, state) : exit_code;
+    return exit_code == PROGRAM_DONE ? prepare_placing(out, state) : exit_code;
+}
+
+int subject_open(program *running, view_state *state, subject *out)
+{
+    *out = (subject){.running = running};
+    const int exit_code =
+        scene_file_is_input(running) ? open_scene(running, state, out) : open_tree(running, state, out);
+    if (exit_code != PROGRAM_DONE) {
+        subject_close(out);
+    }
+    return exit_code;
+}
+
+static void close_tree(subject *which)
+{
+    if (which->has_tree) {
+        svo_light_destroy(&which->lit.light);
+        job_release(&which->done);
+        lighting_close(&which->lit);
+        which->has_tree = false;
+    }
+}
+
+void subject_close(subject *which)
+{
+    placed_close(&which->placed);
+    close_tree(which);
+}
+
+int subject_load(subject *which, view_state *state)
+{
+    placed *fresh = NULL;
+    state->wants_load = false;
+    const int exit_code = placed_open(which->running, state->scene_path, &fresh);
+    progress_destroy(&which->running->progress);
+    if (exit_code != PROGRAM_DONE || !placed_describe(fresh, state)) {
+        view_log(state, "%s was not loaded%s", state->scene_path,
+                 exit_code != PROGRAM_DONE ? "; the terminal says why" : ": out of memory");
+        placed_close(&fresh);
+        return PROGRAM_DONE;
+    }
+    placed_close(&which->placed);
+    close_tree(which);
+    which->placed = fresh;
+    ++which->changes;
+    view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
+             state->scene_path);
+    return place_scene_camera(which, state, placed_file(fresh));
+}
+
+/* ---- trees and lights ---- */
+
+bool subject_picture_is_lit(view_picture picture)
+{
+    return picture >= VIEW_AO && picture <= VIEW_SPECULAR;
+}
+
+/* The tree of another level, built anew: levels of a mesh nest, so it is what the deeper tree has there. */
+static int make_tree(subject *which, view_state *state)
+{
+    job *done = &which->done;
+    options *given = &which->running->options;
+    svo_light_destroy(&which->lit.light);
+    which->is_lit = false;
+    state->selection.is_hit = false;
+    given->depth = state->shown.level;
+    const int exit_code = job_build(which->running, lighting_need(given, &done->source), done);
+    which->level = state->shown.level;
+    ++which->changes;
+    if (exit_code == PROGRAM_DONE) {
+        placed_use_tree(which->placed, done->opened.device, done->opened.queue, done->result.tree);
+    }
+    return exit_code;
+}
+
+static bool light_is_current(const subject *which, const view_state *state)
+{
+    return which->is_lit && which->form == state->shown.form && which->photons == state->shown.photons &&
+           which->lights_revision == state->revisions.lights;
+}
+
+/* A light of another form is a new one; other sources go into the one that is there. */
+static int make_light(subject *which, view_state *state)
+{
+    const job *done = &which->done;
+    const svo_light_options light_options = {.struct_size = sizeof light_options, .form = state->shown.form};
+    svo_light_setup setup = lighting_setup(&which->lit, &done->source);
+    setup.sources = state->sources;
+    setup.source_count = state->source_count;
+    setup.no_photons = !state->shown.photons;
+    memcpy(setup.sky, state->sky, sizeof setup.sky);
+    if (which->lit.light != NULL && which->form != state->shown.form) {
+        svo_light_destroy(&which->lit.light);
+    }
+    if ((which->lit.light == NULL &&
+         svo_light_create(done->result.tree, &light_options, done->opened.queue, &which->lit.light) != SVO_OK) ||
+        svo_light_set_sources(which->lit.light, &setup, done->opened.queue) != SVO_OK) {
+        return program_fail_library(which->running, svo_device_message(done->opened.device));
+    }
+    which->is_lit = true;
+    ++which->changes;
+    which->form = state->shown.form;
+    which->photons = state->shown.photons;
+    which->lights_revision = state->revisions.lights;
+    return PROGRAM_DONE;
+}
+
+int subject_update(subject *which, view_state *state)
+{
+    if (state->wants_load) {
+        const int exit_code = subject_load(which, state);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
+    if (!which->has_tree) {
+        return placed_update(which->placed, state);
+    }
+    int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && subject_picture_is_lit(state->shown.picture) && !light_is_current(which, state)) {
+        exit_code = make_light(which, state);
+    }
+    return exit_code == PROGRAM_DONE && state->is_scene ? placed_update(which->placed, state) : exit_code;
+}
+
+/* ---- pictures ---- */
+
+static svo_light_view light_view(view_picture picture)
+{
+    static const svo_light_view views[] = {SVO_LIGHT_VIEW_AO, SVO_LIGHT_VIEW_DIRECT, SVO_LIGHT_VIEW_INDIRECT,
+                                           SVO_LIGHT_VIEW_FULL, SVO_LIGHT_VIEW_SPECULAR};
+    return views[picture - VIEW_AO];
+}
+
+/* The last band ends with the picture; the library cuts it there. */
+static unsigned round_rows(unsigned rows)
+{
+    return (rows + SVO_LIGHT_BAND_ROWS - 1) / SVO_LIGHT_BAND_ROWS * SVO_LIGHT_BAND_ROWS;
+}
+
+static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+{
+    const view_shown *shown = &state->shown;
+    const svo_light_picture asked = {.struct_size = sizeof asked,
+                                     .width = part->width,
+                                     .height = part->height,
+                                     .camera = state->camera.at,
+                                     .view = light_view(shown->picture),
+                                     .gather = {.struct_size = sizeof asked.gather,
+                                                .cones = shown->cones,
+                                                .range = shown->range,
+                                                .falloff = shown->falloff,
+                                                .no_light = !shown->gi},
+                                     .exposure = shown->exposure,
+                                     .first_row = part->first_row,
+                                     .row_count = round_rows(part->row_count)};
+    return svo_light_render(which->lit.light, &asked, which->done.opened.queue, rgba);
+}
+
+static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+{
+    static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
+                                            SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = part->width,
+                                      .height = part->height,
+                                      .camera = state->camera.at,
+                                      .view = views[state->shown.picture]};
+    return svo_tree_render(which->done.opened.device, which->done.result.tree, &asked, which->done.opened.queue, rgba);
+}
+
+int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+{
+    if (state->is_scene) {
+        return placed_draw(which->placed, state, part->width, part->height, rgba);
+    }
+    const svo_status status = subject_picture_is_lit(state->shown.picture) ? draw_light(which, state, part, rgba)
+                                                                           : draw_tree(which, state, part, rgba);
+    return status == SVO_OK ? PROGRAM_DONE
+                            : program_fail_library(which->running, svo_device_message(which->done.opened.device));
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* What is looked at: the tree on the device and its light, or a scene of placed trees, and what the library draws of
+   them. */
+#ifndef SVOCL_TOOLS_VIEW_SUBJECT_H
+#define SVOCL_TOOLS_VIEW_SUBJECT_H
+
+#include "support/job.h"
+#include "support/lighting.h"
+#include "view/placed.h"
+#include "view/state.h"
+
+typedef struct subject {
+    program *running;
+    placed *placed; /* what is drawn where the state is a scene */
+    bool has_tree; /* the fields below are of a tree that can be shown alone */
+    job done;
+    lighting lit;
+    unsigned level; /* of the tree's leaves */
+    bool is_lit; /* lit.light is that of the fields below */
+    svo_light_form form;
+    bool photons;
+    unsigned lights_revision;
+    unsigned changes; /* how often a tree, a light or a scene was made */
+} subject;
+
+/* Loads or builds INPUT and places the camera as svocl render does. Returns the exit code; on failure nothing stays
+   open. */
+int subject_open(program *running, view_state *state, subject *out);
+void subject_close(subject *which);
+
+/* Makes the tree and the light that the state asks for, as far as its picture shows them. Returns the exit code. */
+int subject_update(subject *which, view_state *state);
+
+/* Loads the scene of state.scene_path in place of what is looked at. Where that fails, everything stays, and the log
+   says so. Returns the exit code. */
+int subject_load(subject *which, view_state *state);
+
+/* Rows of a picture. All but pictures that cones light are drawn whole. */
+typedef struct picture_part {
+    unsigned width, height; /* of the picture, pixels */
+    unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
+} picture_part;
+
+/* Draws rows of what the state shows: those of what svocl render writes. Returns the exit code. */
+int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba);
+
+/* Whether a picture shows light that cones gather. */
+bool subject_picture_is_lit(view_picture picture);
+
+#endif

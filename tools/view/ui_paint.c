@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* One program, one buffer of vertices and one of indices, which each frame fills anew. */
+#include "view/ui_paint.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct ui_paint {
+    const view_gl *gl;
+    GLuint program, glyphs, layout; /* layout: the vertex array */
+    GLuint vertices, indices;
+};
+
+static const char vertex_source[] = "#version 430 core\n"
+                                    "layout(location = 0) in vec2 position;\n"
+                                    "layout(location = 1) in vec2 texel;\n"
+                                    "layout(location = 2) in vec4 vertex_color;\n"
+                                    "layout(location = 0) uniform vec2 window;\n"
+                                    "out vec2 place;\n"
+                                    "out vec4 shade;\n"
+                                    "void main()\n"
+                                    "{\n"
+                                    "    place = texel;\n"
+                                    "    shade = vertex_color;\n"
+                                    "    vec2 share = position / window;\n"
+                                    "    gl_Position = vec4(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0);\n"
+                                    "}\n";
+static const char fragment_source[] = "#version 430 core\n"
+                                      "layout(binding = 0) uniform sampler2D picture;\n"
+                                      "in vec2 place;\n"
+                                      "in vec4 shade;\n"
+                                      "out vec4 color;\n"
+                                      "void main()\n"
+                                      "{\n"
+                                      "    color = shade * texture(picture, place);\n"
+                                      "}\n";
+
+static bool check(const view_gl *gl, const char *what, svo_message *why)
+{
+    const char *error = view_gl_error(gl);
+    if (error != NULL) {
+        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while %s", error, what);
+    }
+    return error == NULL;
+}
+
+/* Coverage becomes alpha of white. */
+static void make_glyphs(ui_paint *paint, const uint8_t *glyphs, unsigned width, unsigned height)
+{
+    const view_gl *gl = paint->gl;
+    gl->GenTextures(1, &paint->glyphs);
+    gl->BindTexture(GL_TEXTURE_2D, paint->glyphs);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R, GL_ONE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_G, GL_ONE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_B, GL_ONE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_RED);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)width, (GLsizei)height, 0, GL_RED, GL_UNSIGNED_BYTE, glyphs);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+}
+
+static void make_layout(ui_paint *paint)
+{
+    const view_gl *gl = paint->gl;
+    gl->GenVertexArrays(1, &paint->layout);
+    gl->GenBuffers(1, &paint->vertices);
+    gl->GenBuffers(1, &paint->indices);
+    gl->BindVertexArray(paint->layout);
+    gl->BindBuffer(GL_ARRAY_BUFFER, paint->vertices);
+    gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, paint->indices);
+    gl->BindVertexBuffer(0, paint->vertices, 0, sizeof(ui_vertex));
+    gl->VertexAttribFormat(0, 2, GL_FLOAT, GL_FALSE, offsetof(ui_vertex, x));
+    gl->VertexAttribFormat(1, 2, GL_FLOAT, GL_FALSE, offsetof(ui_vertex, u));
+    gl->VertexAttribFormat(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(ui_vertex, color));
+    for (GLuint i = 0; i < 3; ++i) {
+        gl->VertexAttribBinding(i, 0);
+        gl->EnableVertexAttribArray(i);
+    }
+    gl->BindVertexArray(0);
+}
+
+ui_paint *ui_paint_create(const view_gl *gl, const uint8_t *glyphs, unsigned width, unsigned height, svo_message *why)
+{
+    char log[256] = "no reason is given";
+    ui_paint *paint = calloc(1, sizeof *paint);
+    if (paint == NULL) {
+        (void)snprintf(why->text, sizeof why->text, "out of memory for the panels");
+        return NULL;
+    }
+    paint->gl = gl;
+    paint->program = view_gl_program(gl, vertex_source, fragment_source, log, sizeof log);
+    if (paint->program == 0) {
+        (void)snprintf(why->text, sizeof why->text, "OpenGL: a shader was refused: %s", log);
+        ui_paint_destroy(&paint);
+        return NULL;
+    }
+    make_glyphs(paint, glyphs, width, height);
+    make_layout(paint);
+    if (!check(gl, "the panels were prepared", why)) {
+        ui_paint_destroy(&paint);
+    }
+    return paint;
+}
+
+void ui_paint_destroy(ui_paint **paint)
+{
+    ui_paint *gone = *paint;
+    if (gone == NULL) {
+        return;
+    }
+    const view_gl *gl = gone->gl;
+    gl->DeleteProgram(gone->program);
+    gl->DeleteTextures(1, &gone->glyphs);
+    gl->DeleteVertexArrays(1, &gone->layout);
+    gl->DeleteBuffers(1, &gone->vertices);
+    gl->DeleteBuffers(1, &gone->indices);
+    free(gone);
+    *paint = NULL;
+}
+
+static void upload(const ui_paint *paint, const ui_drawing *drawing)
+{
+    const view_gl *gl = paint->gl;
+    const size_t vertex_bytes = drawing->vertex_count * sizeof *drawing->vertices;
+    const size_t index_bytes = drawing->index_count * sizeof *drawing->indices;
+    gl->BindVertexArray(paint->layout);
+    gl->BindBuffer(GL_ARRAY_BUFFER, paint->vertices);
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)vertex_bytes, drawing->vertices, GL_STREAM_DRAW);
+    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)index_bytes, drawing->indices, GL_STREAM_DRAW);
+}
+
+static int clamp(int value, int low, int high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+/* OpenGL counts rows from the bottom. */
+static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, int height)
+{
+    const view_gl *gl = paint->gl;
+    const uintptr_t begin = batch->index_begin * sizeof(uint32_t); /* in the buffer; OpenGL takes it for a pointer */
+    const void *indices = NULL;
+    const int left = clamp(batch->clip[0], 0, width);
+    const int top = clamp(batch->clip[1], 0, height);
+    const int right = clamp(batch->clip[2], left, width);
+    const int bottom = clamp(batch->clip[3], top, height);
+    if (batch->index_count == 0 || right == left || bottom == top) {
+        return;
+    }
+    gl->Scissor(left, height - bottom, right - left, bottom - top);
+    gl->BindTexture(GL_TEXTURE_2D, batch->texture == UI_TEXTURE_GLYPHS ? paint->glyphs : batch->texture);
+    memcpy(&indices, &begin, sizeof indices);
+    gl->DrawElements(GL_TRIANGLES, (GLsizei)batch->index_count, GL_UNSIGNED_INT, indices);
+}
+
+bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, svo_message *why)
+{
+    const view_gl *gl = paint->gl;
+    upload(paint, drawing);
+    gl->UseProgram(paint->program);
+    gl->Uniform2f(0, (float)width, (float)height);
+    gl->ActiveTexture(GL_TEXTURE0);
+    gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
+    gl->Enable(GL_BLEND);
+    gl->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    gl->Enable(GL_SCISSOR_TEST);
+    for (size_t i = 0; i < drawing->batch_count; ++i) {
+        draw_batch(paint, &drawing->batches[i], (int)width, (int)height);
+    }
+    gl->Disable(GL_SCISSOR_TEST);
+    gl->Disable(GL_BLEND);
+    gl->BindVertexArray(0);
+    gl->UseProgram(0);
+    return check(gl, "drawing the panels", why);
+}

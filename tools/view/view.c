@@ -1,0 +1,389 @@
+/* SPDX-License-Identifier: MIT */
+/* The loop: events, the tree and its light, the picture, marks, panels, the window. */
+#include "view/view.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "support/input.h"
+#include "support/picture.h"
+#include "view/camera.h"
+#include "view/canvas.h"
+#include "view/drawing.h"
+#include "view/input.h"
+#include "view/marks.h"
+#include "view/memory.h"
+#include "view/overlay.h"
+#include "view/pick.h"
+#include "view/script.h"
+#include "view/settings.h"
+#include "view/window.h"
+
+/* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
+#define IDLE_MS 100u
+/* After an event, so many frames come at once. */
+#define LIVELY_FRAMES 3u
+/* A frame that took longer, as after sleep, moves the camera as if it had taken this. */
+#define STEP_SECONDS_MAX 0.25
+
+typedef struct viewer {
+    program *running;
+    view_state state;
+    settings_file settings;
+    window *window;
+    canvas *canvas;
+    overlay *overlay;
+    subject subject;
+    drawing drawing;
+    marks marks;
+    uint64_t listed; /* sum of changes whose memory is listed */
+    bool is_fullscreen;
+    unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
+    input_mouse mouse;
+    script script;
+    bool has_script;
+    script_step step; /* of this frame */
+    uint64_t frame_number;
+    double frame_begin_ms, lap_ms;
+    view_frame frame; /* what is known of this one */
+    svo_message why;
+} viewer;
+
+static int fail(viewer *which)
+{
+    return program_fail(which->running, PROGRAM_FAILED, "%s", which->why.text);
+}
+
+/* Prints the last line of the log when the program ends. */
+static void warn(const viewer *which)
+{
+    const view_state *state = &which->state;
+    program_log(which->running, SVO_LOG_WARNING, state->log[(state->log_count - 1) % VIEW_LOG_LINES]);
+}
+
+/* ---- time ---- */
+
+/* In a script the clock stands still within a frame. */
+static double now_ms(void *user)
+{
+    const viewer *which = user;
+    return which->has_script ? (double)which->frame_number * SCRIPT_FRAME_SECONDS * 1e3 : input_now_ms();
+}
+
+/* Adds the time since the last call to a stage. */
+static void lap(viewer *which, view_stage stage)
+{
+    const double now = now_ms(which);
+    which->frame.stage_ms[stage] += (float)(now - which->lap_ms);
+    which->lap_ms = now;
+}
+
+/* Returns the seconds since the last frame. */
+static double begin_frame(viewer *which)
+{
+    const double last = which->frame_begin_ms;
+    ++which->frame_number;
+    which->frame_begin_ms = now_ms(which);
+    which->lap_ms = which->frame_begin_ms;
+    const double seconds = (which->frame_begin_ms - last) / 1e3;
+    which->frame = (view_frame){.ms = (float)(seconds * 1e3)};
+    which->state.seconds += seconds;
+    return seconds > STEP_SECONDS_MAX ? STEP_SECONDS_MAX : seconds;
+}
+
+static void end_frame(viewer *which, bool is_new)
+{
+    view_state *state = &which->state;
+    which->frame.rays = is_new ? which->drawing.rays : 0;
+    which->frame.coarse = which->drawing.coarse;
+    state->frames[state->frame_count++ % VIEW_FRAMES_KEPT] = which->frame;
+}
+
+/* ---- events ---- */
+
+static int take_event(viewer *which, const view_event *event)
+{
+    view_state *state = &which->state;
+    if (overlay_take(which->overlay, event)) {
+        return PROGRAM_DONE;
+    }
+    switch (input_take(&which->mouse, event, state)) {
+    case INPUT_PICK:
+        return pick_at(&which->subject, state, which->mouse.x, which->mouse.y);
+    case INPUT_FULLSCREEN:
+        state->settings.fullscreen = !state->settings.fullscreen;
+        return PROGRAM_DONE;
+    case INPUT_NOTHING:
+        break;
+    }
+    return PROGRAM_DONE;
+}
+
+/* The script's step of this frame, as far as it comes before the picture. */
+static int play(viewer *which)
+{
+    which->step = script_next(&which->script, &which->state);
+    switch (which->step.kind) {
+    case SCRIPT_EVENT:
+        return window_push(which->window, &which->step.event)
+                   ? PROGRAM_DONE
+                   : program_fail(which->running, PROGRAM_FAILED, "an event of the script was refused");
+    case SCRIPT_COARSE:
+        which->state.settings.coarse = which->step.count;
+        return PROGRAM_DONE;
+    case SCRIPT_END:
+        which->state.is_done = true;
+        return PROGRAM_DONE;
+    case SCRIPT_WAIT:
+    case SCRIPT_REFINE:
+    case SCRIPT_SHOT:
+        break;
+    }
+    return PROGRAM_DONE;
+}
+
+/* Whether the window shows all there is to show until something happens. */
+static bool is_idle(const viewer *which)
+{
+    return !which->has_script && which->lively_frames == 0 && which->state.is_refined &&
+           !camera_is_moving(&which->state);
+}
+
+static int take_events(viewer *which)
+{
+    view_event event;
+    int exit_code = which->has_script ? play(which) : PROGRAM_DONE;
+    if (is_idle(which)) {
+        window_wait(which->window, IDLE_MS);
+    }
+    which->lively_frames -= which->lively_frames > 0 ? 1 : 0;
+    while (exit_code == PROGRAM_DONE && window_poll(which->window, &event)) {
+        which->lively_frames = LIVELY_FRAMES;
+        exit_code = take_event(which, &event);
+    }
+    if (which->is_fullscreen != which->state.settings.fullscreen) {
+        which->is_fullscreen = which->state.settings.fullscreen;
+        window_set_fullscreen(which->window, which->is_fullscreen);
+    }
+    window_size(which->window, &which->state.width, &which->state.height);
+    return exit_code;
+}
+
+/* ---- a frame ---- */
+
+/* Once for each tree, its BVH, light and scene: plans take time. */
+static int list_memory(viewer *which)
+{
+    const subject *shown = &which->subject;
+    const uint64_t changes =
+        1 + shown->changes + placed_changes(shown->placed) + svo_tree_ray_bytes(shown->done.result.tree);
+    if (which->listed == changes) {
+        return PROGRAM_DONE;
+    }
+    which->listed = changes;
+    return memory_list(shown, &which->state);
+}
+
+/* Makes what the state asks for. is_new: whether there is a new picture. */
+static int update(viewer *which, bool *is_new)
+{
+    view_state *state = &which->state;
+    const drawing_clock clock = {now_ms, which};
+    int exit_code = subject_update(&which->subject, state);
+    lap(which, VIEW_STAGE_TREE);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = drawing_next(&which->drawing, &which->subject, state, &clock, is_new);
+    }
+    lap(which, VIEW_STAGE_PICTURE);
+    exit_code = exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
+    /* Builds by OpenGL have contexts of their own. */
+    return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
+}
+
+static int draw(viewer *which, double seconds, bool is_new)
+{
+    view_state *state = &which->state;
+    const drawing *drawn = &which->drawing;
+    if (is_new && !canvas_take_picture(which->canvas, drawn->rgba, drawn->width, drawn->height, &which->why)) {
+        return fail(which);
+    }
+    lap(which, VIEW_STAGE_UPLOAD);
+    marks_make(&which->marks, state);
+    if (which->marks.failed) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory for marks");
+    }
+    if (!canvas_draw(which->canvas, state->width, state->height, which->marks.vertices, which->marks.count,
+                     &which->why)) {
+        return fail(which);
+    }
+    lap(which, VIEW_STAGE_SHOW);
+    if (!overlay_draw(which->overlay, state, (float)seconds, &which->why)) {
+        return fail(which);
+    }
+    lap(which, VIEW_STAGE_PANELS);
+    return PROGRAM_DONE;
+}
+
+static int take_shot(viewer *which)
+{
+    const view_state *state = &which->state;
+    uint8_t *rgba = malloc((size_t)state->width * state->height * 4);
+    if (rgba == NULL) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory for %ux%u pixels", state->width,
+                            state->height);
+    }
+    const int exit_code = canvas_read(which->canvas, state->width, state->height, rgba, &which->why)
+                              ? picture_write_as(which->running, which->step.path, state->width, state->height, rgba)
+                              : fail(which);
+    free(rgba);
+    return exit_code;
+}
+
+static int run_frame(viewer *which)
+{
+    bool is_new = false;
+    const double seconds = begin_frame(which);
+    int exit_code = take_events(which);
+    camera_move(&which->state, (float)seconds);
+    lap(which, VIEW_STAGE_EVENTS);
+    exit_code = exit_code == PROGRAM_DONE ? update(which, &is_new) : exit_code;
+    exit_code = exit_code == PROGRAM_DONE ? draw(which, seconds, is_new) : exit_code;
+    if (exit_code == PROGRAM_DONE && which->has_script && which->step.kind == SCRIPT_SHOT) {
+        exit_code = take_shot(which);
+    }
+    if (exit_code == PROGRAM_DONE &&
+        !(canvas_show(which->canvas, &which->why) && window_show(which->window, &which->why))) {
+        exit_code = fail(which);
+    }
+    lap(which, VIEW_STAGE_SHOW);
+    end_frame(which, is_new);
+    return exit_code;
+}
+
+/* ---- beginning and end ---- */
+
+static view_picture picture_of_option(int view)
+{
+    static const view_picture by_light[] = {VIEW_FULL, VIEW_AO, VIEW_DIRECT, VIEW_GI, VIEW_SPECULAR};
+    return view >= OPTION_VIEW_LIGHT ? by_light[view - OPTION_VIEW_LIGHT] : (view_picture)view;
+}
+
+/* What the command line says of the picture. */
+static void take_picture_options(viewer *which)
+{
+    const options *given = &which->running->options;
+    view_shown *shown = &which->state.shown;
+    shown->gi = given->gi != 0;
+    shown->photons = given->photons != 0;
+    shown->form = (svo_light_form)given->light_form;
+    shown->cones = given->cones > 0 ? (unsigned)given->cones : shown->cones;
+    shown->range = (float)given->range;
+    shown->falloff = (float)given->falloff;
+    if (given->exposure > 0) {
+        view_choose_exposure(&which->state, (float)given->exposure);
+    }
+    view_choose_picture(&which->state, picture_of_option(given->view));
+}
+
+static int run_frames(viewer *which)
+{
+    int exit_code = window_use(which->window, &which->why) ? PROGRAM_DONE : fail(which);
+    which->frame_begin_ms = now_ms(which);
+    while (exit_code == PROGRAM_DONE && !which->state.is_done) {
+        exit_code = run_frame(which);
+    }
+    return exit_code;
+}
+
+static int show(viewer *which)
+{
+    int exit_code = subject_open(which->running, &which->state, &which->subject);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    progress_destroy(&which->running->progress);
+    take_picture_options(which);
+    exit_code = run_frames(which);
+    marks_end(&which->marks);
+    drawing_end(&which->drawing);
+    subject_close(&which->subject);
+    return exit_code;
+}
+
+/* The window comes before the tree: without a display nothing is built. */
+static int open_window(viewer *which)
+{
+    view_state *state = &which->state;
+    char title[VIEW_LINE_BYTES];
+    (void)snprintf(title, sizeof title, "%s - svocl", state->input);
+    which->window =
+        window_open(title, state->settings.width, state->settings.height, state->settings.fullscreen, &which->why);
+    if (which->window == NULL) {
+        return fail(which);
+    }
+    which->is_fullscreen = state->settings.fullscreen;
+    window_size(which->window, &state->width, &state->height);
+    state->renderer = window_renderer(which->window);
+    which->canvas = canvas_create(window_gl(which->window), &which->why);
+    which->overlay = which->canvas != NULL ? overlay_create(window_gl(which->window), &which->why) : NULL;
+    return which->overlay != NULL ? PROGRAM_DONE : fail(which);
+}
+
+/* What the command line says of the window goes before the settings. */
+static void take_options(viewer *which)
+{
+    const options *given = &which->running->options;
+    view_settings *settings = &which->state.settings;
+    settings->width = given->window_width > 0 ? (unsigned)given->window_width : settings->width;
+    settings->height = given->window_height > 0 ? (unsigned)given->window_height : settings->height;
+    settings->fullscreen = settings->fullscreen || given->fullscreen != 0;
+    which->state.camera.mode = settings->mode;
+    which->state.input = given->input;
+}
+
+static int run(viewer *which)
+{
+    int exit_code = open_window(which);
+    exit_code = exit_code == PROGRAM_DONE ? show(which) : exit_code;
+    overlay_destroy(&which->overlay);
+    canvas_destroy(&which->canvas);
+    window_close(&which->window);
+    if (exit_code == PROGRAM_DONE && !which->has_script && !settings_save(&which->settings, &which->state)) {
+        warn(which);
+    }
+    return exit_code;
+}
+
+/* A script neither reads nor writes settings: it shows the same for everybody. */
+static int begin(viewer *which)
+{
+    const char *path = which->running->options.script_path;
+    which->has_script = path != NULL;
+    if (path != NULL) {
+        return script_open(which->running, path, &which->script);
+    }
+    settings_find(&which->settings);
+    if (!settings_load(&which->settings, &which->state)) {
+        warn(which);
+    }
+    return PROGRAM_DONE;
+}
+
+int view_run(program *running)
+{
+    viewer *which = calloc(1, sizeof *which);
+    if (which == NULL) {
+        return program_fail(running, PROGRAM_FAILED, "out of memory");
+    }
+    which->running = running;
+    view_state_begin(&which->state);
+    int exit_code = begin(which);
+    if (exit_code == PROGRAM_DONE) {
+        take_options(which);
+        exit_code = run(which);
+    }
+    script_close(&which->script);
+    view_state_end(&which->state);
+    free(which);
+    return exit_code;
+}
