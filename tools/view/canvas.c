@@ -203,8 +203,8 @@ static bool draw_lines(const canvas *which, unsigned width, unsigned height, con
     return true;
 }
 
-/* Draws into a frame of this size from now on. A window without a screen keeps the size that it was opened with: what
-   is drawn right there would be lost beyond it. */
+/* Draws into a frame of this size from now on. A window without a screen keeps the size that it was opened with, so
+   what is drawn right there would be lost beyond it. */
 static bool use_frame(canvas *which, unsigned width, unsigned height, svo_message *why)
 {
     const view_gl *gl = which->gl;
