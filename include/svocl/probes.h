@@ -11,7 +11,9 @@
  * light's, where there is one.
  *
  * A probe that sees surfaces from behind in more than half of its directions, or that lies within a leaf's edge of a
- * surface, moves to the nearest free place within half a step along each axis, else it is switched off.
+ * surface, moves to the nearest cell center where neither is so, within half a step along each axis and inside the box,
+ * else it is switched off. 32 x 32 directions decide. Cells are as wide as a leaf, doubled until no step has more than
+ * 16 of them.
  *
  * What is stored, but for radiance and irradiance, is the same bytes on every device and run, where exact rays give the
  * same hits (trace.h). Radiance is single-precision, as cones are: the same on every run of a device, and between
