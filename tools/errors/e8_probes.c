@@ -22,7 +22,7 @@
 #define SAMPLES       4096u
 #define SAMPLES_QUICK 1024u
 #define RAYS_QUICK    4096u /* a set */
-#define FEW_RAYS      32768u /* a set: for times, and for all grids but the last */
+#define FEW_RAYS      16384u /* a set: for times, and for all grids but the last */
 #define ROUNDS        3u /* where --repeat says nothing: there are a hundred methods */
 #define USUAL_FIELD   64u
 #define CHOICES       ((size_t)SVO_PROBE_CHOICE_COUNT)
