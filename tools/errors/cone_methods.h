@@ -45,8 +45,8 @@ typedef struct cone_gather {
     svo_gather_result *results;
 } cone_gather;
 
-/* Finds or makes the tree of a depth and a coverage, with all that light needs. NULL on failure, with the reason in the device's
-   message. It belongs to lights. */
+/* Finds or makes the tree of a depth and a coverage, with all that light needs. NULL on failure, with the reason in the
+   device's message. It belongs to lights. */
 svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage coverage);
 
 /* Finds or makes the light of a way. False on failure, with the reason in the device's message; what was made then is
