@@ -72,10 +72,10 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_moments(__global const uint *texels, __global const uint *lengths, __global float2 *moments,
                     svo_probes_params params, svo_probe_step step)
 {
-    const uint i = (uint)get_global_id(0);
-    if (i >= step.count) {
+    if ((uint)get_global_id(0) >= step.count) {
         return;
     }
+    const uint i = step.first + (uint)get_global_id(0);
     const uint edge = params.resolution / SVO_PROBE_MOMENT_TEXELS;
     /* i / SVO_PROBE_MOMENT_TEXELS: the row of the map, among those of all probes. */
     const size_t first =
