@@ -245,7 +245,7 @@ static void probes_are_compared_with_exact_rays(void **state)
     expect_within(light, "rays through", "RMSE", 0.01, 10.0);
     expect_within(light, "2³ prefiltered", "RMSE", 0.01, 10.0);
     expect_within(light, "cones", "RMSE", 0.01, 10.0);
-    expect_within(light, "paths", "RMSE", 0.001, 1.0);
+    expect_within(light, "paths", "RMSE", 0.001, 2.0); /* of as few as 16 */
     cJSON_Delete(document);
 }
 
