@@ -52,7 +52,7 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
@@ -63,6 +63,8 @@ def test_readme(tmp_path, monkeypatch, capsys):
     forms = blocks.pop(1)
     exec(forms, names)
     assert names["solid"].solid_info.open_columns == (0, 0, 0) and names["picture"].shape == (480, 640, 4)
+    exec(blocks.pop(1), names)
+    assert names["picture"].any() and names["light"].info.photon_hits > 0
     context = cl.create_some_context(interactive=False)
     monkeypatch.setattr(cl, "create_some_context", lambda: context)
     rays, hits = svocl.make_rays([[0.2, 0.2, -1]], [0, 0, 1]), np.zeros(1, svocl.hit_dtype)

@@ -54,25 +54,6 @@ static const char line_fragment[] = "#version 430 core\n"
 
 /* ---- making ---- */
 
-static bool check(const view_gl *gl, const char *what, svo_message *why)
-{
-    const char *error = view_gl_error(gl);
-    if (error != NULL) {
-        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while %s", error, what);
-    }
-    return error == NULL;
-}
-
-static bool make_program(const view_gl *gl, const char *vertex, const char *fragment, GLuint *out, svo_message *why)
-{
-    char log[256] = "no reason is given";
-    *out = view_gl_program(gl, vertex, fragment, log, sizeof log);
-    if (*out == 0) {
-        (void)snprintf(why->text, sizeof why->text, "OpenGL: a shader was refused: %s", log);
-    }
-    return *out != 0;
-}
-
 static void make_frame(canvas *which)
 {
     which->gl->GenFramebuffers(1, &which->frame);
@@ -117,9 +98,9 @@ canvas *canvas_create(const view_gl *gl, svo_message *why)
     make_frame(made);
     make_texture(made);
     make_vertices(made);
-    if (!make_program(gl, picture_vertex, picture_fragment, &made->picture_program, why) ||
-        !make_program(gl, line_vertex, line_fragment, &made->line_program, why) ||
-        !check(gl, "the window was prepared", why)) {
+    if (!view_gl_program(gl, picture_vertex, picture_fragment, &made->picture_program, why) ||
+        !view_gl_program(gl, line_vertex, line_fragment, &made->line_program, why) ||
+        !view_gl_check(gl, "the window was prepared", why)) {
         canvas_destroy(&made);
     }
     return made;
@@ -160,7 +141,7 @@ bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, uns
     } else {
         gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
     }
-    return check(gl, "taking a picture", why);
+    return view_gl_check(gl, "taking a picture", why);
 }
 
 /* A picture of the window's size is shown pixel by pixel; others are stretched. */
@@ -243,7 +224,7 @@ bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_ve
     }
     gl->BindVertexArray(0);
     gl->UseProgram(0);
-    return check(gl, "drawing the window", why);
+    return view_gl_check(gl, "drawing the window", why);
 }
 
 bool canvas_show(canvas *which, svo_message *why)
@@ -254,7 +235,7 @@ bool canvas_show(canvas *which, svo_message *why)
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     gl->BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
-    return check(gl, "showing the window", why);
+    return view_gl_check(gl, "showing the window", why);
 }
 
 /* ---- shots ---- */
@@ -277,7 +258,7 @@ bool canvas_read(canvas *which, unsigned width, unsigned height, uint8_t *rgba, 
     const view_gl *gl = which->gl;
     gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
     gl->ReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    if (!check(gl, "reading the window", why)) {
+    if (!view_gl_check(gl, "reading the window", why)) {
         return false;
     }
     flip_rows(rgba, (size_t)width * 4, height);

@@ -51,12 +51,15 @@ static const char *name_of_error(GLenum error)
     }
 }
 
-const char *view_gl_error(const view_gl *gl)
+bool view_gl_check(const view_gl *gl, const char *what, svo_message *why)
 {
     const GLenum first = gl->GetError();
     for (int i = 0; i < ERRORS_MAX && gl->GetError() != GL_NO_ERROR; ++i) {
     }
-    return first == GL_NO_ERROR ? NULL : name_of_error(first);
+    if (first != GL_NO_ERROR) {
+        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while %s", name_of_error(first), what);
+    }
+    return first == GL_NO_ERROR;
 }
 
 static GLuint compile(const view_gl *gl, GLenum kind, const char *source, char *log, int log_bytes)
@@ -98,15 +101,16 @@ static GLuint link(const view_gl *gl, GLuint vertex, GLuint fragment, char *log,
     return program;
 }
 
-GLuint view_gl_program(const view_gl *gl, const char *vertex, const char *fragment, char *log, int log_bytes)
+bool view_gl_program(const view_gl *gl, const char *vertex, const char *fragment, GLuint *out, svo_message *why)
 {
-    GLuint program = 0;
-    const GLuint first = compile(gl, GL_VERTEX_SHADER, vertex, log, log_bytes);
-    const GLuint second = first != 0 ? compile(gl, GL_FRAGMENT_SHADER, fragment, log, log_bytes) : 0;
-    if (second != 0) {
-        program = link(gl, first, second, log, log_bytes);
-    }
+    char log[256] = "no reason is given";
+    const GLuint first = compile(gl, GL_VERTEX_SHADER, vertex, log, sizeof log);
+    const GLuint second = first != 0 ? compile(gl, GL_FRAGMENT_SHADER, fragment, log, sizeof log) : 0;
+    *out = second != 0 ? link(gl, first, second, log, sizeof log) : 0;
     gl->DeleteShader(second);
     gl->DeleteShader(first);
-    return program;
+    if (*out == 0) {
+        (void)snprintf(why->text, sizeof why->text, "OpenGL: a shader was refused: %s", log);
+    }
+    return *out != 0;
 }

@@ -6,6 +6,8 @@
 #include <GL/glcorearb.h>
 #include <stdbool.h>
 
+#include "svocl/status.h"
+
 #define VIEW_GL_FUNCTIONS(X)                                     \
     X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                     \
     X(AttachShader, PFNGLATTACHSHADERPROC)                       \
@@ -70,10 +72,10 @@ typedef struct view_gl {
 /* Fills the table. Returns the name of a function that the context lacks, or NULL. */
 const char *view_gl_load(view_gl *gl, void *(*find)(const char *name));
 
-/* The first error since the last call: "GL_OUT_OF_MEMORY", ..., or NULL. */
-const char *view_gl_error(const view_gl *gl);
+/* Whether there was no error since the last call; else the first one, while doing what. */
+bool view_gl_check(const view_gl *gl, const char *what, svo_message *why);
 
-/* Compiles and links. Returns the program, or 0 with the reason in log. */
-GLuint view_gl_program(const view_gl *gl, const char *vertex, const char *fragment, char *log, int log_bytes);
+/* Compiles and links. */
+bool view_gl_program(const view_gl *gl, const char *vertex, const char *fragment, GLuint *out, svo_message *why);
 
 #endif

@@ -36,15 +36,6 @@ static const char fragment_source[] = "#version 430 core\n"
                                       "    color = shade * texture(picture, place);\n"
                                       "}\n";
 
-static bool check(const view_gl *gl, const char *what, svo_message *why)
-{
-    const char *error = view_gl_error(gl);
-    if (error != NULL) {
-        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while %s", error, what);
-    }
-    return error == NULL;
-}
-
 /* Coverage becomes alpha of white. */
 static void make_glyphs(ui_paint *paint, const uint8_t *glyphs, unsigned width, unsigned height)
 {
@@ -84,22 +75,19 @@ static void make_layout(ui_paint *paint)
 
 ui_paint *ui_paint_create(const view_gl *gl, const uint8_t *glyphs, unsigned width, unsigned height, svo_message *why)
 {
-    char log[256] = "no reason is given";
     ui_paint *paint = calloc(1, sizeof *paint);
     if (paint == NULL) {
         (void)snprintf(why->text, sizeof why->text, "out of memory for the panels");
         return NULL;
     }
     paint->gl = gl;
-    paint->program = view_gl_program(gl, vertex_source, fragment_source, log, sizeof log);
-    if (paint->program == 0) {
-        (void)snprintf(why->text, sizeof why->text, "OpenGL: a shader was refused: %s", log);
+    if (!view_gl_program(gl, vertex_source, fragment_source, &paint->program, why)) {
         ui_paint_destroy(&paint);
         return NULL;
     }
     make_glyphs(paint, glyphs, width, height);
     make_layout(paint);
-    if (!check(gl, "the panels were prepared", why)) {
+    if (!view_gl_check(gl, "the panels were prepared", why)) {
         ui_paint_destroy(&paint);
     }
     return paint;
@@ -174,5 +162,5 @@ bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, u
     gl->Disable(GL_BLEND);
     gl->BindVertexArray(0);
     gl->UseProgram(0);
-    return check(gl, "drawing the panels", why);
+    return view_gl_check(gl, "drawing the panels", why);
 }

@@ -169,11 +169,7 @@ bool window_show(window *which, svo_message *why)
 {
     SDL_GL_SwapWindow(which->handle);
     which->gl.Finish(); /* swapping the buffers of what is not on a screen flushes nothing: commands would pile up */
-    const char *error = view_gl_error(&which->gl);
-    if (error != NULL) {
-        (void)snprintf(why->text, sizeof why->text, "OpenGL: %s while showing the window", error);
-    }
-    return error == NULL;
+    return view_gl_check(&which->gl, "showing the window", why);
 }
 
 void window_wait(window *which, unsigned milliseconds)
