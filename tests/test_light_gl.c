@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Light views by rasterization beside those by rays: the share of pixels that name the same triangle, the points on
- * those, the flux of the whole light, the same result for each run and share path, and what is refused.
+ * those, the flux of the whole light, the same result for each run, and what is refused.
  */
 #include <math.h>
 #include <setjmp.h>
