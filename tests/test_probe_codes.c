@@ -118,10 +118,11 @@ static size_t special_directions(float *directions)
     size_t count = 0;
     for (int k = 0; k < 27; ++k) {
         if (k != 13) {
-            float *to = directions + 3 * count++;
-            to[0] = (float)(k % 3 - 1);
-            to[1] = (float)(k / 3 % 3 - 1);
-            to[2] = (float)(k / 9 - 1);
+            const int corner[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+            for (size_t axis = 0; axis < 3; ++axis) {
+                directions[3 * count + axis] = (float)corner[axis];
+            }
+            ++count;
         }
     }
     for (int k = 0; k < 24; ++k) {
@@ -182,7 +183,8 @@ static void expect_normal(const float direction[3], uint32_t word, const float d
     point_of(direction, point);
     svo_probe_normal(word, host);
     for (int k = 0; k < 2; ++k) {
-        const int code = (int8_t)(word >> (16 + 8 * k));
+        const int byte = (int)(word >> (16 + 8 * k) & 0xffu);
+        const int code = byte < 128 ? byte : byte - 256;
         if (!(fabs(127 * point[k] - code) <= 0.5 + 1e-4) || (word & 0xffffu) != 0) {
             fail_msg("(%a, %a, %a): %.6f became %d", (double)direction[0], (double)direction[1], (double)direction[2],
                      127 * point[k], code);

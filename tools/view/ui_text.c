@@ -121,7 +121,7 @@ void ui_text_triangle(ui *panels, const float corners[6])
 {
     static const uint16_t indices[3] = {0, 1, 2};
     ui_vertex vertices[3];
-    for (int i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < 3; ++i) {
         vertices[i] = (ui_vertex){corners[2 * i], corners[2 * i + 1], opaque[0], opaque[1], UI_COLOR_DIM};
     }
     begin_batch(panels, UI_TEXTURE_GLYPHS);
