@@ -314,6 +314,7 @@ static void fill_state(view_state *state, unsigned width, unsigned height)
     view_state_begin(state);
     state->width = width;
     state->height = height;
+    state->level_min = 1;
     state->level_max = 9;
     state->shown.level = 8;
     state->trees = trees;

@@ -27,6 +27,7 @@ static view_state *make_state(void)
     view_state_begin(state);
     state->width = 640;
     state->height = 400;
+    state->level_min = 1;
     state->level_max = 8;
     state->shown.level = 8;
     state->has_triangles = true;
@@ -191,6 +192,9 @@ static void keys_choose_what_is_shown(void **unused)
     assert_int_equal(state->shown.level, 7);
     press(state, 'l', true);
     press(state, 'l', true);
+    assert_int_equal(state->shown.level, 8);
+    state->level_min = 8; /* a finished tree */
+    press(state, 'l', false);
     assert_int_equal(state->shown.level, 8);
     press(state, 'g', false);
     press(state, 'p', false);

@@ -67,6 +67,12 @@ cmp -s first/camera-home.png first/view-2-normal.png || complain "the first view
 mapfile -t panels < <(ls first/panel-*)
 (($(md5sum "${panels[@]}" | cut -d' ' -f1 | sort -u | wc -l) == ${#panels[@]})) || complain "panels that look alike"
 
+# A finished tree has one level.
+"$program" build scene:knot:2000 -d 5 --need color,normal -o knot.svo -q
+printf 'key tab\nrefine\nshot finest.png\nkey l\nrefine\nshot lower.png\n' >levels.txt
+"$program" view knot.svo --width 160 --height 120 --script levels.txt || complain "a finished tree ends with key L"
+cmp -s finest.png lower.png || complain "key L changes a finished tree"
+
 # What is missing, and mistakes in scripts.
 printf 'shot a.png\n' >short.txt
 view=("$program" view scene:cube -d 2 --script short.txt)

@@ -23,7 +23,7 @@ static void choose_picture(ui *toolkit, view_state *state)
 static void choose_level(ui *toolkit, view_state *state)
 {
     int level = (int)state->shown.level;
-    if (ui_slider_count(toolkit, "Level", &level, 1, (int)state->level_max)) {
+    if (ui_slider_count(toolkit, "Level", &level, (int)state->level_min, (int)state->level_max)) {
         view_choose_level(state, level);
     }
     ui_tooltip(toolkit, "Of the leaves that are drawn; lower ones are coarser. Key L.");
@@ -118,7 +118,7 @@ void panels_picture(ui *toolkit, view_state *state)
     } else {
         ui_note(toolkit, "Placed trees are shaded, by the lights below.");
     }
-    if (state->level_max > 0) {
+    if (state->level_max > state->level_min) {
         choose_level(toolkit, state);
     }
     if (!state->is_scene) {

@@ -89,8 +89,9 @@ void view_choose_picture(view_state *state, view_picture picture)
 
 void view_choose_level(view_state *state, int level)
 {
+    const int first = (int)state->level_min;
     const int last = (int)state->level_max;
-    state->shown.level = (unsigned)(level < 1 ? 1 : level > last ? last : level);
+    state->shown.level = (unsigned)(level < first ? first : level > last ? last : level);
 }
 
 void view_choose_form(view_state *state, svo_light_form form)

@@ -48,7 +48,7 @@ typedef enum view_picture {
 /* Everything that decides a picture besides camera, lights and instances. */
 typedef struct view_shown {
     view_picture picture;
-    unsigned level; /* of the leaves: 1 .. view_state.level_max */
+    unsigned level; /* of the leaves: view_state.level_min .. level_max */
     bool gi; /* VIEW_FULL shows what cones gather */
     bool photons; /* surfaces that the lights reach light others */
     svo_light_form form; /* how light is stored */
@@ -193,7 +193,7 @@ typedef struct view_state {
     double seconds; /* of the clock */
     bool is_refined; /* the window shows the picture in full */
 
-    unsigned level_max;
+    unsigned level_min, level_max; /* of leaves to choose from; equal where the tree cannot be built anew */
     bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
     bool is_scene; /* placed trees: VIEW_SHADED alone */
 

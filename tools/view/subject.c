@@ -58,6 +58,7 @@ static int describe(subject *which, view_state *state)
     }
     which->level = info.depth;
     state->device = svo_device_name(which->done.opened.device);
+    state->level_min = which->done.source.mesh != NULL ? 1 : info.depth;
     state->level_max = info.depth;
     state->shown.level = info.depth;
     state->has_triangles = (info.need & (uint32_t)SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
@@ -207,7 +208,8 @@ static bool light_is_current(const subject *which, const view_state *state)
 static int make_light(subject *which, view_state *state)
 {
     const job *done = &which->done;
-    const svo_light_options light_options = {.struct_size = sizeof light_options, .form = state->shown.form};
+    const svo_light_options light_options = {
+        .struct_size = sizeof light_options, .form = state->shown.form, .opacity = which->running->options.opacity};
     svo_light_setup setup = lighting_setup(&which->lit, &done->source);
     setup.sources = state->sources;
     setup.source_count = state->source_count;
