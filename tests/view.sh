@@ -70,7 +70,7 @@ mapfile -t panels < <(ls first/panel-*)
 # A finished tree has one level.
 "$program" build scene:knot:2000 -d 5 --need color,normal -o knot.svo -q
 printf 'key tab\nrefine\nshot finest.png\nkey l\nrefine\nshot lower.png\n' >levels.txt
-"$program" view knot.svo --width 160 --height 120 --script levels.txt || complain "a finished tree ends with key L"
+"$program" view knot.svo --width 320 --height 240 --script levels.txt || complain "a finished tree ends with key L"
 cmp -s finest.png lower.png || complain "key L changes a finished tree"
 
 # What is missing, and mistakes in scripts.
