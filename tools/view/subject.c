@@ -208,8 +208,9 @@ static bool light_is_current(const subject *which, const view_state *state)
 static int make_light(subject *which, view_state *state)
 {
     const job *done = &which->done;
-    const svo_light_options light_options = {
-        .struct_size = sizeof light_options, .form = state->shown.form, .opacity = which->running->options.opacity};
+    const svo_light_options light_options = {.struct_size = sizeof light_options,
+                                             .form = state->shown.form,
+                                             .opacity = (svo_opacity)which->running->options.opacity};
     svo_light_setup setup = lighting_setup(&which->lit, &done->source);
     setup.sources = state->sources;
     setup.source_count = state->source_count;
