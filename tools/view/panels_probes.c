@@ -120,9 +120,6 @@ static void draw_map(ui *toolkit, const view_probes *shown)
     (void)ui_canvas(toolkit, "above", 1, &place, NULL);
     (void)ui_canvas(toolkit, "map", floorf(place.width), &place, mouse);
     ui_fill_image(toolkit, place, shown->texture, whole);
-    ui_tooltip(toolkit,
-               "All directions from the probe: +z is the middle, -z the corners, x to the right, y down. Green: "
-               "nothing is there.");
     describe_texel(toolkit, &shown->made, find_texel(shown, mouse));
 }
 
