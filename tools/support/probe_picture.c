@@ -9,7 +9,7 @@
 #include "support/probe_colors.h"
 #include "support/ray_table.h"
 
-/* Of the diagonal of a box: the radius of a sphere around it, a bit larger as for other pictures of depth: 0.87 / sqrt(3). */
+/* Of a box's diagonal: the radius of a sphere around it, as for other pictures of depth: 0.87 / sqrt(3). */
 #define REACH 0.502294734194974
 
 bool probe_picture_has_view(int view)

@@ -18,8 +18,8 @@ typedef struct probe_map {
     bool is_new; /* its pixels are others than before the last update */
 } probe_map;
 
-/* Reads and colors the map of the chosen probe, where the state shows one and it is another than before. version: counts
-   up when the probes change. Returns the exit code. */
+/* Reads and colors the map of the chosen probe, where the state shows one and it is another than before. version:
+   counts up when the probes change. Returns the exit code. */
 int probe_map_update(probe_map *map, program *running, const svo_probes *probes, cl_command_queue queue,
                      unsigned version, view_state *state);
 void probe_map_free(probe_map *map);
