@@ -189,6 +189,7 @@ bool placed_describe(placed *which, view_state *state)
     state->is_scene = true;
     state->shown.picture = VIEW_SHADED;
     state->shown.through = false;
+    state->probes.map = VIEW_MAP_NORMAL;
     (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
     view_lights_changed(state);
     view_instances_changed(state);

@@ -274,6 +274,7 @@ void view_choose_scene(view_state *state, bool is_scene)
         state->is_scene = is_scene;
         state->shown.picture = VIEW_SHADED;
         state->shown.through = false;
+        state->probes.map = is_scene ? VIEW_MAP_NORMAL : state->probes.map;
     }
 }
 
