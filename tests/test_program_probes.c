@@ -183,11 +183,7 @@ static double brightness(const char *options)
              "--lights lights.json -o a.png %s",
              options);
     run_well(line);
-    program_picture picture = read_picture("a.png");
-    const double mean = mean_of(&picture);
-    free_picture(&picture);
-    run_well("rm a.png");
-    return mean;
+    return take_brightness("a.png");
 }
 
 /* Shaded pictures show the light that probes hold. */
