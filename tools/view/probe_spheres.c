@@ -6,8 +6,9 @@
 
 #include "view/camera.h"
 
-#define RADIUS_SHARE  0.06F /* of the least step between probes */
-#define RADIUS_PIXELS 2.5F /* at least */
+#define RADIUS_OF_MEAN  0.06F /* of the mean of the steps between probes along the axes */
+#define RADIUS_OF_LEAST 0.25F /* of the least step, at most */
+#define RADIUS_PIXELS   2.5F /* at least */
 
 static float distance_along_sight(const svo_camera *camera, const float point[3])
 {
@@ -25,7 +26,8 @@ bool probe_sphere_project(const view_state *state, uint32_t index, probe_sphere 
 {
     const svo_probe *probe = &state->probes.places[index];
     const float *step = state->probes.made.step;
-    const float radius = RADIUS_SHARE * fminf(fminf(step[0], step[1]), step[2]);
+    const float radius = fminf(RADIUS_OF_MEAN * (step[0] + step[1] + step[2]) / 3,
+                               RADIUS_OF_LEAST * fminf(fminf(step[0], step[1]), step[2]));
     out->index = index;
     if (!camera_project(state, probe->position, out->pixel)) {
         return false;

@@ -8,7 +8,7 @@
 
 #include "support/probe_picture.h"
 
-#define MIB (1024u * 1024u)
+#define MIB_LOG2 20u
 
 static int fail_device(const probing *which)
 {
@@ -20,7 +20,7 @@ static svo_probe_options options_of(const view_probe_grid *grid, const probing_s
     svo_probe_options asked = {.struct_size = sizeof asked,
                                .resolution = grid->resolution,
                                .field_size = grid->field_size,
-                               .max_bytes = (uint64_t)grid->max_mib * MIB,
+                               .max_bytes = (uint64_t)grid->max_mib << MIB_LOG2,
                                .cones = cones,
                                .light = source->light};
     memcpy(asked.counts, grid->counts, sizeof asked.counts);
