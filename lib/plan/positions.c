@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Keeps the mesh's own vertices beside the snapped ones. Voxels are those of the snapped mesh; rays need no integers and
- * meet the mesh as it was given.
+ * Keeps the mesh's own vertices beside the snapped ones. Voxels are those of the snapped mesh; rays need no integers
+ * and meet the mesh as it was given.
  */
 #include "plan/positions.h"
 

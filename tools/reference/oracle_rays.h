@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rays against every triangle of a mesh in long double: the reference for the ray kernels and for measurements of
- * other libraries. The mesh is the input's, or the snapped one. The edge functions are scalar triple products of the corners relative to the ray
- * origin, not the sheared form of the kernels.
+ * other libraries. The mesh is the input's, or the snapped one. The edge functions are scalar triple products of the
+ * corners relative to the ray origin, not the sheared form of the kernels.
  */
 #ifndef SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
 #define SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
