@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl kernels: compiles what builds of INPUT need and saves it, for --kernels of later runs. */
+/* svocl kernels: compiles what builds of INPUT need and saves it, for later runs. */
+#include <errno.h>
+#include <string.h>
+
 #include "support/job.h"
 #include "support/json.h"
+#include "support/kernel_folder.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
@@ -62,15 +66,37 @@ static int make_kernels(program *state, const input *source, const session *open
     return exit_code;
 }
 
+/* Without --kernels: the user's folder, which is made. */
+static int choose_folder(program *state, char own[KERNEL_FOLDER_BYTES])
+{
+    if (state->options.kernels_path != NULL) {
+        return PROGRAM_DONE;
+    }
+    if (!kernel_folder_name(own)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--kernels DIR is missing, and neither XDG_CACHE_HOME nor HOME names a folder");
+    }
+    if (!kernel_folder_make(own)) {
+        return program_fail(state, PROGRAM_FAILED, "%s cannot be made: %s", own, strerror(errno));
+    }
+    if (!kernel_folder_is_own(own)) {
+        return program_fail(state, PROGRAM_FAILED, "%s is no folder that you alone may write to", own);
+    }
+    state->options.kernels_path = own;
+    return PROGRAM_DONE;
+}
+
 int command_kernels(program *state)
 {
     input source = {0};
     session opened = {0};
-    if (state->options.kernels_path == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--kernels DIR is missing: the folder to save them in");
+    char own[KERNEL_FOLDER_BYTES];
+    int exit_code = choose_folder(state, own);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
     program_begin_progress(state, 4);
-    int exit_code = input_open_any(state, state->options.need, &source);
+    exit_code = input_open_any(state, state->options.need, &source);
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open_device(state, &opened);
     }
