@@ -174,17 +174,19 @@ static cl_int build_texts(const svo_device *device, cl_uint count, const char **
     return clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
 }
 
+#define GUARD " -D_OPENCL_H_"
+
 /* The program without clang's header, after our own declarations (shared/builtins.clh). False where that fails: the
    driver's header then serves. */
 static bool build_short(const svo_device *device, const char *source, const char *options, cl_program *out)
 {
     const char *texts[] = {svo_i_source_builtins, source};
     const char *call = NULL;
-    char with_guard[SVO_I_PROGRAM_OPTIONS_BYTES];
+    char with_guard[SVO_I_PROGRAM_OPTIONS_BYTES + sizeof GUARD];
     if (!includes_opencl_c_h(device)) {
         return false;
     }
-    (void)snprintf(with_guard, sizeof with_guard, "%s -D_OPENCL_H_", options);
+    (void)snprintf(with_guard, sizeof with_guard, "%s" GUARD, options);
     const cl_int error = build_texts(device, 2, texts, with_guard, out, &call);
     if (error != CL_SUCCESS && *out != NULL) {
         clReleaseProgram(*out);
