@@ -212,7 +212,11 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
     char with_types[1024];
     const int length = snprintf(with_types, sizeof with_types, "%s -cl-kernel-arg-info -cl-opt-disable", options);
     assert_in_range(length, 1, sizeof with_types - 1);
-    return __real_clBuildProgram(program, count, devices, with_types, done, user);
+    const cl_int error = __real_clBuildProgram(program, count, devices, with_types, done, user);
+    if (error != CL_SUCCESS) {
+        fail_msg("error %d: %s; a function that kernels/shared/builtins.clh does not declare?", error, options);
+    }
+    return error;
 }
 
 cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error)
