@@ -36,6 +36,9 @@ typedef struct oracle_ray_hit {
    met. */
 bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, double *t);
 
+/* The t at which the ray meets the triangle's plane, wherever on it; infinity for a plane seen edge-on. */
+long double oracle_ray_plane(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray);
+
 /* The closest hit; equal t: the lower index. */
 oracle_ray_hit oracle_ray_closest(const oracle_ray_scene *scene, const oracle_ray *ray);
 
