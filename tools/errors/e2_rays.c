@@ -46,7 +46,8 @@ static result_table *begin_input_table(error_run *run, size_t ray_count)
     result_table *table = result_add_table(run->results, "e2-input", "E2: rays and the input mesh", "");
     result_set_note(
         table,
-        "%zu rays of each kind against the mesh as it was given, floats of 24 bits, by long double. Missed and wrong: as "
+        "%zu rays of each kind against the mesh as it was given, floats of 24 bits, by long double. Missed and wrong: "
+        "as "
         "in the table above. Beyond: hits whose triangle the ray meets more than an ulp of float beyond the nearest "
         "one. Rounded: hits whose t is the exact one of their triangle, correctly rounded; error of t: the largest "
         "against it. %s; methods run interleaved.",

@@ -157,11 +157,10 @@ static bool build_tree(ray_bench *bench)
         svo_tree_get_info(bench->tree, &bench->info);
         bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
         svo_tree_get_arrays(bench->tree, &bench->arrays);
-        bench->exact_mesh =
-            (oracle_ray_scene){.positions = bench->arrays.positions,
-                               .positions_double = bench->arrays.positions_double,
-                               .indices = bench->arrays.indices,
-                               .triangle_count = (size_t)bench->info.list_triangle_count};
+        bench->exact_mesh = (oracle_ray_scene){.positions = bench->arrays.positions,
+                                               .positions_double = bench->arrays.positions_double,
+                                               .indices = bench->arrays.indices,
+                                               .triangle_count = (size_t)bench->info.list_triangle_count};
     }
     return worked;
 }
@@ -275,6 +274,15 @@ static bool is_right_when_perturbed(const ray_bench *bench, size_t index, const 
     return false;
 }
 
+/* Whether the ray touches the triangle that the hit names, and meets no other before. */
+static bool touches_nearest(const ray_bench *bench, size_t index, const svo_hit *hit)
+{
+    const oracle_ray wide = ray_widen(&bench->given->rays[index]);
+    return hit->triangle < bench->info.list_triangle_count &&
+           oracle_ray_touches(&bench->exact_mesh, hit->triangle, &wide) &&
+           !ray_judge_t(&bench->exact_mesh, hit->triangle, &wide, hit->t, bench->exact_ts[index]).beyond;
+}
+
 static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, ray_method_result *result)
 {
     const double exact = bench->exact_ts[index];
@@ -286,7 +294,8 @@ static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, 
         result->t_error_mean += error;
         result->t_error_max = fmax(result->t_error_max, error);
         ++result->compared;
-    } else if ((met || !isinf(exact)) && !is_right_when_perturbed(bench, index, hit)) {
+    } else if ((met || !isinf(exact)) && !touches_nearest(bench, index, hit) &&
+               !is_right_when_perturbed(bench, index, hit)) {
         ++*(met ? &result->wrong : &result->missed);
     }
 }

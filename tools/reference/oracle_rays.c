@@ -162,3 +162,15 @@ double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size
     }
     return best;
 }
+
+bool oracle_ray_touches(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray)
+{
+    const double t = (double)oracle_ray_plane(scene, triangle, ray);
+    double point[3];
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = ray->origin[axis] + t * ray->direction[axis];
+        largest = fmax(largest, fmax(fabs(point[axis]), fabs(ray->origin[axis])));
+    }
+    return isfinite(t) && oracle_triangle_distance(scene, triangle, point) <= largest * 0x1p-48;
+}

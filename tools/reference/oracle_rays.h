@@ -50,4 +50,8 @@ size_t oracle_ray_count(const oracle_ray_scene *scene, const oracle_ray *ray);
 double oracle_triangle_distance(const oracle_ray_scene *scene, size_t triangle, const double point[3]);
 double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size_t *triangle);
 
+/* Whether the ray passes the triangle no farther than double can tell. Long double may take a ray that meets exactly a
+   corner for one beside it. */
+bool oracle_ray_touches(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray);
+
 #endif
