@@ -99,10 +99,14 @@ typedef enum svo_trace_flags {
 
 #define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
 
-/** Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
+/** Traces rays against the triangles of the mesh as it was given, as far as they lie inside the grid; of a tree with
+ *  SVO_POSITIONS_SNAPPED against those of the snapped mesh. On a caller's grid the hits of a triangle that has a voxel
+ *  there may lie half a grid unit outside, since voxels are those of the snapped mesh.
  *
  * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
- * tree's depth; elsewhere the same watertight test runs in single precision. Closed surfaces have no gaps: a ray
+ * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid
+ * units, which are off by at most 2^-25 of the grid's width. t is that of the exact hit, rounded to float, or next to
+ * it. Closed surfaces have no gaps: a ray
  * through an edge or a corner hits one of the triangles there. A ray with a number that is not finite (t_max excepted),
  * without a direction, or with t_min above t_max hits nothing.
  *
@@ -166,10 +170,10 @@ SVO_API svo_status svo_tree_trace_voxels_enqueue(svo_tree *tree, cl_mem rays, cl
 SVO_API svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
                                          float footprint, cl_command_queue queue);
 
-/** Finds the nearest triangle of the snapped mesh to each point: least distance as reported, then least position in the
- *  mesh. Distances are computed in double precision and rounded to float, on devices with cl_khr_fp64. Triangles must
- *  lie inside the grid, as all do on a fitted one. A point that is not finite, or without a triangle within its
- *  max_distance, has none.
+/** Finds the nearest triangle to each point: least distance as reported, then least position in the mesh. The mesh is
+ *  the one that rays meet. Distances are computed in double precision and rounded to float, on devices with
+ *  cl_khr_fp64. Triangles must lie inside the grid, as all do on a fitted one. A point that is not finite, or without a
+ *  triangle within its max_distance, has none.
  *
  * \param tree see svo_tree_trace_enqueue
  * \param points buffer of that device's context with point_count records of svo_query_point; NULL allowed when that
