@@ -4,7 +4,7 @@
  * SVO_RAY_STREAMS: for CPUs.
  *
  * On GPUs a work-item traces one ray, and other work-items hide its latency. On CPUs a work-item traces an equal share
- * of all rays, as packets (ray_packet.clh) and streams (ray_stream.clh). The hits are the same.
+ * of all rays (ray_batch.clh). The hits are the same.
  *
  * Launch: one dimension, groups of SVO_TRACE_ITEMS work-items: on GPUs at least one work-item per ray, on CPUs any
  * number of them.
@@ -12,8 +12,7 @@
  */
 #include "shared/layout.h"
 
-#include "rays/ray_packet.clh"
-#include "rays/ray_stream.clh"
+#include "rays/ray_batch.clh"
 #include "rays/rays.clh"
 
 #ifdef SVO_RAY_STREAMS
@@ -22,32 +21,35 @@
 #define SVO_TRACE_ITEMS SVO_GROUP_ITEMS
 #endif
 
+/* The rays of this work-item: equal shares, of whole packets on CPUs. */
+static void svo_trace_share(uint ray_count, uint *first, uint *end)
+{
+#ifdef SVO_RAY_STREAMS
+    const uint items = (uint)get_global_size(0);
+    const ulong share = ((ray_count - 1u) / SVO_PACKET_RAYS / items + 1u) * (ulong)SVO_PACKET_RAYS;
+#else
+    const ulong share = 1u;
+#endif
+    *first = (uint)min(get_global_id(0) * share, (ulong)ray_count);
+    *end = (uint)min(*first + share, (ulong)ray_count);
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_TRACE_ITEMS, 1, 1))) void
 svo_k_trace(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit *hits, uint ray_count, uint any)
 {
+    uint first;
+    uint end;
+    svo_trace_share(ray_count, &first, &end);
     SVO_TREE_MAKE(tree);
-#ifdef SVO_RAY_STREAMS
-    const uint items = (uint)get_global_size(0);
-    const ulong per_item = ((ray_count - 1u) / SVO_PACKET_RAYS / items + 1u) * (ulong)SVO_PACKET_RAYS;
-    const uint first = (uint)min(get_global_id(0) * per_item, (ulong)ray_count);
-    const uint end = (uint)min(first + per_item, (ulong)ray_count);
-    uint i = first;
-    const uint packed = (end - first) / SVO_PACKET_RAYS * SVO_PACKET_RAYS;
-    svo_stream_trace(&tree, rays + first, hits + first, packed, any != 0u);
-    i += packed;
-#else
-    uint i = (uint)get_global_id(0);
-    const uint end = min(i + 1u, ray_count);
-#endif
-    for (; i < end; ++i) {
+#ifdef SVO_COUNT_HITS
+    (void)any;
+    for (uint i = first; i < end; ++i) {
         const svo_ray ray = rays[i];
         svo_hit hit;
-#ifdef SVO_COUNT_HITS
-        (void)any;
         svo_trace_count(&tree, &ray, &hit);
-#else
-        svo_trace_first(&tree, &ray, any != 0u, &hit);
-#endif
         hits[i] = hit;
     }
+#else
+    svo_trace_rays(&tree, rays + first, hits + first, end - first, any != 0u);
+#endif
 }
