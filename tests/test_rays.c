@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -435,6 +436,96 @@ static void run_voxel_kernel(const fixture *opened, const built *tree, const svo
     clReleaseKernel(kernel);
 }
 
+/* Each work-item traces an array of rays: 77 of them, so that packets and what remains meet other rays than in the
+   library's batches. */
+#define RAYS_PER_ITEM 77u
+static const char arrays_kernel[] =
+    "__kernel void find(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit *hits, uint count, uint "
+    "any)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const uint first = min((uint)get_global_id(0) * 77u, count);\n"
+    "    svo_trace_rays(&tree, rays + first, hits + first, min(77u, count - first), any != 0u);\n"
+    "}\n";
+
+static void run_arrays_kernel(const fixture *opened, const built *tree, const char *options, cl_uint any,
+                              const svo_ray *rays, svo_hit *hits, cl_uint count)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), arrays_kernel};
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_context context = svo_device_cl_context(opened->device);
+    const size_t items = (count + RAYS_PER_ITEM - 1u) / RAYS_PER_ITEM;
+    const size_t local = 1;
+    cl_int error = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(context, 2, sources, NULL, &error);
+    assert_int_equal(clBuildProgram(program, 1, &device, options, NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "find", &error);
+    cl_mem from = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, count * sizeof *rays, (void *)rays, NULL);
+    cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
+    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof count, &count);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 3, sizeof any, &any);
+    assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &items, &local, 0, NULL, NULL), CL_SUCCESS);
+    clEnqueueReadBuffer(opened->queue, to, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL);
+    clReleaseMemObject(from);
+    clReleaseMemObject(to);
+    clReleaseKernel(kernel);
+    clReleaseProgram(program);
+}
+
+/* Camera rays, then scattered ones; with streams and without. */
+static void an_own_kernel_traces_arrays_of_rays(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 3000 };
+    static svo_ray rays[RAYS];
+    static svo_hit expected[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 21;
+    scene *made = make_scene("knot:3000");
+    built tree;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 1.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double pixel[3] = {0.35 + 1e-3 * (double)(i % 50), 0.2 + 2e-2 * (double)(i / 50), 0.5};
+            const double at = i < RAYS / 2 ? pixel[axis] : random_unit(&random);
+            const double eye = i < RAYS / 2 ? 1.5 + 0.25 * axis : axis == (int)(i % 3) ? 2.0 : random_unit(&random);
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * eye);
+            rays[i].direction[axis] =
+                (float)(tree.info.origin[axis] + tree.info.edge * at - (double)rays[i].origin[axis]);
+        }
+    }
+    for (cl_uint any = 0; any < 2; ++any) {
+        trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, expected);
+        size_t met = 0;
+        for (size_t i = 0; i < RAYS / 2; ++i) {
+            met += expected[i].triangle != SVO_NO_TRIANGLE;
+        }
+        assert_in_range(met, RAYS / 20, RAYS / 2 - RAYS / 20);
+        for (int streams = 0; streams < 2; ++streams) {
+            char options[128];
+            snprintf(options, sizeof options, "%s%s", svo_tree_kernel_options(),
+                     streams != 0 ? " -DSVO_RAY_STREAMS" : "");
+            run_arrays_kernel(opened, &tree, options, any, rays, hits, RAYS);
+            for (size_t i = 0; i < RAYS; ++i) {
+                const bool same =
+                    any != 0 ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
+                             : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
+                if (!same) {
+                    fail_msg("ray %zu, any %u, streams %d: triangle %u, expected %u", i, any, streams, hits[i].triangle,
+                             expected[i].triangle);
+                    return;
+                }
+            }
+        }
+    }
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 /* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
 static void voxel_hits_come_just_before_triangle_hits(void **state)
 {
@@ -560,6 +651,7 @@ int main(void)
         cmocka_unit_test(the_bvh_is_built_on_request),
         cmocka_unit_test(the_bvh_is_refused_for_trees_without_lists),
         cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
+        cmocka_unit_test(an_own_kernel_traces_arrays_of_rays),
         cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
         cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),

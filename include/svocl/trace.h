@@ -217,6 +217,11 @@ SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *point
  *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
  *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
  *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *     void svo_trace_rays(const svo_tree *, global const svo_ray *, global svo_hit *, uint ray_count, bool any)
+ *         svo_trace_closest, or any: svo_trace_any, for an array of rays by one work-item. On CPUs the option
+ *         -DSVO_RAY_STREAMS makes it trace them as svo_tree_trace does, in packets of coherent rays and streams of
+ *         others: best hundreds at once. The hits are the same. On GPUs leave the option out, and trace a ray by a
+ *         work-item
  *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
  *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
  *

@@ -212,7 +212,7 @@ static bool choose_call(const ray_run *run, const ray_set *set, ray_rival *rival
 {
     embree_call best = {.width = 0};
     double best_ms = HUGE_VAL;
-    for (size_t i = 0; i < 2 * RAY_CALLS && rival->peer != NULL; ++i) {
+    for (size_t i = 0; i < (size_t)2 * RAY_CALLS && rival->peer != NULL; ++i) {
         rival->call = (embree_call){.width = widths[i / 2], .any = set->any, .coherent = i % 2 != 0};
         const bool is_asked = rival->width == 0 || rival->width == rival->call.width;
         const double ms = is_asked ? trace_theirs(run, set, rival) : HUGE_VAL;
