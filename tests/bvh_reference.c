@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The BVH that rays traverse: nodes of up to eight children, leaves of up to eight triangles, each triangle in one
- * leaf. It is built when a tree's rays are first used; kernels/rays/rays.clh reads it.
- *
- * The surface area heuristic decides where a set of triangles is split, estimated with bins along the three axes (Wald,
- * "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node splits the set with the largest area
- * until it has eight sets, or all fit leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Bounds are
- * whole grid units, exact in floats; nodes store them rounded outwards to 16 bits (after Mahovsky and Wyvill,
- * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are only added, multiplied
- * and compared, so the same geometry gives the same BVH everywhere.
+ * The reference of bvh_make, quality SVO_BVH_BEST: the same splits, one after the other on the host. Where
+ * kernels/bvh works by levels and in parallel, this recurses, and its nodes are in depth-first order.
  */
-#include "rays/bvh.h"
+#include "bvh_reference.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Bins along an axis. Sets of fewer items use half as many, since evaluating the bins would cost more than filling
@@ -33,16 +28,15 @@ typedef struct item {
 
 /* Consecutive items that become one child. */
 typedef struct range {
-    box bounds;
+    float area; /* half of the bounds'; an estimate after a split by count */
     uint32_t first, count;
     uint32_t halvings; /* splits from the set of all items down to this one */
 } range;
 
 typedef struct maker {
-    const svo_i_memory *memory;
-    const svo_i_bvh_source *source;
-    svo_i_bvh *out;
-    item *items;
+    const bvh_source *source;
+    bvh *out;
+    item *items, *spare;
     uint32_t item_count;
 } maker;
 
@@ -76,7 +70,7 @@ static float box_center(const box *b, int axis)
     return b->least[axis] - b->least[4 + axis];
 }
 
-static void box_of_triangle(const svo_i_bvh_source *source, uint32_t triangle, box *out)
+static void box_of_triangle(const bvh_source *source, uint32_t triangle, box *out)
 {
     const float width = (float)(1u << source->snap_bits);
     box_clear(out);
@@ -114,6 +108,18 @@ static int bin_of(const binning *by, const box *bounds, int axis)
     return (int)((box_center(bounds, axis) - by->begin[axis]) * by->per_unit[axis]);
 }
 
+/* About 1 / value, for 2^-60 < value < 2^60, by Newton's iteration as kernels/bvh/boxes.clh has it. */
+static float reciprocal(float value)
+{
+    int exponent = 0;
+    const float mantissa = frexpf(value, &exponent);
+    float inverse = 2.9142136f - 2.0f * mantissa;
+    for (int i = 0; i < 4; ++i) {
+        inverse = inverse * (2.0f - mantissa * inverse);
+    }
+    return ldexpf(inverse, -exponent);
+}
+
 static void place_bins(const item *items, uint32_t count, binning *out)
 {
     float least[3] = {0x1p40f, 0x1p40f, 0x1p40f};
@@ -129,7 +135,7 @@ static void place_bins(const item *items, uint32_t count, binning *out)
     for (int axis = 0; axis < 3; ++axis) {
         const float width = greatest[axis] - least[axis];
         out->begin[axis] = least[axis];
-        out->per_unit[axis] = width > 0.0f ? (float)out->bin_count * 0.9999f / width : 0.0f;
+        out->per_unit[axis] = width > 0x1p-40f ? (float)out->bin_count * 0.9999f * reciprocal(width) : 0.0f;
     }
 }
 
@@ -150,12 +156,12 @@ static void fill_bins(const item *items, uint32_t count, const binning *by, bin 
     }
 }
 
-/* A split of a set, and the bounds of the two parts. */
+/* A split of a set, and half the areas of the two parts. */
 typedef struct cut {
     float cost;
     int axis; /* negative: none found */
     int at; /* the first bin of the second part */
-    box parts[2];
+    float areas[2];
 } cut;
 
 static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *best)
@@ -181,25 +187,25 @@ static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *b
         }
         const float cost = box_half_area(&sum) * (float)count + box_half_area(&after[k]) * (float)count_after[k];
         if (best->axis < 0 || cost < best->cost) {
-            *best = (cut){.cost = cost, .axis = axis, .at = k, .parts = {sum, after[k]}};
+            *best =
+                (cut){.cost = cost, .axis = axis, .at = k, .areas = {box_half_area(&sum), box_half_area(&after[k])}};
         }
     }
 }
 
-/* Moves the items of the first part to the front. Returns their number. */
-static uint32_t part_items(item *items, uint32_t count, const binning *by, const cut *where)
+/* Moves the items of the first part to the front; all stay in order. Returns their number. */
+static uint32_t part_items(item *items, item *spare, uint32_t count, const binning *by, const cut *where)
 {
     uint32_t front = 0;
-    uint32_t back = count;
-    while (front < back) {
-        if (bin_of(by, &items[front].bounds, where->axis) < where->at) {
-            ++front;
+    uint32_t back = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (bin_of(by, &items[i].bounds, where->axis) < where->at) {
+            items[front++] = items[i];
         } else {
-            const item moved = items[front];
-            items[front] = items[--back];
-            items[back] = moved;
+            spare[back++] = items[i];
         }
     }
+    memcpy(items + front, spare, back * sizeof *spare);
     return front;
 }
 
@@ -225,10 +231,10 @@ static uint32_t halvings_by_count(uint32_t count)
 
 /* Splits a range that is too large for a leaf in two: by area, while enough levels remain to split the parts by count;
    otherwise by count. */
-static void halve(item *all, const range *whole, range *first, range *second)
+static void halve(maker *m, const range *whole, range *first, range *second)
 {
-    item *items = all + whole->first;
-    cut where = {.axis = -1};
+    item *items = m->items + whole->first;
+    cut where = {.axis = -1, .areas = {0.5f * whole->area, 0.5f * whole->area}};
     uint32_t front = whole->count / 2;
     if (whole->halvings + 1 + halvings_by_count(whole->count) <= SVO_BVH_DEPTH_MAX) {
         binning by;
@@ -238,16 +244,12 @@ static void halve(item *all, const range *whole, range *first, range *second)
         for (int axis = 0; axis < 3; ++axis) {
             find_cut_along(bins[axis], by.bin_count, axis, &where);
         }
-        front = where.axis < 0 ? front : part_items(items, whole->count, &by, &where);
-    }
-    if (where.axis < 0) {
-        where.parts[0] = bounds_of(items, front);
-        where.parts[1] = bounds_of(items + front, whole->count - front);
+        front = where.axis < 0 ? front : part_items(items, m->spare, whole->count, &by, &where);
     }
     const uint32_t halvings = whole->halvings + 1;
     const range parts[2] = {
-        {.bounds = where.parts[0], .first = whole->first, .count = front, .halvings = halvings},
-        {.bounds = where.parts[1], .first = whole->first + front, .count = whole->count - front, .halvings = halvings}};
+        {.area = where.areas[0], .first = whole->first, .count = front, .halvings = halvings},
+        {.area = where.areas[1], .first = whole->first + front, .count = whole->count - front, .halvings = halvings}};
     *first = parts[0];
     *second = parts[1];
 }
@@ -255,7 +257,7 @@ static void halve(item *all, const range *whole, range *first, range *second)
 /* ---- records ---- */
 
 /* Grows an array to at least needed elements. Returns false, with the array unchanged, when out of memory. */
-static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, size_t needed, size_t element_bytes)
+static bool reserve(void **array, size_t *capacity, size_t needed, size_t element_bytes)
 {
     if (needed <= *capacity) {
         return true;
@@ -264,7 +266,7 @@ static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, 
     while (grown < needed) {
         grown += grown / 2;
     }
-    void *moved = grown <= SIZE_MAX / element_bytes ? svo_i_grow(memory, *array, grown * element_bytes) : NULL;
+    void *moved = grown <= SIZE_MAX / element_bytes ? realloc(*array, grown * element_bytes) : NULL;
     if (moved == NULL) {
         return false;
     }
@@ -274,7 +276,7 @@ static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, 
 }
 
 /* Least and greatest coordinates of whole triangles. Returns whether their difference takes more than 16 bits. */
-static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
+static bool find_leaf_bounds(const bvh_source *source, const item *items, uint32_t count, int32_t low[3],
                              int32_t high[3])
 {
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -297,7 +299,7 @@ static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, 
 }
 
 /* Writes nine rows: one coordinate of one corner each, relative to the origin. */
-static void write_corners(const svo_i_bvh_source *source, const item *items, uint32_t count, const int32_t origin[3],
+static void write_corners(const bvh_source *source, const item *items, uint32_t count, const int32_t origin[3],
                           bool wide, uint32_t *words)
 {
     uint16_t *halves = (uint16_t *)words;
@@ -320,14 +322,14 @@ static void write_corners(const svo_i_bvh_source *source, const item *items, uin
 /* Adds a leaf. *reference receives a node's reference to it. */
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
-    svo_i_bvh *out = m->out;
+    bvh *out = m->out;
     int32_t low[3] = {0, 0, 0};
     int32_t high[3] = {0, 0, 0};
     const bool wide = count > 0 && find_leaf_bounds(m->source, items, count, low, high);
     const size_t corner_words = wide ? 9 * (size_t)count : (9 * (size_t)count + 1) / 2;
     const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + corner_words + count + 3) / 4 * 4;
     const size_t position = out->leaf_words / 4;
-    if (position >= SVO_RAY_LEAF || !reserve(m->memory, (void **)&out->leaves, &out->leaf_capacity,
+    if (position >= SVO_RAY_LEAF || !reserve((void **)&out->leaves, &out->leaf_capacity,
                                              out->leaf_words + words + PADDING_WORDS, sizeof *out->leaves)) {
         return false;
     }
@@ -350,9 +352,9 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
 /* Adds a node without children: all references are to the empty leaf. */
 static bool add_node(maker *m, uint32_t *index)
 {
-    svo_i_bvh *out = m->out;
+    bvh *out = m->out;
     if (out->node_count >= SVO_RAY_LEAF ||
-        !reserve(m->memory, (void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
+        !reserve((void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
         return false;
     }
     svo_ray_node *node = &out->nodes[out->node_count];
@@ -394,7 +396,7 @@ static int largest_range(const range *ranges, int count)
     int best = -1;
     float most = 0.0f;
     for (int i = 0; i < count; ++i) {
-        const float area = box_half_area(&ranges[i].bounds);
+        const float area = ranges[i].area;
         if (ranges[i].count > SVO_RAY_LEAF_TRIANGLES && (best < 0 || area > most)) {
             best = i;
             most = area;
@@ -411,7 +413,7 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
     int count = whole->count > 0 ? 1 : 0;
     for (int best = largest_range(ranges, count); best >= 0 && count < 8; best = largest_range(ranges, count)) {
         const range whole_set = ranges[best];
-        halve(m->items, &whole_set, &ranges[best], &ranges[count]);
+        halve(m, &whole_set, &ranges[best], &ranges[count]);
         ++count;
     }
     if (!add_node(m, index)) {
@@ -425,7 +427,8 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
         if (!made) {
             return false;
         }
-        set_child(&m->out->nodes[*index], i, &ranges[i].bounds, m->source->snap_bits - SVO_RAY_BOX_BITS, reference);
+        const box bounds = bounds_of(m->items + ranges[i].first, ranges[i].count);
+        set_child(&m->out->nodes[*index], i, &bounds, m->source->snap_bits - SVO_RAY_BOX_BITS, reference);
     }
     return true;
 }
@@ -435,12 +438,13 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
 /* Collects the triangles to include, each once, in their order. */
 static bool gather_items(maker *m)
 {
-    const svo_i_bvh_source *source = m->source;
+    const bvh_source *source = m->source;
     const uint32_t count = source->triangle_count;
-    uint8_t *listed = source->list != NULL ? svo_i_alloc_zeroed(m->memory, (size_t)count + 1, 1) : NULL;
-    m->items = svo_i_alloc_zeroed(m->memory, (size_t)count + 1, sizeof *m->items);
-    if (m->items == NULL || (source->list != NULL && listed == NULL)) {
-        svo_i_free(listed);
+    uint8_t *listed = source->list != NULL ? calloc((size_t)count + 1, 1) : NULL;
+    m->items = calloc((size_t)count + 1, sizeof *m->items);
+    m->spare = calloc((size_t)count + 1, sizeof *m->spare);
+    if (m->items == NULL || m->spare == NULL || (source->list != NULL && listed == NULL)) {
+        free(listed);
         return false;
     }
     for (uint64_t i = 0; listed != NULL && i < source->list_count; ++i) {
@@ -453,28 +457,29 @@ static bool gather_items(maker *m)
             box_of_triangle(source, i, &added->bounds);
         }
     }
-    svo_i_free(listed);
+    free(listed);
     return true;
 }
 
-bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, svo_i_bvh *out)
+bool bvh_reference_make(const bvh_source *source, bvh *out)
 {
-    maker m = {.memory = memory, .source = source, .out = out};
+    maker m = {.source = source, .out = out};
     uint32_t unread = 0;
-    *out = (svo_i_bvh){.nodes = NULL};
+    *out = (bvh){.nodes = NULL};
     bool made = gather_items(&m) && add_leaf(&m, NULL, 0, &unread);
     if (made) {
-        const range all = {.bounds = bounds_of(m.items, m.item_count), .first = 0, .count = m.item_count};
+        const range all = {.area = 1.0f, .first = 0, .count = m.item_count};
         made = make_node(&m, &all, &unread);
     }
     out->leaf_words += made ? PADDING_WORDS : 0;
-    svo_i_free(m.items);
+    free(m.items);
+    free(m.spare);
     return made;
 }
 
-void svo_i_bvh_free(svo_i_bvh *bvh)
+void bvh_reference_free(bvh *made)
 {
-    svo_i_free(bvh->nodes);
-    svo_i_free(bvh->leaves);
-    *bvh = (svo_i_bvh){.nodes = NULL};
+    free(made->nodes);
+    free(made->leaves);
+    *made = (bvh){.nodes = NULL};
 }

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The 8-wide BVH that rays traverse, built on the host from a finished octree's geometry. */
-#ifndef SVO_LIB_RAYS_BVH_H
-#define SVO_LIB_RAYS_BVH_H
+/* The reference of the BVH that rays traverse, made on the host. */
+#ifndef SVOCL_TESTS_BVH_REFERENCE_H
+#define SVOCL_TESTS_BVH_REFERENCE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/memory.h"
 #include "shared/layout.h"
 
 /* The geometry, as the octree holds it. */
-typedef struct svo_i_bvh_source {
+typedef struct bvh_source {
     const int32_t *vertices; /* three coordinates each, grid units */
     const uint32_t *indices; /* three per triangle */
     const uint32_t *triangle_ids;
@@ -19,18 +18,17 @@ typedef struct svo_i_bvh_source {
     uint64_t list_count;
     uint32_t triangle_count;
     uint32_t snap_bits; /* the grid is 2^snap_bits units wide */
-} svo_i_bvh_source;
+} bvh_source;
 
-typedef struct svo_i_bvh {
+typedef struct bvh {
     svo_ray_node *nodes; /* the first is the root */
     size_t node_count, node_capacity;
     uint32_t *leaves; /* records as in layout.h, the empty leaf first; padded for reads beyond the last */
     size_t leaf_words, leaf_capacity;
-} svo_i_bvh;
+} bvh;
 
-/* Returns false when out of memory, or with more nodes or leaves than references can address. The caller frees *out
-   with svo_i_bvh_free in either case. */
-bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, svo_i_bvh *out);
-void svo_i_bvh_free(svo_i_bvh *bvh);
+/* Returns false when out of memory. The caller frees *out with bvh_reference_free in either case. */
+bool bvh_reference_make(const bvh_source *source, bvh *out);
+void bvh_reference_free(bvh *made);
 
 #endif
