@@ -21,7 +21,8 @@
 #include "light/filter.h"
 #include "meshes.h"
 #include "rays/rays.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
+#include "shared/probe_layout.h"
 #include "solid_meshes.h"
 
 #define KERNELS_MAX   192
