@@ -12,6 +12,8 @@
 /* The geometry, as the octree holds it. */
 typedef struct bvh_source {
     const int32_t *vertices; /* three coordinates each, grid units */
+    const float *floats; /* what leaves hold of the vertices */
+    const double *doubles; /* NULL: floats alone */
     const uint32_t *indices; /* three per triangle */
     const uint32_t *triangle_ids;
     const uint32_t *list; /* the triangles to include, any number of times each; NULL: all */
@@ -29,6 +31,9 @@ typedef struct bvh {
 
 /* Returns false when out of memory. The caller frees *out with bvh_reference_free in either case. */
 bool bvh_reference_make(const bvh_source *source, bvh *out);
+/* In a leaf of so many triangles: the words after the head at which the positions in the mesh begin, and all words. */
+size_t bvh_reference_ids_begin(bool has_doubles, uint32_t count);
+size_t bvh_reference_leaf_words(bool has_doubles, uint32_t count);
 void bvh_reference_free(bvh *made);
 
 #endif

@@ -44,6 +44,8 @@ static int close_device(void **state)
 typedef struct soup {
     uint32_t triangle_count;
     int32_t *vertices; /* three per triangle */
+    float *floats; /* what leaves hold of them: something else */
+    double *doubles; /* NULL: floats alone */
     uint32_t *indices, *triangle_ids;
     uint32_t *list; /* NULL: all triangles lie inside the grid */
     uint32_t list_count;
@@ -64,19 +66,35 @@ static soup make_soup(uint32_t triangle_count)
 {
     soup made = {.triangle_count = triangle_count};
     made.vertices = calloc((size_t)triangle_count * 9 + 1, sizeof *made.vertices);
+    made.floats = calloc((size_t)triangle_count * 9 + 1, sizeof *made.floats);
     made.indices = calloc((size_t)triangle_count * 3 + 1, sizeof *made.indices);
     made.triangle_ids = calloc((size_t)triangle_count + 1, sizeof *made.triangle_ids);
-    assert_true(made.vertices != NULL && made.indices != NULL && made.triangle_ids != NULL);
+    assert_true(made.vertices != NULL && made.floats != NULL && made.indices != NULL && made.triangle_ids != NULL);
     for (uint32_t i = 0; i < triangle_count * 3; ++i) {
         made.indices[i] = i;
         made.triangle_ids[i / 3] = 2 * (i / 3) + 5;
     }
+    for (uint32_t i = 0; i < triangle_count * 9; ++i) {
+        made.floats[i] = (float)i * 0.75F;
+    }
     return made;
+}
+
+/* Leaves of the soup hold doubles too. */
+static void give_doubles(soup *to)
+{
+    to->doubles = calloc((size_t)to->triangle_count * 9 + 1, sizeof *to->doubles);
+    assert_non_null(to->doubles);
+    for (uint32_t i = 0; i < to->triangle_count * 9; ++i) {
+        to->doubles[i] = (double)i / 3;
+    }
 }
 
 static void free_soup(soup *made)
 {
     free(made->vertices);
+    free(made->floats);
+    free(made->doubles);
     free(made->indices);
     free(made->triangle_ids);
     free(made->list);
@@ -173,7 +191,7 @@ static soup scene_soup(const char *name)
 /* ---- BVHs of the device, on the host ---- */
 
 typedef struct placed {
-    cl_mem buffers[4];
+    cl_mem buffers[6];
     svo_i_bvh_mesh mesh;
 } placed;
 
@@ -191,11 +209,15 @@ static placed place(const soup *from)
 {
     const size_t count = from->triangle_count;
     placed out = {.buffers = {to_device(from->vertices, count * 36), to_device(from->indices, count * 12),
-                              to_device(from->triangle_ids, count * 4), to_device(from->list, from->list_count * 4)}};
+                              to_device(from->triangle_ids, count * 4), to_device(from->list, from->list_count * 4),
+                              to_device(from->floats, count * 36),
+                              from->doubles != NULL ? to_device(from->doubles, count * 72) : NULL}};
     out.mesh = (svo_i_bvh_mesh){.vertices = out.buffers[0],
                                 .indices = out.buffers[1],
                                 .triangle_ids = out.buffers[2],
                                 .list = out.buffers[3],
+                                .floats = out.buffers[4],
+                                .doubles = out.buffers[5],
                                 .vertex_count = count * 3,
                                 .list_count = from->list_count,
                                 .triangle_count = from->triangle_count,
@@ -205,8 +227,10 @@ static placed place(const soup *from)
 
 static void take_away(placed *of)
 {
-    for (int i = 0; i < 4; ++i) {
-        clReleaseMemObject(of->buffers[i]);
+    for (int i = 0; i < 6; ++i) {
+        if (of->buffers[i] != NULL) {
+            clReleaseMemObject(of->buffers[i]);
+        }
     }
 }
 
@@ -252,6 +276,8 @@ static bvh make(const soup *from, const svo_i_bvh_options *options)
 static bvh_source source_of(const soup *from)
 {
     return (bvh_source){.vertices = from->vertices,
+                        .floats = from->floats,
+                        .doubles = from->doubles,
                         .indices = from->indices,
                         .triangle_ids = from->triangle_ids,
                         .list = from->list,
@@ -270,15 +296,8 @@ static void assert_same_bytes(const bvh *a, const bvh *b)
 
 /* ---- against the reference ---- */
 
-static uint32_t leaf_words(const uint32_t *record)
-{
-    const uint32_t count = record[3] & ~SVO_RAY_LEAF_WIDE;
-    const uint32_t corners = (record[3] & SVO_RAY_LEAF_WIDE) != 0 ? 9 * count : (9 * count + 1) / 2;
-    return (SVO_RAY_LEAF_HEAD_WORDS + corners + count + 3) / 4 * 4;
-}
-
 /* The same children with the same bounds and the same leaves, whatever the order of the nodes. */
-static void assert_same_node(const bvh *a, size_t index_a, const bvh *b, size_t index_b)
+static void assert_same_node(const bvh *a, size_t index_a, const bvh *b, size_t index_b, bool has_doubles)
 {
     const svo_ray_node *node_a = &a->nodes[index_a];
     const svo_ray_node *node_b = &b->nodes[index_b];
@@ -289,13 +308,13 @@ static void assert_same_node(const bvh *a, size_t index_a, const bvh *b, size_t 
         const uint32_t child_b = node_b->child[i];
         assert_int_equal(child_a & SVO_RAY_LEAF, child_b & SVO_RAY_LEAF);
         if ((child_a & SVO_RAY_LEAF) == 0) {
-            assert_same_node(a, child_a, b, child_b);
+            assert_same_node(a, child_a, b, child_b, has_doubles);
             continue;
         }
         const uint32_t *leaf_a = a->leaves + (size_t)(child_a & ~SVO_RAY_LEAF) * 4;
         const uint32_t *leaf_b = b->leaves + (size_t)(child_b & ~SVO_RAY_LEAF) * 4;
         assert_int_equal(leaf_a[3], leaf_b[3]);
-        assert_memory_equal(leaf_a, leaf_b, leaf_words(leaf_a) * sizeof *leaf_a);
+        assert_memory_equal(leaf_a, leaf_b, bvh_reference_leaf_words(has_doubles, leaf_a[3]) * sizeof *leaf_a);
     }
 }
 
@@ -307,7 +326,7 @@ static void assert_is_reference(const soup *from)
     assert_true(bvh_reference_make(&source, &expected));
     assert_int_equal(made.node_count, expected.node_count);
     assert_int_equal(made.leaf_words, expected.leaf_words);
-    assert_same_node(&made, 0, &expected, 0);
+    assert_same_node(&made, 0, &expected, 0, from->doubles != NULL);
     bvh_reference_free(&made);
     bvh_reference_free(&expected);
 }
@@ -322,6 +341,8 @@ static void the_best_bvh_is_that_of_the_reference(void **state)
         free_soup(&from);
     }
     soup leaving = leaving_soup(12000, 3);
+    assert_is_reference(&leaving);
+    give_doubles(&leaving);
     assert_is_reference(&leaving);
     free_soup(&leaving);
 }
@@ -356,25 +377,24 @@ static uint32_t bound_of(const uint32_t words[12], int axis, int child)
     return words[4 * axis + child / 2] >> (16 * (child % 2)) & 0xffff;
 }
 
-/* A triangle of a leaf: its corners are those of the mesh, and inside the boxes above as far as inside the grid. */
+/* A triangle of a leaf: its corners are those of the mesh, and the snapped ones are inside the boxes above as far as
+   inside the grid. */
 static void inspect_triangle(inspection *i, const uint32_t *record, uint32_t lane, const uint32_t low[3],
                              const uint32_t high[3])
 {
-    const uint32_t count = record[3] & ~SVO_RAY_LEAF_WIDE;
-    const bool wide = (record[3] & SVO_RAY_LEAF_WIDE) != 0;
-    const uint32_t *corners = record + SVO_RAY_LEAF_HEAD_WORDS;
-    const uint32_t id = corners[(wide ? 9 * count : (9 * count + 1) / 2) + lane];
+    const uint32_t count = record[3];
+    const uint32_t *words = record + SVO_RAY_LEAF_HEAD_WORDS;
+    const uint32_t id = words[bvh_reference_ids_begin(i->from->doubles != NULL, count) + lane];
     const uint32_t triangle = (id - 5) / 2;
     assert_in_range(triangle, 0, i->from->triangle_count - 1);
     assert_int_equal(i->met[triangle], 0);
     i->met[triangle] = 1;
     for (uint32_t k = 0; k < 9; ++k) {
-        const uint32_t row = k * count + lane;
         const uint32_t axis = k / 3;
-        const int32_t expected = i->from->vertices[9 * (size_t)triangle + 3 * (k % 3) + axis];
-        const uint32_t relative = wide ? corners[row] : ((const uint16_t *)corners)[row];
-        assert_int_equal((int32_t)(record[axis] + relative), expected);
-        const int32_t inside = expected < 0 ? 0 : expected > WIDTH ? WIDTH : expected;
+        const size_t at = 9 * (size_t)triangle + 3 * (k % 3) + axis;
+        const int32_t snapped = i->from->vertices[at];
+        assert_memory_equal(&words[k * count + lane], &i->from->floats[at], sizeof(float));
+        const int32_t inside = snapped < 0 ? 0 : snapped > WIDTH ? WIDTH : snapped;
         const uint32_t step = (uint32_t)inside >> (SNAP_BITS - SVO_RAY_BOX_BITS);
         assert_in_range(step < 0xffff ? step : 0xffff, low[axis], high[axis]);
     }
@@ -405,7 +425,7 @@ static void inspect_node(inspection *i, size_t index, const uint32_t low[3], con
             continue;
         }
         const uint32_t *record = i->of->leaves + (size_t)(at & ~SVO_RAY_LEAF) * 4;
-        const uint32_t count = record[3] & ~SVO_RAY_LEAF_WIDE;
+        const uint32_t count = record[3];
         assert_in_range(count, 1, SVO_RAY_LEAF_TRIANGLES);
         for (uint32_t lane = 0; lane < count; ++lane) {
             inspect_triangle(i, record, lane, child_low, child_high);
@@ -512,7 +532,7 @@ static void write_vertices(const placed *to, const soup *from)
                      CL_SUCCESS);
 }
 
-/* Moves vertices, some so far that their leaves become wide. */
+/* Moves vertices, some of them far. */
 static void move_vertices(soup *of, uint64_t seed)
 {
     for (size_t i = 0; i < (size_t)of->triangle_count * 9; ++i) {

@@ -91,6 +91,7 @@ static size_t bytes_of_type(const char *type)
         size_t bytes;
     } types[] = {{"uint", sizeof(cl_uint)},
                  {"float4", sizeof(cl_float4)},
+                 {"double4", sizeof(cl_double4)},
                  {"svo_bvh_params", sizeof(svo_bvh_params)},
                  {"svo_subdivide_params", sizeof(svo_subdivide_params)},
                  {"svo_filter_params", sizeof(svo_filter_params)},

@@ -81,8 +81,9 @@ typedef enum svo_bvh_quality {
 } svo_bvh_quality;
 
 /** Makes the tree's BVH with SVO_BVH_BEST and waits for it, unless the tree has one. It takes two buffers, ray_nodes
- *  and ray_leaves: 34 to 53 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per
- *  triangle plus 192. While it is made, up to 140 bytes per triangle more are in use on the device.
+ *  and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per
+ *  triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
+ *  per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own

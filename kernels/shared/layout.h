@@ -230,7 +230,7 @@ SVO_RECORD(svo_cast_params)
 #define SVO_VIEW_KIND_TRIANGLES 5u
 
 /* What the ray kernels know of a tree besides its arrays. World coordinates are sums of three floats each, which hold a
-   double exactly. 64 bytes. */
+   double exactly. 68 bytes. */
 SVO_RECORD(svo_ray_params)
 {
     SVO_F32 origin[9]; /* 0: of the grid: x, y, z of the first parts, then of the second and third ones */
@@ -239,7 +239,10 @@ SVO_RECORD(svo_ray_params)
     SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
     SVO_U32 inner_count; /* 56: nodes above the leaves */
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
+    SVO_U32 flags; /* 64: SVO_RAY_FLAG_* */
 };
+#define SVO_RAY_FLAG_WORLD 1u /* the leaves' rows are in world units */
+#define SVO_RAY_FLAG_CLIP  2u /* triangles may reach outside the grid; hits there are none */
 
 /* The BVH that rays traverse. */
 #define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the other bits are its offset, in units of 16 bytes */
@@ -257,13 +260,16 @@ SVO_RECORD(svo_ray_node)
     SVO_U32 child[8]; /* 96: a node, or SVO_RAY_LEAF and a leaf */
 };
 
-/* A leaf: a head, the corners, and the triangles' positions in the mesh. The head has the least coordinates, to which
-   those of the corners are relative, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0.
-   The corners are rows with an entry per triangle: x of the first corner, x of the second, x of the third, y of the
-   first and so on, 16 bits each, or a word each in a wide leaf. The positions begin at the next whole word, the next
-   leaf at the next multiple of 16 bytes. */
-#define SVO_RAY_LEAF_HEAD_WORDS 8
-#define SVO_RAY_LEAF_WIDE       0x80000000u
+/* A leaf: a head, the corners, and the triangles' positions in the mesh; the next leaf begins at the next multiple of
+   16 bytes. The head has the least x, y and z of the snapped corners as integers in grid units, the number n of
+   triangles, the greatest x, y and z, and 0. The corners are the mesh's own, not the snapped ones: nine rows of n
+   floats, x of the first corner, x of the second, x of the third, y of the first and so on.
+   With SVO_RAY_FLAG_WORLD they are the mesh's floats, in world units. Else they are in grid units, rounded to float,
+   and on devices with cl_khr_fp64 the same nine rows follow as doubles in world units, from the next even word on.
+   The positions in the mesh are n words after the last row. After the last leaf come SVO_RAY_LEAF_PADDING_WORDS, since
+   kernels read eight floats where a row has fewer. */
+#define SVO_RAY_LEAF_HEAD_WORDS    8
+#define SVO_RAY_LEAF_PADDING_WORDS 8
 
 /* ---- the making of BVHs ---- */
 
@@ -461,7 +467,7 @@ SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
-SVO_ASSERT_BYTES(svo_ray_params, 64);
+SVO_ASSERT_BYTES(svo_ray_params, 68);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
 SVO_ASSERT_BYTES(svo_bvh_range, 64);
 SVO_ASSERT_BYTES(svo_bvh_job, 16);

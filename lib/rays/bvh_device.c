@@ -140,6 +140,7 @@ static svo_status find_extent(maker *m)
     SVO_I_TRY(run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS));
     SVO_I_TRY(read_state(m, &state));
     m->out->reach = (float)state.reach > width ? (float)state.reach : width;
+    m->out->clips = state.outside != 0;
     m->params.item_count = m->mesh->triangle_count;
     return state.outside != 0 && m->params.item_count > 0 ? place_listed(m) : SVO_OK;
 }
@@ -354,10 +355,9 @@ static svo_status place_leaves(maker *m, uint32_t *units)
 {
     const svo_i_bvh_mesh *mesh = m->mesh;
     const cl_uint item_count = m->params.item_count;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),
-                                        SVO_I_ARGUMENT(mesh->triangle_ids),  SVO_I_ARGUMENT(m->out->order),
-                                        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[LISTED]),
-                                        SVO_I_ARGUMENT(item_count)};
+    const cl_uint has_doubles = mesh->doubles != NULL;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[LISTED]),
+                                        SVO_I_ARGUMENT(has_doubles), SVO_I_ARGUMENT(item_count)};
     if (item_count == 0) {
         *units = 0;
         return svo_i_work_fill_zero(&m->work, m->buffers[PLACES], sizeof(cl_uint));
@@ -370,11 +370,13 @@ static svo_status write_leaves(maker *m)
 {
     const svo_i_bvh_mesh *mesh = m->mesh;
     const svo_bvh_params *params = &m->params;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),
-                                        SVO_I_ARGUMENT(mesh->triangle_ids),  SVO_I_ARGUMENT(m->out->order),
-                                        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]),
-                                        SVO_I_ARGUMENT(m->leaves),           SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
-                                        SVO_I_ARGUMENT(params->item_count),  SVO_I_ARGUMENT(params->snap_bits)};
+    const cl_uint has_doubles = mesh->doubles != NULL;
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),      SVO_I_ARGUMENT(mesh->triangle_ids),
+        SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),      SVO_I_ARGUMENT(m->out->order),
+        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]), SVO_I_ARGUMENT(m->leaves),
+        SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count), SVO_I_ARGUMENT(params->snap_bits),
+        SVO_I_ARGUMENT(has_doubles)};
     return run(m, "svo_k_bvh_leaves", SVO_I_ARGUMENTS(arguments), (uint64_t)params->item_count + 1);
 }
 
@@ -405,7 +407,8 @@ static svo_status write_records(maker *m)
     uint32_t units = 0;
     SVO_I_TRY(place_leaves(m, &units));
     const uint64_t node_bytes = (uint64_t)out->level_begin[out->level_count] * sizeof(svo_ray_node);
-    const uint64_t leaf_bytes = (uint64_t)units * 16 + 2 * SVO_RAY_LEAF_HEAD_WORDS * sizeof(cl_uint);
+    const uint64_t leaf_bytes =
+        (uint64_t)units * 16 + (SVO_RAY_LEAF_HEAD_WORDS + SVO_RAY_LEAF_PADDING_WORDS) * sizeof(cl_uint);
     SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", node_bytes, &m->nodes));
     SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", leaf_bytes, &m->leaves));
     SVO_I_TRY(write_leaves(m));

@@ -9,7 +9,8 @@
 
 /* The geometry, as the octree holds it. */
 typedef struct svo_i_bvh_mesh {
-    cl_mem vertices; /* three coordinates each, grid units */
+    cl_mem vertices; /* three coordinates each, grid units; boxes are made from these */
+    cl_mem floats, doubles; /* what leaves hold of the vertices: svo_i_corners */
     cl_mem indices; /* three per triangle */
     cl_mem triangle_ids;
     cl_mem list; /* the triangles to include if a vertex lies outside the grid, any number of times each */
@@ -23,6 +24,7 @@ typedef struct svo_i_device_bvh {
     cl_mem nodes, leaves;
     uint64_t node_bytes, leaf_bytes;
     float reach; /* the largest coordinate of a vertex, at least the grid's width */
+    bool clips; /* a vertex lies outside the grid */
     svo_bvh_quality quality;
 
     cl_mem children, order, item_counts; /* NULL unless asked for */

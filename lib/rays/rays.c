@@ -9,6 +9,7 @@
 
 #include "core/foreign.h"
 #include "rays/bvh_device.h"
+#include "rays/corners.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
@@ -21,6 +22,7 @@ extern const char svo_i_source_rays[];
 typedef struct tree_bvh {
     svo_i_attachment attachment;
     svo_i_device_bvh bvh;
+    uint32_t flags; /* SVO_RAY_FLAG_* */
 } tree_bvh;
 
 static void release_bvh(svo_i_attachment *attachment)
@@ -36,9 +38,11 @@ static tree_bvh *find_bvh(const svo_tree *tree)
     return (tree_bvh *)svo_i_attachment_find(tree->derived, release_bvh);
 }
 
-static svo_i_bvh_mesh mesh_of(const svo_tree *tree)
+static svo_i_bvh_mesh mesh_of(const svo_tree *tree, const svo_i_corners *corners)
 {
     return (svo_i_bvh_mesh){.vertices = tree->buffers[SVO_TREE_VERTICES],
+                            .floats = corners->floats,
+                            .doubles = corners->doubles,
                             .indices = tree->buffers[SVO_TREE_INDICES],
                             .triangle_ids = tree->buffers[SVO_TREE_TRIANGLE_IDS],
                             .list = tree->buffers[SVO_TREE_LIST],
@@ -67,21 +71,31 @@ static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
 svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
                            const svo_i_bvh_options *options)
 {
-    const svo_i_bvh_mesh mesh = mesh_of(tree);
     tree_bvh *held = NULL;
     svo_i_device_bvh made;
+    svo_i_corners corners;
     SVO_I_TRY(hold_bvh(tree, function, &held));
-    SVO_I_TRY(svo_i_bvh_make(tree->device, function, queue, &mesh, options, &made));
-    svo_i_bvh_release(&held->bvh);
-    held->bvh = made;
-    return SVO_OK;
+    SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
+    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    const svo_status status = svo_i_bvh_make(tree->device, function, queue, &mesh, options, &made);
+    if (status == SVO_OK) {
+        svo_i_bvh_release(&held->bvh);
+        held->bvh = made;
+        held->flags = (corners.in_world ? SVO_RAY_FLAG_WORLD : 0) | (made.clips ? SVO_RAY_FLAG_CLIP : 0);
+    }
+    svo_i_corners_release(&corners);
+    return status;
 }
 
 svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    const svo_i_bvh_mesh mesh = mesh_of(tree);
     tree_bvh *held = find_bvh(tree);
-    return svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh);
+    svo_i_corners corners;
+    SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
+    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    const svo_status status = svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh);
+    svo_i_corners_release(&corners);
+    return status;
 }
 
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
@@ -176,6 +190,7 @@ svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, sv
     SVO_I_TRY(svo_i_rays_params(tree->device, function, &grid, tree->info.edge, params));
     params->inner_count = (cl_uint)tree->info.inner_count;
     params->reach = held != NULL ? held->bvh.reach : 0.0F;
+    params->flags = held != NULL ? held->flags : 0;
     return SVO_OK;
 }
 
