@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The corners of triangles for leaves whose floats are in grid units, on devices with fp64: as floats, and as doubles in
- * world units.
+ * The corners of triangles for leaves whose floats are in grid units, on devices with fp64: as floats, and as doubles
+ * in world units.
  *
  * Launch: one work-item per coordinate, one dimension, rounded up to whole groups. Reads the mesh's vertices, of a kind
  * that svo_positions (tree.h) names. No atomics, no local memory.
