@@ -4,9 +4,9 @@
  * and all of that in kernels of the caller's own.
  *
  * Rays traverse an 8-wide BVH that references each triangle once. The BVH is separate from the octree: it is no part of
- * a build nor of the plan's buffers. The first function that needs it makes it, on the host, from vertices and indices
- * that it reads back unless they are there, and keeps it with the tree. Such functions take a tree that is not const
- * and need exclusive use of it. svo_tree_prepare_rays makes the BVH at a time of the caller's choosing.
+ * a build nor of the plan's buffers. The first function that needs it makes it, on the device, and keeps it with the
+ * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_prepare_rays makes the BVH
+ * at a time of the caller's choosing, svo_tree_make_bvh in a quality of the caller's choosing too.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -74,14 +74,30 @@ typedef struct svo_render_options {
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
-/** Makes the tree's BVH and waits for it; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves: 51 to
- *  55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per triangle plus 192. Where
- *  svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more per triangle at most.
+/** How a BVH is made. Hits are the same. */
+typedef enum svo_bvh_quality {
+    SVO_BVH_BEST = 0, /**< splits by the surface area heuristic throughout: most rays per second */
+    SVO_BVH_FAST = 1 /**< splits of triangles in Morton order: made in about half the time, for what changes often */
+} svo_bvh_quality;
+
+/** Makes the tree's BVH with SVO_BVH_BEST and waits for it, unless the tree has one. It takes two buffers, ray_nodes
+ *  and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per
+ *  triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
+ *  per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR
+ *          on failure. */
 SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
+
+/** The same in a quality of the caller's choosing. A BVH of the other quality is replaced; on failure it stays.
+ *
+ * \param tree see svo_tree_prepare_rays; no batch of its rays may be in progress
+ * \param quality a svo_bvh_quality
+ * \param queue see svo_tree_prepare_rays
+ * \returns what svo_tree_prepare_rays returns. */
+SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
 /** Device memory of the BVH.
  *

@@ -40,6 +40,7 @@ from ._compact import COMPACT_ARGUMENTS, Compact, CompactArrays, Solid
 from ._device import Device
 from ._enums import (
     Builder,
+    BvhQuality,
     Certainty,
     CompactBuffer,
     Coverage,
@@ -115,6 +116,7 @@ __all__ = [
     "TREE_ARGUMENTS",
     "BuildReport",
     "Builder",
+    "BvhQuality",
     "CLError",
     "Camera",
     "CanceledError",

@@ -90,6 +90,15 @@ class TraceMode(IntEnum):
     """The number of triangles hit, in the field "count"."""
 
 
+class BvhQuality(IntEnum):
+    """How the BVH of rays is made. Hits are the same."""
+
+    BEST = lib.SVO_BVH_BEST
+    """The most rays per second."""
+    FAST = lib.SVO_BVH_FAST
+    """Made in about half the time, for what changes often."""
+
+
 class View(IntEnum):
     """What a picture shows."""
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _arrays, _opencl, _structs
 from ._callbacks import call
-from ._enums import TraceMode, TreeBuffer, View
+from ._enums import BvhQuality, TraceMode, TreeBuffer, View
 from ._errors import error, text
 from ._handle import Guard, Native, view
 from ._mesh import Path, encode, need_io
@@ -262,10 +262,10 @@ class Tree(Resident):
 
     # --- rays -------------------------------------------------------------------------------------------------------
 
-    def prepare_rays(self, *, queue: Any = None) -> None:
-        """Makes the BVH for rays now, rather than with the first batch."""
+    def prepare_rays(self, *, quality: BvhQuality = BvhQuality.BEST, queue: Any = None) -> None:
+        """Makes the BVH for rays now, rather than with the first batch. One of the other quality is replaced."""
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._device_call("prepare_rays", lib.svo_tree_prepare_rays, cl_queue)
+        self._device_call("prepare_rays", lib.svo_tree_make_bvh, BvhQuality(quality), cl_queue)
 
     @property
     def ray_bytes(self) -> int:
