@@ -311,6 +311,8 @@ svo_status run_rays(subject *of)
 {
     svo_hit hits[RAYS];
     svo_nearest nearest[RAYS];
+    /* Hits say how many leaves of the BVH were visited. */
+    TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_BEST, world.queue));
     TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_CLOSEST, world.queue));
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_FAST, world.queue));

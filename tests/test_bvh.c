@@ -521,6 +521,29 @@ static void bytes_do_not_depend_on_chunks_and_jobs(void **state)
     free_soup(&from);
 }
 
+static uint64_t digest_of(const void *data, size_t bytes, uint64_t sum)
+{
+    for (size_t i = 0; i < bytes; ++i) {
+        sum = (sum ^ ((const uint8_t *)data)[i]) * UINT64_C(0x100000001b3); /* FNV-1a */
+    }
+    return sum;
+}
+
+/* Known digests, whatever the device, its driver and its threads. The jobs are small, so that all kernels run. */
+static void bytes_are_the_same_on_every_device(void **state)
+{
+    static const uint64_t expected[2] = {UINT64_C(0x4212d63e1f5ef644), UINT64_C(0x6afff29c887a1a4d)};
+    soup from = leaving_soup(1500, 9);
+    (void)state;
+    for (svo_bvh_quality quality = SVO_BVH_BEST; quality <= SVO_BVH_FAST; ++quality) {
+        bvh made = make(&from, &(svo_i_bvh_options){.quality = quality, .chunk_items = 64, .subtree_items = 64});
+        const uint64_t nodes = digest_of(made.nodes, made.node_count * sizeof *made.nodes, 1);
+        assert_int_equal(digest_of(made.leaves, made.leaf_words * sizeof *made.leaves, nodes), expected[quality]);
+        bvh_reference_free(&made);
+    }
+    free_soup(&from);
+}
+
 /* ---- refits ---- */
 
 static void write_vertices(const placed *to, const soup *from)
@@ -568,8 +591,10 @@ static void a_refit_follows_the_vertices(void **state)
     }
 }
 
-int main(void)
+/* small: only what is repeated with another number of threads. */
+int main(int argc, char **argv)
 {
+    const struct CMUnitTest small[] = {cmocka_unit_test(bytes_are_the_same_on_every_device)};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_best_bvh_is_that_of_the_reference),
         cmocka_unit_test(hard_meshes_are_split_as_by_the_reference),
@@ -577,7 +602,11 @@ int main(void)
         cmocka_unit_test(a_million_coincident_triangles_are_split_by_count),
         cmocka_unit_test(no_path_is_longer_than_the_stack),
         cmocka_unit_test(bytes_do_not_depend_on_chunks_and_jobs),
+        cmocka_unit_test(bytes_are_the_same_on_every_device),
         cmocka_unit_test(a_refit_follows_the_vertices),
     };
+    if (argc > 1 && strcmp(argv[1], "small") == 0) {
+        return cmocka_run_group_tests_name("bvh", small, open_device, close_device);
+    }
     return cmocka_run_group_tests_name("bvh", tests, open_device, close_device);
 }

@@ -274,7 +274,7 @@ SVO_RECORD(svo_ray_node)
 /* ---- the making of BVHs ---- */
 
 #define SVO_BVH_BINS     16 /* along an axis */
-#define SVO_BVH_CELLS    (3 * SVO_BVH_BINS)
+#define SVO_BVH_CELLS    48 /* along all three */
 #define SVO_BVH_BY_COUNT 3u /* in place of an axis: split in halves of the items */
 #define SVO_BVH_NO_RANGE 0xffffffffu
 /* The most items of a job of SVO_BVH_FAST, on every device, since the BVH depends on it. */
