@@ -88,7 +88,7 @@ static size_t bytes_of_type(const char *type)
         size_t bytes;
     } types[] = {{"uint", sizeof(cl_uint)},
                  {"float4", sizeof(cl_float4)},
-                 {"svo_subdivide_params", sizeof(svo_subdivide_params)},
+                 {"svo_blocks_params", sizeof(svo_blocks_params)},
                  {"svo_filter_params", sizeof(svo_filter_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
@@ -326,8 +326,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
-/* The list in one chunk and in several, each with and without areas, the same with a workspace, and the sorted builder,
-   which has the same payload stages. */
+/* The list in one chunk and in several, each with and without areas, the same with a workspace, the sorted builder,
+   which has the same payload stages, and a deep tree. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -345,6 +345,9 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     enqueue_build(opened, mesh, &options);
     options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
     fixture_build(opened, mesh, DEPTH, &options, &other);
+    built_destroy(&other);
+    options.builder = SVO_BUILDER_CL;
+    fixture_build(opened, mesh, 2 * DEPTH, &options, &other); /* its lower levels have blocks for nodes alone */
     built_destroy(&other);
 }
 
