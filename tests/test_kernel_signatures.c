@@ -93,7 +93,7 @@ static size_t bytes_of_type(const char *type)
                  {"float4", sizeof(cl_float4)},
                  {"double4", sizeof(cl_double4)},
                  {"svo_bvh_params", sizeof(svo_bvh_params)},
-                 {"svo_subdivide_params", sizeof(svo_subdivide_params)},
+                 {"svo_blocks_params", sizeof(svo_blocks_params)},
                  {"svo_filter_params", sizeof(svo_filter_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
@@ -335,8 +335,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
-/* The list in one chunk and in several, each with and without areas, the same with a workspace, and the sorted builder,
-   which has the same payload stages. */
+/* The list in one chunk and in several, each with and without areas, the same with a workspace, the sorted builder,
+   which has the same payload stages, and a deep tree. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -358,6 +358,10 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     options.edge = 0.5; /* triangles leave the grid */
     fixture_build(opened, mesh, DEPTH, &options, &other);
     succeed(opened, svo_tree_prepare_rays(other.tree, opened->queue));
+    built_destroy(&other);
+    options.edge = 1.0;
+    options.builder = SVO_BUILDER_CL;
+    fixture_build(opened, mesh, 2 * DEPTH, &options, &other); /* its lower levels have blocks for nodes alone */
     built_destroy(&other);
 }
 

@@ -744,7 +744,7 @@ static void kernels_and_launches_that_a_build_does_not_need(void **state)
         assert_int_equal(counting_read().builds, programs[i]);
         if (i == 1) {
             assert_non_null(strstr(counting_options(0), "SVO_NORMAL"));
-            assert_null(strstr(counting_kernels(0), "svo_k_descend"));
+            assert_null(strstr(counting_kernels(0), "svo_k_make_nodes"));
         }
         if (i == 2) { /* 256 groups per scan were 131,072 items for the four levels */
             assert_in_range(counting_read().launched_items, 1, 40000);

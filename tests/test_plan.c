@@ -169,6 +169,7 @@ static const struct {
     {"positions", SVO_NEED_RAYS},
     {"vertices", SVO_NEED_ALL},
     {"indices", SVO_NEED_ALL},
+    {"cursors", SVO_NEED_ALL},
     {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL | SVO_NEED_PROJECTED_AREA},
     {"weights", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL},
     {"records", SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS},
@@ -189,9 +190,10 @@ static const struct {
 
 static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_t count, uint32_t need)
 {
-    static const char *const always[] = {
-        "mesh_vertices", "mesh_indices",    "mesh_items",       "mesh_tiles", "counters",    "fragments", "cursors",
-        "state",         "child_mask_pool", "first_child_pool", "child_mask", "first_child", "partials"};
+    static const char *const always[] = {"mesh_vertices", "mesh_indices",    "mesh_items",       "mesh_tiles",
+                                         "counters",      "fragments",       "blocks",           "block_ranks",
+                                         "state",         "child_mask_pool", "first_child_pool", "child_mask",
+                                         "first_child",   "partials"};
     size_t expected_count = sizeof always / sizeof always[0];
     for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
         assert_true(has_buffer(buffers, count, always[i]));

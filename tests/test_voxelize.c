@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "compare_tree.h"
+#include "core/device.h"
 #include "meshes.h"
 #include "scenes.h"
 #include "shared/layout.h"
@@ -235,8 +236,20 @@ static void small_plans_need_no_opengl(void **state)
     }
 }
 
+/* The tests that follow run the kernels for other devices, which are right on CPUs too. */
+static void without_the_kernels_for_cpus(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    opened.device->is_cpu = false;
+}
+
 int main(void)
 {
+    const struct CMUnitTest other[] = {
+        cmocka_unit_test(without_the_kernels_for_cpus),     cmocka_unit_test(random_meshes_are_exact),
+        cmocka_unit_test(t9_every_depth_is_exact),          cmocka_unit_test(t7_large_triangles_are_cut_into_tiles),
+        cmocka_unit_test(t10_lists_grow_to_the_exact_need), cmocka_unit_test(steep_segments_beyond_the_grid_are_exact),
+    };
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_meshes_are_exact),
         cmocka_unit_test(t9_every_depth_is_exact),
@@ -248,5 +261,6 @@ int main(void)
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(small_plans_need_no_opengl),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown) +
+           cmocka_run_group_tests_name("other devices", other, fixture_group_setup, fixture_group_teardown);
 }

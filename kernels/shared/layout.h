@@ -96,7 +96,24 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 reserved; /* 60 */
 };
 
-/* Arguments of the subdivision kernels. 32 bytes. */
+/* Arguments of the subdivision kernels. Levels are counted from pad levels above the root. 56 bytes. */
+SVO_RECORD(svo_blocks_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 pad; /* 4: depth + pad is a multiple of 3 */
+    SVO_U32 level; /* 8: of the blocks that the launch works on, a multiple of 3 */
+    SVO_U32 fragment_count; /* 12: in this chunk, or the room for them */
+    SVO_U32 inner_capacity; /* 16: nodes that child_mask and first_child have room for */
+    SVO_U32 scan_groups; /* 20: groups of the scan of this level */
+    SVO_U32 rank_blocks; /* 24: blocks, from the first, that there are ranks for */
+    SVO_U32 level_capacity[3]; /* 28: inner nodes that the three levels below have room for */
+    SVO_U32 block_begin; /* 40: the first block of the level */
+    SVO_U32 next_begin; /* 44: the first block three levels below; unused where those are the leaves */
+    SVO_U32 dense; /* 48: the last level that has all blocks, also empty ones */
+    SVO_U32 dense_begin; /* 52: its first block */
+};
+
+/* Arguments of the subdivision shaders. 32 bytes. */
 SVO_RECORD(svo_subdivide_params)
 {
     SVO_U32 depth; /* 0 */
@@ -459,6 +476,7 @@ SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
+SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);

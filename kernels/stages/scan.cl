@@ -8,8 +8,8 @@
  *   add       the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
  * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. The host launches as many groups as there may be
- * tiles, SVO_SCAN_GROUPS at most; the sums are the same for any number of groups. There are two kinds of elements: the
- * bit counts of a level's child masks (subdivision), and the lengths of leaf lists (packing, sorting).
+ * tiles, SVO_SCAN_GROUPS at most; the sums are the same for any number of groups. The elements are the lengths of leaf
+ * lists, or of whatever other programs count.
  * Launch: as above, in groups of SVO_GROUP_ITEMS. No atomics. Local memory, SVO_GROUP_ITEMS words, is an argument, see
  * group.clh.
  */
@@ -34,18 +34,6 @@ static uint2 svo_group_range(uint count)
 }
 
 /* Sixteen elements from index on; those from end on count as 0. */
-static uint16 svo_mask_counts(__global const uchar *masks, uint index, uint end)
-{
-    if (index + SVO_ITEM_ELEMENTS <= end) {
-        return convert_uint16(popcount(vload16(0, masks + index)));
-    }
-    uint elements[SVO_ITEM_ELEMENTS];
-    for (uint k = 0; k < SVO_ITEM_ELEMENTS; ++k) {
-        elements[k] = index + k < end ? popcount((uint)masks[index + k]) : 0u;
-    }
-    return vload16(0, elements);
-}
-
 static uint16 svo_list_counts(__global const uint *counts, uint index, uint end)
 {
     if (index + SVO_ITEM_ELEMENTS <= end) {
@@ -105,65 +93,6 @@ static uint svo_scan_partials(__global uint *partials, uint groups, uint base, _
     barrier(CLK_GLOBAL_MEM_FENCE);
     return total;
 }
-
-#ifdef SVO_LEVELS
-
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_masks_reduce(__global const uchar *masks, __global uint *partials, __global const svo_build_state *state,
-                        svo_subdivide_params params, __local uint *scratch)
-{
-    const uint begin = state->level_begin[params.level];
-    const uint count = state->overflow != 0u ? 0u : state->level_begin[params.level + 1u] - begin;
-    const uint2 range = svo_group_range(count);
-    uint sum = 0;
-    for (uint i = range.x + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS; i < range.y; i += SVO_TILE_ELEMENTS) {
-        sum += svo_sum16(svo_mask_counts(masks + begin, i, range.y));
-    }
-    const uint total = svo_group_sum(sum, scratch);
-    if (get_local_id(0) == 0) {
-        partials[get_group_id(0)] = total;
-    }
-}
-
-/* The total is the number of children, so the level after theirs begins at child_begin + total. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_masks_partials(__global uint *partials, __global svo_build_state *state, svo_subdivide_params params,
-                          __local uint *scratch)
-{
-    const uint child_begin = state->level_begin[params.level + 1u];
-    const uint total = svo_scan_partials(partials, params.scan_groups, child_begin, scratch);
-    if (get_local_id(0) == 0u && state->overflow == 0u) {
-        const uint child_end = child_begin + total;
-        state->level_begin[params.level + 2u] = child_end;
-        const bool inner = params.level + 1u < params.depth;
-        if (child_end < child_begin ||
-            (inner && (child_end > params.inner_capacity || total > params.level_capacity))) {
-            state->overflow = params.level + 1u;
-        }
-    }
-}
-
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_masks_add(__global const uchar *masks, __global const uint *partials, __global uint *first_child,
-                     __global const svo_build_state *state, svo_subdivide_params params, __local uint *scratch)
-{
-    const uint begin = state->level_begin[params.level];
-    /* When this level's children did not fit, its own first_child still has room. */
-    const uint count =
-        state->overflow != 0u && state->overflow <= params.level ? 0u : state->level_begin[params.level + 1u] - begin;
-    const uint2 range = svo_group_range(count);
-    uint sum = partials[get_group_id(0)];
-    for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
-        const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
-        const uint16 counts = svo_mask_counts(masks + begin, i, range.y);
-        uint total;
-        const uint before = svo_group_exclusive(svo_sum16(counts), scratch, &total);
-        svo_store_prefixes(counts, sum + before, first_child + begin, i, range.y);
-        sum += total;
-    }
-}
-
-#endif
 
 #if defined(SVO_RANGES) || defined(SVO_SORT)
 

@@ -7,15 +7,19 @@
  *   svo_k_voxelize  one draw of a chunk: each work-item finds its fragments and notes them by columns in local
  *                   memory, the group reserves space for all of them at once, and each work-item writes its own
  *
+ * On CPUs (SVO_COLUMN_LANES) the first work-item does the work of its group. It collects fragments in local memory and
+ * reserves space when that is full. Columns of the narrow class are tested eight at a time (column_lanes.clh). The
+ * fragments are the same.
+ *
  * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than
  * SVO_TILE_COLUMNS columns. The first kind skips those triangles, so no work-item handles more than one tile's columns.
  * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, and its counter.
- * Atomics: one atomic_add per group on the counter's low word, and one atomic_inc on the high word when that wraps. All
+ * Atomics: an atomic_add on the counter's low word for each space, an atomic_inc on the high word when that wraps. All
  * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity.
  * Invariant: the set of fragments does not depend on the launch; their order does.
  *
  * Defines: SVO_NARROW, SVO_WIDE or neither: the class of the triangles (overlap.clh); SVO_NO_TEST: triangles inside one
- * voxel; SVO_THIN; SVO_CODE48.
+ * voxel; SVO_THIN; SVO_CODE48; SVO_COLUMN_LANES.
  *
  * A note is the run of voxels of one column, relative to the corner of the work-item's columns and the triangle's first
  * voxel:
@@ -29,6 +33,7 @@
 #include "shared/fragment.clh"
 #include "shared/group.clh"
 #include "shared/overlap.clh"
+#include "stages/column_lanes.clh"
 
 /* Odd, so that notes of neighboring work-items lie in different banks of local memory. */
 #define SVO_NOTES_STRIDE (SVO_TILE_COLUMNS + 1)
@@ -173,13 +178,18 @@ SVO_FUNCTION uint2 svo_scan_columns(svo_placed placed, svo_window window, svo_vo
 
 #endif
 
-/* The same for any window: finds nothing in an empty one, and in one with more columns than a tile, whose triangle its
-   tiles cover. */
-SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+/* Whether there are columns, and no more than those of a tile; tiles cover larger windows. */
+SVO_FUNCTION bool svo_fits_tile(svo_window window)
 {
     const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
     const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
-    if (width * height == 0 || width * height > SVO_TILE_COLUMNS) {
+    return width * height > 0 && width * height <= SVO_TILE_COLUMNS;
+}
+
+/* The same for any window: finds nothing in one that does not fit a tile. */
+SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+{
+    if (!svo_fits_tile(window)) {
         return (uint2)(0u, 0u);
     }
     if (params.one_voxel != 0u) {
@@ -194,17 +204,196 @@ SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_p
 #endif
 }
 
+/* Reserves slots for fragments; returns the first. */
+SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter)
+{
+    const uint base = atomic_add(counter, count);
+    if (base + count < base) {
+        atomic_inc(counter + 1);
+    }
+    return base;
+}
+
+/* The work-item's triangle or tile; false if it has none. */
+SVO_FUNCTION bool svo_get_part(uint id, __global const svo_tile_item *tiles, svo_voxelize_params params,
+                               svo_tile_item *part)
+{
+    const uint tile = id - params.first_tile_id;
+    if (id < params.first_tile_id) {
+        part->item = params.first_item + id;
+        part->corner = 0u;
+        return id < params.item_count;
+    }
+    if (tile < params.tile_count) {
+        *part = tiles[params.first_tile + tile];
+    }
+    return tile < params.tile_count;
+}
+
+/* The columns of a part. */
+SVO_FUNCTION svo_window svo_part_window(uint id, svo_placed placed, svo_tile_item part, svo_voxelize_params params)
+{
+    const svo_window draw = svo_draw_window(placed, params);
+    return id < params.first_tile_id ? draw : svo_tile_window(draw, part);
+}
+
+/* The code of a note's column: of its voxel that is 0 on the axis of projection. */
+SVO_FUNCTION svo_code svo_column_code(uint note, svo_source source)
+{
+    const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
+    const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
+    return svo_axis_code((uint)source.corner.u + (note & 63u)) << at_u |
+           svo_axis_code((uint)source.corner.v + (note >> 6 & 63u)) << at_v;
+}
+
+#ifdef SVO_COLUMN_LANES
+
+/* Fragments that are not written yet. */
+typedef struct svo_stage {
+    __local uint *fragments;
+    uint count;
+} svo_stage;
+
+/* Local memory: the notes of one part, then the stage. A part has at most SVO_PART_FRAGMENTS. */
+#define SVO_STAGE_ROOM     ((SVO_GROUP_ITEMS - 1) * SVO_NOTES_STRIDE / SVO_FRAGMENT_WORDS)
+#define SVO_PART_FRAGMENTS (4 * SVO_TILE_COLUMNS)
+
+SVO_FUNCTION void svo_push(svo_stage *stage, svo_code code, uint triangle)
+{
+    __local uint *words = stage->fragments + stage->count * SVO_FRAGMENT_WORDS;
+    words[0] = (uint)code;
+#ifdef SVO_CODE48
+    words[1] = (uint)(code >> 32);
+#endif
+    words[SVO_FRAGMENT_WORDS - 1] = triangle;
+    ++stage->count;
+}
+
+/* Writes the stage's fragments, up to the capacity, and empties it. */
+SVO_FUNCTION void svo_flush(svo_stage *stage, __global uint *counter, __global uint *fragments, uint capacity)
+{
+    const uint slot = stage->count > 0u ? svo_reserve(stage->count, counter) : 0u;
+    const uint count = min(stage->count, capacity - min(slot, capacity));
+    __global uint *words = fragments + (size_t)slot * SVO_FRAGMENT_WORDS;
+    for (uint i = 0; i < count * SVO_FRAGMENT_WORDS; ++i) {
+        words[i] = stage->fragments[i];
+    }
+    stage->count = 0u;
+}
+
+SVO_FUNCTION void svo_push_notes(__local const uint *notes, uint note_count, svo_source source, svo_stage *stage)
+{
+    for (uint i = 0; i < note_count; ++i) {
+        const uint note = notes[i];
+        const svo_code column = svo_column_code(note, source);
+        const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
+        for (uint k = 0; k < note >> 28; ++k) {
+            svo_push(stage, column | svo_axis_code(first + k) << source.axis, source.triangle);
+        }
+    }
+}
+
+#ifdef SVO_SCANS_LANES
+
+/* Pushes the fragments of eight columns at (u, v), in voxels from the triangle's first; inside: those that count. */
+SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed *placed, uint8 u, uint8 v, int8 inside,
+                                   svo_stage *stage)
+{
+    const uint8 local_u = u << test->voxel_log2;
+    const uint8 local_v = v << test->voxel_log2;
+    inside &= svo_meets_columns(test, local_u, local_v);
+    if (svo_lanes(inside) == 0u) {
+        return;
+    }
+    const uint at_u = placed->axis == 2u ? 0u : placed->axis + 1u;
+    const uint at_v = placed->axis == 0u ? 2u : placed->axis - 1u;
+    const svo_code8 columns =
+        svo_axis_codes((uint)placed->first.u + u) << at_u | svo_axis_codes((uint)placed->first.v + v) << at_v;
+    svo_column_lanes at = svo_begin_columns(test, local_u, local_v);
+    svo_code8 heights = svo_axis_codes((uint)placed->first.t + as_uint8(at.first));
+    for (inside &= at.first <= at.last; svo_lanes(inside) != 0u; inside &= at.first <= at.last) {
+        uint found = svo_lanes(inside & svo_meets_voxels(&at));
+        svo_code codes[8];
+        vstore8(columns | heights << placed->axis, 0, codes);
+        for (; found != 0u; found &= found - 1u) {
+            svo_push(stage, codes[svo_lowest_lane(found)], placed->triangle);
+        }
+        svo_next_voxels(test, &at);
+        heights = svo_next_axis_codes(heights);
+    }
+}
+
+/* Pushes the fragments of a window of at most SVO_TILE_COLUMNS columns, row after row, eight columns at a time. */
+SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxelize_params params, svo_stage *stage)
+{
+    const svo_overlap overlap =
+        svo_make_overlap(placed.a, placed.b, placed.c, 1 << params.voxel_log2, (int)params.open, (int)placed.axis);
+    const svo_column_test test =
+        svo_make_column_test(overlap, placed.a, params.voxel_log2, (uint)placed.last.t, svo_reach_of(placed));
+    const uint width = (uint)(window.end_u - window.u);
+    const uint count = width * (uint)(window.end_v - window.v);
+    const uint rows = 65536u / width + 1u; /* i * rows >> 16 is i / width for i below SVO_TILE_COLUMNS */
+    for (uint first = 0; first < count; first += 8u) {
+        const uint8 column = min(first + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u), count - 1u);
+        const uint8 v = column * rows >> 16;
+        const uint8 u = column - v * width;
+        const int8 inside = first + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u) < count;
+        svo_push_columns(&test, &placed, u + (uint)(window.u - placed.first.u), v + (uint)(window.v - placed.first.v),
+                         inside, stage);
+    }
+}
+
+#endif
+
+/* The same for any window, as svo_find does. */
+SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes,
+                                svo_stage *stage)
+{
+#ifdef SVO_SCANS_LANES
+    if (params.one_voxel == 0u) {
+        if (svo_fits_tile(window)) {
+            svo_push_window(placed, window, params, stage);
+        }
+        return;
+    }
+#endif
+    const uint2 found = svo_find(placed, window, params, notes);
+    svo_push_notes(notes, found.x, svo_source_of(placed, window), stage);
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_voxelize(__global const int *vertices, __global const uint *indices, __global const svo_draw_item *items,
+               __global const svo_tile_item *tiles, __global uint *counters, __global uint *fragments,
+               svo_voxelize_params params, __local uint *notes, __local uint *scratch)
+{
+    if (get_local_id(0) != 0u) {
+        return;
+    }
+    (void)scratch;
+    const uint first = (uint)get_global_id(0);
+    svo_stage stage = {notes + SVO_NOTES_STRIDE, 0u};
+    for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
+        svo_tile_item part;
+        if (svo_get_part(id, tiles, params, &part)) {
+            const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
+            svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
+        }
+        if (stage.count + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
+            svo_flush(&stage, counters + 2u * params.counter, fragments, params.capacity);
+        }
+    }
+    svo_flush(&stage, counters + 2u * params.counter, fragments, params.capacity);
+}
+
+#else
+
 /* Reserves slots for the group's fragments; returns the slot of this work-item's first. */
-SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *scratch)
+SVO_FUNCTION uint svo_reserve_group(uint count, __global uint *counter, __local uint *scratch)
 {
     uint total;
     const uint before = svo_group_exclusive(count, scratch, &total);
     if (get_local_id(0) == 0u && total > 0u) {
-        const uint base = atomic_add(counter, total);
-        if (base + total < base) {
-            atomic_inc(counter + 1);
-        }
-        scratch[0] = base;
+        scratch[0] = svo_reserve(total, counter);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     return scratch[0] + before;
@@ -214,12 +403,9 @@ SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter, __local uint *
 SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
                             uint slot, uint capacity)
 {
-    const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
-    const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
     for (uint i = 0; i < note_count; ++i) {
         const uint note = notes[i];
-        const svo_code column = svo_axis_code((uint)source.corner.u + (note & 63u)) << at_u |
-                                svo_axis_code((uint)source.corner.v + (note >> 6 & 63u)) << at_v;
+        const svo_code column = svo_column_code(note, source);
         const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
         for (uint k = 0; k < note >> 28; ++k) {
             if (slot < capacity) {
@@ -240,21 +426,15 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
     __local uint *notes = all_notes + (uint)get_local_id(0) * SVO_NOTES_STRIDE;
     uint2 found = (uint2)(0u, 0u);
     svo_source source = {{0, 0, 0}, 0u, 0u};
-    const bool is_tile = id >= params.first_tile_id;
-    const uint tile = id - params.first_tile_id;
-    if (is_tile ? tile < params.tile_count : id < params.item_count) {
-        svo_tile_item part = {params.first_item + id, 0u};
-        if (is_tile) {
-            part = tiles[params.first_tile + tile];
-        }
+    svo_tile_item part;
+    if (svo_get_part(id, tiles, params, &part)) {
         const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
-        svo_window window = svo_draw_window(placed, params);
-        if (is_tile) {
-            window = svo_tile_window(window, part);
-        }
+        const svo_window window = svo_part_window(id, placed, part, params);
         source = svo_source_of(placed, window);
         found = svo_find(placed, window, params, notes);
     }
-    const uint slot = svo_reserve(found.y, counters + 2u * params.counter, scratch);
+    const uint slot = svo_reserve_group(found.y, counters + 2u * params.counter, scratch);
     svo_write(notes, found.x, source, fragments, slot, params.capacity);
 }
+
+#endif

@@ -128,8 +128,7 @@ static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)plan;
-    (void)snprintf(text, bytes, " -DSVO_LEVELS");
+    (void)snprintf(text, bytes, "%s", plan->device->is_cpu ? " -DSVO_MARK_BATCHES" : "");
 }
 
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -214,11 +213,12 @@ static const svo_i_stage rows[] = {
      .item_ns = 12.0,
      .program = SVO_I_PROGRAM_SUBDIVIDE,
      .defines = subdivide_defines,
-     .kernels = {"svo_k_take_count", "svo_k_mark", "svo_k_descend", "svo_k_scan_masks_reduce",
-                 "svo_k_scan_masks_partials", "svo_k_scan_masks_add"},
+     .kernels = {"svo_k_take_count", "svo_k_mark", "svo_k_mark_above", "svo_k_count_blocks", "svo_k_scan_blocks",
+                 "svo_k_make_nodes", "svo_k_clear_blocks", "svo_k_find_leaves"},
      .buffers = {SCRATCH("cursors", FRAGMENTS), SCRATCH("state", MESH), SCRATCH("partials", MESH),
-                 SCRATCH("child_mask_pool", NODES), SCRATCH("first_child_pool", NODES), TREE("child_mask", NODES),
-                 TREE("first_child", NODES), TREE(SVO_I_TREE_BUILD_STATE, MESH)}},
+                 SCRATCH("blocks", NODES), SCRATCH("block_ranks", NODES), SCRATCH("child_mask_pool", NODES),
+                 SCRATCH("first_child_pool", NODES), TREE("child_mask", NODES), TREE("first_child", NODES),
+                 TREE(SVO_I_TREE_BUILD_STATE, MESH)}},
     {.name = "geometry",
      .stage = SVO_STAGE_TRANSFER,
      .runs = geometry_runs,

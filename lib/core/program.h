@@ -11,7 +11,7 @@
 typedef enum svo_i_program_kind {
     /* Those of the builder's stages. A program holds what depends on the same defines, so that a plan with other needs
        compiles little anew. */
-    SVO_I_PROGRAM_SUBDIVIDE, /* scan, subdivide */
+    SVO_I_PROGRAM_SUBDIVIDE, /* subdivide */
     SVO_I_PROGRAM_SORT, /* scan, sort, bottom_up */
     SVO_I_PROGRAM_PACK, /* scan, pack */
     SVO_I_PROGRAM_FILTER, /* link, material, filter */

@@ -265,8 +265,9 @@ svo_status svo_i_plan_configure(svo_plan *plan)
 void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *defines, size_t bytes)
 {
     static const char *const names[SVO_I_TEST_COUNT] = {" -DSVO_NO_TEST", " -DSVO_NARROW", "", " -DSVO_WIDE"};
-    (void)snprintf(defines, bytes, "%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
-                   plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "");
+    (void)snprintf(defines, bytes, "%s%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
+                   plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "",
+                   plan->device->is_cpu ? " -DSVO_COLUMN_LANES" : "");
 }
 
 /* Every option begins with a space, because some compilers fail on options that end in one. */

@@ -6,7 +6,7 @@ svo_status svo_i_scan_alloc(svo_i_build *build)
 {
     return build->partials != NULL ? SVO_OK
                                    : svo_i_commands_alloc(&build->commands, "partials",
-                                                          SVO_SCAN_GROUPS * sizeof(cl_uint), &build->partials);
+                                                          SVO_SCAN_GROUPS * sizeof(cl_uint4), &build->partials);
 }
 
 uint32_t svo_i_scan_groups(uint64_t numbers)

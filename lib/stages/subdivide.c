@@ -8,10 +8,24 @@
 #include "plan/estimate.h"
 #include "stages/scan.h"
 
+#define BLOCK_BYTES 64u
+#define RANK_BYTES  32u /* of a block */
+/* A level may have all blocks, empty ones too, so that fragments find them by their codes: at most this many, and one
+   per this many fragments. */
+#define DENSE_BLOCKS    32768u
+#define DENSE_FRAGMENTS 32u
+/* The most levels of blocks, with one to spare. */
+#define BLOCK_LEVELS_MAX 7
+
 typedef struct subdivider {
     svo_i_build *build;
-    cl_kernel mark, descend, reduce, partials, add;
+    bool worst_case; /* every fragment may have nodes of its own */
+    cl_kernel mark, count, scan, make, clear;
+    cl_mem blocks, ranks;
     cl_mem masks, first_child;
+    uint32_t block_begin[BLOCK_LEVELS_MAX]; /* the first block of level 0, 3, 6, ... */
+    svo_blocks_params params;
+    uint32_t last; /* level of the blocks whose bits are leaves */
 } subdivider;
 
 static svo_status create_kernels(subdivider *s)
@@ -21,10 +35,10 @@ static svo_status create_kernels(subdivider *s)
         const char *name;
         cl_kernel *kernel;
     } kernels[] = {{"svo_k_mark", &s->mark},
-                   {"svo_k_descend", &s->descend},
-                   {"svo_k_scan_masks_reduce", &s->reduce},
-                   {"svo_k_scan_masks_partials", &s->partials},
-                   {"svo_k_scan_masks_add", &s->add}};
+                   {"svo_k_count_blocks", &s->count},
+                   {"svo_k_scan_blocks", &s->scan},
+                   {"svo_k_make_nodes", &s->make},
+                   {"svo_k_clear_blocks", &s->clear}};
     for (unsigned i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
         SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, program, kernels[i].name, kernels[i].kernel));
     }
@@ -33,7 +47,7 @@ static svo_status create_kernels(subdivider *s)
 
 static void release_kernels(subdivider *s)
 {
-    cl_kernel kernels[5] = {s->mark, s->descend, s->reduce, s->partials, s->add};
+    cl_kernel kernels[5] = {s->mark, s->count, s->scan, s->make, s->clear};
     for (unsigned i = 0; i < 5; ++i) {
         if (kernels[i] != NULL) {
             clReleaseKernel(kernels[i]);
@@ -41,7 +55,79 @@ static void release_kernels(subdivider *s)
     }
 }
 
-/* Clears the masks and initializes the state to a root without children. */
+/* Launches a kernel that runs once or twice. */
+static svo_status run_once(subdivider *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
+                           uint64_t items)
+{
+    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SUBDIVIDE], name, arguments,
+                              argument_count, items);
+}
+
+/* Whether something reads the leaf of each fragment. */
+static bool needs_cursors(const svo_plan *plan)
+{
+    return plan->work.ranges || plan->work.filter;
+}
+
+/* Capacity for the nodes of a level, counted as the blocks' levels are. */
+static uint64_t level_nodes(const subdivider *s, uint32_t level)
+{
+    const uint32_t pad = s->params.pad;
+    return svo_i_plan_level_nodes(s->build->commands.plan, level < pad ? 0 : level - pad, s->build->fragment_count,
+                                  s->worst_case);
+}
+
+/* All nodes that a level could have. */
+static uint64_t dense_blocks(const subdivider *s, uint32_t level)
+{
+    return UINT64_C(1) << (3 * (level < s->params.pad ? 0 : level - s->params.pad));
+}
+
+/* Blocks are large beside nodes. Where builds may run again there is no more room for them than the nodes that are
+   expected if no two triangles share one. */
+static uint64_t sparse_blocks(const subdivider *s, uint32_t level)
+{
+    const uint64_t nodes = level_nodes(s, level);
+    const double expected = svo_i_plan_expected(s->build->commands.plan, level - s->params.pad);
+    const uint64_t least = (uint64_t)(expected * 1.0625) + 64;
+    return !s->build->in_place && !s->worst_case && least < nodes ? least : nodes;
+}
+
+static uint64_t most_blocks(const subdivider *s, uint32_t level)
+{
+    return level <= s->params.dense ? dense_blocks(s, level) : sparse_blocks(s, level);
+}
+
+static uint32_t last_dense(const subdivider *s)
+{
+    const uint64_t fragments = s->build->fragment_count;
+    uint32_t level = 0;
+    while (level < s->last && dense_blocks(s, level + 3) <= DENSE_BLOCKS &&
+           dense_blocks(s, level + 3) * DENSE_FRAGMENTS <= fragments) {
+        level += 3;
+    }
+    return level;
+}
+
+/* Sets where the blocks of each level begin, and allocates them. Leaves need ranks only where cursors do. */
+static svo_status alloc_blocks(subdivider *s)
+{
+    svo_i_commands *commands = &s->build->commands;
+    uint64_t total = 0;
+    uint64_t ranked = 0;
+    s->params.dense = last_dense(s);
+    for (uint32_t level = 0; level <= s->last; level += 3) {
+        s->block_begin[level / 3] = (uint32_t)total;
+        total += most_blocks(s, level);
+        ranked = level < s->last || needs_cursors(commands->plan) ? total : ranked;
+    }
+    s->params.rank_blocks = (cl_uint)ranked;
+    s->params.dense_begin = s->block_begin[s->params.dense / 3];
+    SVO_I_TRY(svo_i_commands_alloc(commands, "blocks", total * BLOCK_BYTES, &s->blocks));
+    return svo_i_commands_alloc(commands, "block_ranks", ranked * RANK_BYTES, &s->ranks);
+}
+
+/* Clears the blocks of the dense levels and initializes the state to a root without children. */
 static svo_status begin(subdivider *s)
 {
     svo_i_build *build = s->build;
@@ -49,123 +135,160 @@ static svo_status begin(subdivider *s)
     for (unsigned level = 1; level < SVO_LEVELS_MAX; ++level) {
         root_alone[level] = 1;
     }
+    const uint64_t first_blocks = s->params.dense_begin + dense_blocks(s, s->params.dense);
     SVO_I_TRY(svo_i_build_put_state(build, root_alone));
     SVO_I_TRY(svo_i_scan_alloc(build));
-    return svo_i_commands_fill_zero(&build->commands, s->masks, (build->inner_capacity + 3) / 4 * 4);
+    return svo_i_commands_fill_zero(&build->commands, s->blocks, first_blocks * BLOCK_BYTES);
 }
 
-static svo_status mark_root(subdivider *s, svo_subdivide_params params)
+/* Every fragment marks its bit in the blocks of params.level. */
+static svo_status mark(subdivider *s)
 {
+    svo_blocks_params params = s->params;
     for (uint32_t i = 0; i < s->build->list.chunk_count; ++i) {
         const svo_i_fragments *chunk = &s->build->list.chunks[i];
         params.fragment_count = (cl_uint)chunk->needed;
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->masks),
-                                            SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(params)};
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->blocks),
+                                            SVO_I_ARGUMENT(s->ranks), SVO_I_ARGUMENT(s->build->state),
+                                            SVO_I_ARGUMENT(params)};
         SVO_I_TRY(svo_i_commands_launch(&s->build->commands, s->mark, SVO_I_ARGUMENTS(arguments), chunk->needed));
     }
     return SVO_OK;
 }
 
-/* Scans a level's masks: sets first_child of its nodes and the beginning of the level after the next. */
-static svo_status scan_level(subdivider *s, svo_subdivide_params params)
+/* Makes the nodes of params.level and the two levels below. */
+static svo_status make_nodes(subdivider *s)
 {
     svo_i_build *build = s->build;
+    svo_blocks_params params = s->params;
+    params.scan_groups = svo_i_scan_groups(most_blocks(s, params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
-    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
-    const svo_i_argument reduce[] = {SVO_I_ARGUMENT(s->masks), SVO_I_ARGUMENT(build->partials),
-                                     SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(build->state),
-                                       SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(s->masks),       SVO_I_ARGUMENT(build->partials),
-                                  SVO_I_ARGUMENT(s->first_child), SVO_I_ARGUMENT(build->state),
-                                  SVO_I_ARGUMENT(params),         scratch};
-    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->reduce, SVO_I_ARGUMENTS(reduce), items));
-    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->partials, SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
-    return svo_i_commands_launch(&build->commands, s->add, SVO_I_ARGUMENTS(add), items);
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint4));
+    const svo_i_argument count[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(build->partials),
+                                    SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument scan[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(build->state),
+                                   SVO_I_ARGUMENT(params), scratch};
+    const svo_i_argument make[] = {SVO_I_ARGUMENT(s->blocks),      SVO_I_ARGUMENT(build->partials),
+                                   SVO_I_ARGUMENT(s->ranks),       SVO_I_ARGUMENT(s->masks),
+                                   SVO_I_ARGUMENT(s->first_child), SVO_I_ARGUMENT(build->state),
+                                   SVO_I_ARGUMENT(params),         scratch};
+    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->count, SVO_I_ARGUMENTS(count), items));
+    SVO_I_TRY(svo_i_commands_launch(&build->commands, s->scan, SVO_I_ARGUMENTS(scan), SVO_GROUP_ITEMS));
+    return svo_i_commands_launch(&build->commands, s->make, SVO_I_ARGUMENTS(make), items);
 }
 
-static svo_status descend(subdivider *s, svo_subdivide_params params)
+/* Clears the blocks of params.level. */
+static svo_status clear_blocks(subdivider *s)
 {
-    for (uint32_t i = 0; i < s->build->list.chunk_count; ++i) {
-        const svo_i_fragments *chunk = &s->build->list.chunks[i];
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(s->build->state),
+                                        SVO_I_ARGUMENT(s->params)};
+    const uint64_t groups = svo_i_scan_groups(most_blocks(s, s->params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
+    return svo_i_commands_launch(&s->build->commands, s->clear, SVO_I_ARGUMENTS(arguments), groups * SVO_GROUP_ITEMS);
+}
+
+/* Copies the fragment count, which the host does not know, to the state. */
+static svo_status take_count(subdivider *s)
+{
+    svo_blocks_params params = s->params;
+    params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->list.counters), SVO_I_ARGUMENT(s->build->state),
+                                        SVO_I_ARGUMENT(params)};
+    return run_once(s, "svo_k_take_count", SVO_I_ARGUMENTS(arguments), 1);
+}
+
+/* Fills the blocks of params.level from those three levels down. */
+static svo_status mark_above(subdivider *s)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(s->params)};
+    return run_once(s, "svo_k_mark_above", SVO_I_ARGUMENTS(arguments), dense_blocks(s, s->params.level + 3) / 8);
+}
+
+static svo_status find_leaves(subdivider *s)
+{
+    svo_i_build *build = s->build;
+    svo_blocks_params params = s->params;
+    params.level = s->last;
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        const svo_i_fragments *chunk = &build->list.chunks[i];
         params.fragment_count = (cl_uint)chunk->needed;
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer),   SVO_I_ARGUMENT(s->build->cursors[i]),
-                                            SVO_I_ARGUMENT(s->masks),        SVO_I_ARGUMENT(s->first_child),
-                                            SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(params)};
-        SVO_I_TRY(svo_i_commands_launch(&s->build->commands, s->descend, SVO_I_ARGUMENTS(arguments), chunk->needed));
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->blocks),
+                                            SVO_I_ARGUMENT(s->ranks),      SVO_I_ARGUMENT(build->cursors[i]),
+                                            SVO_I_ARGUMENT(build->state),  SVO_I_ARGUMENT(params)};
+        SVO_I_TRY(run_once(s, "svo_k_find_leaves", SVO_I_ARGUMENTS(arguments), chunk->needed));
     }
     return SVO_OK;
 }
 
-/* Copies the fragment count, which the host does not know, to the state. */
-static svo_status take_count(subdivider *s, svo_subdivide_params params)
+/* Sets the parameters to blocks of a level. The nodes of the three levels below have limited room: where they have
+   blocks, that for blocks. Other levels of a blocking build share the room for all nodes, since it sizes later buffers
+   by the real counts. */
+static void set_level(subdivider *s, uint32_t level_of_blocks)
 {
-    params.fragment_count = (cl_uint)s->build->list.chunks[0].capacity;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->build->list.counters), SVO_I_ARGUMENT(s->build->state),
-                                        SVO_I_ARGUMENT(params)};
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SUBDIVIDE], "svo_k_take_count",
-                              SVO_I_ARGUMENTS(arguments), 1);
-}
-
-/* Capacity for the inner nodes of the next level. A blocking build has no limit per level: it sizes later buffers by
-   the real counts. */
-static uint32_t next_level_capacity(const svo_i_build *build, uint32_t level)
-{
-    const uint32_t *begin = build->tree->info.level_begin;
-    return build->commands.mode == SVO_I_MODE_RUN || level + 1 == build->tree->info.depth
-               ? UINT32_MAX
-               : begin[level + 2] - begin[level + 1];
-}
-
-/* The most nodes that a level can have. */
-static uint64_t most_nodes(const svo_i_build *build, uint32_t level)
-{
-    const uint64_t cells = UINT64_C(1) << (3 * level);
-    return cells < build->fragment_count ? cells : build->fragment_count;
+    s->params.level = level_of_blocks;
+    s->params.block_begin = s->block_begin[level_of_blocks / 3];
+    s->params.next_begin = s->block_begin[level_of_blocks / 3 + 1];
+    for (uint32_t k = 0; k < 3; ++k) {
+        const uint32_t level = s->params.level + 1 + k;
+        const bool has_blocks = level % 3 == 0 && level > s->params.dense && level <= s->last;
+        s->params.level_capacity[k] = has_blocks                                  ? (cl_uint)most_blocks(s, level)
+                                      : s->build->commands.mode == SVO_I_MODE_RUN ? UINT32_MAX
+                                                                                  : (cl_uint)level_nodes(s, level);
+    }
 }
 
 static svo_status run_levels(subdivider *s)
 {
-    svo_subdivide_params params = {.depth = s->build->commands.plan->info.depth,
-                                   .inner_capacity = (cl_uint)s->build->inner_capacity};
-    SVO_I_TRY(s->build->list.counters != NULL ? take_count(s, params) : SVO_OK);
-    SVO_I_TRY(mark_root(s, params));
-    for (params.level = 0; params.level < params.depth; ++params.level) {
-        params.scan_groups = svo_i_scan_groups(most_nodes(s->build, params.level));
-        params.level_capacity = next_level_capacity(s->build, params.level);
-        SVO_I_TRY(scan_level(s, params));
-        SVO_I_TRY(descend(s, params));
+    const uint32_t dense = s->params.dense;
+    set_level(s, dense);
+    SVO_I_TRY(s->build->list.counters != NULL ? take_count(s) : SVO_OK);
+    SVO_I_TRY(mark(s));
+    for (uint32_t level = dense; level > 0; level -= 3) {
+        set_level(s, level - 3);
+        SVO_I_TRY(mark_above(s));
+    }
+    for (uint32_t level = 0; level <= s->last; level += 3) {
+        set_level(s, level);
+        if (level > dense) {
+            SVO_I_TRY(clear_blocks(s));
+            SVO_I_TRY(mark(s));
+        }
+        SVO_I_TRY(make_nodes(s));
     }
     return SVO_OK;
 }
 
-/* Fills arrays of build->inner_capacity elements. *fits is false if there are more inner nodes. */
-static svo_status run(svo_i_build *build, bool *fits)
+/* Releases the blocks, for another attempt or at the end. */
+static void free_blocks(subdivider *s)
 {
-    svo_status status = SVO_OK;
+    svo_i_commands_free(&s->build->commands, &s->blocks);
+    svo_i_commands_free(&s->build->commands, &s->ranks);
+}
+
+/* Fills arrays of build->inner_capacity elements. *fits is false if there are more inner nodes. */
+static svo_status run(subdivider *s, bool *fits)
+{
+    svo_i_build *build = s->build;
     svo_i_commands *commands = &build->commands;
-    subdivider s = {.build = build,
-                    .masks = build->tree->buffers[SVO_TREE_CHILD_MASK],
-                    .first_child = build->tree->buffers[SVO_TREE_FIRST_CHILD]};
     svo_build_state state;
     if (commands->mode != SVO_I_MODE_MEASURE && build->inner_capacity >= UINT32_MAX) {
         return svo_i_device_fail(commands->device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "svo_build: the tree may have %llu inner nodes, above 2^32 - 1; lower the depth",
                                  (unsigned long long)build->inner_capacity);
     }
+    s->masks = build->tree->buffers[SVO_TREE_CHILD_MASK];
+    s->first_child = build->tree->buffers[SVO_TREE_FIRST_CHILD];
+    s->params.inner_capacity = (cl_uint)build->inner_capacity;
     *fits = true; /* other modes do not read the counts here */
     svo_i_stage_begin(commands);
-    SVO_I_TRY_CLEANUP(create_kernels(&s));
-    SVO_I_TRY_CLEANUP(begin(&s));
-    SVO_I_TRY_CLEANUP(run_levels(&s));
-    SVO_I_TRY_CLEANUP(svo_i_stage_end(commands, SVO_STAGE_SUBDIVIDE));
+    SVO_I_TRY(alloc_blocks(s));
+    SVO_I_TRY(begin(s));
+    SVO_I_TRY(run_levels(s));
+    SVO_I_TRY(svo_i_stage_end(commands, SVO_STAGE_SUBDIVIDE));
     if (commands->mode == SVO_I_MODE_RUN) {
-        SVO_I_TRY_CLEANUP(svo_i_commands_read(commands, build->state, &state, sizeof state));
-        SVO_I_TRY_CLEANUP(svo_i_build_take_state(build, &state, fits));
+        SVO_I_TRY(svo_i_commands_read(commands, build->state, &state, sizeof state));
+        SVO_I_TRY(svo_i_build_take_state(build, &state, fits));
     }
-cleanup:
-    release_kernels(&s);
-    return status;
+    return SVO_OK;
 }
 
 /* Replaces a buffer by a copy of its first bytes. */
@@ -188,39 +311,38 @@ cleanup:
 static svo_status alloc_nodes(svo_i_build *build, const char *masks, const char *first_child)
 {
     cl_mem *buffers = build->tree->buffers;
-    const uint64_t mask_bytes = (build->inner_capacity + 3) / 4 * 4;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, masks, mask_bytes, &buffers[SVO_TREE_CHILD_MASK]));
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, masks, build->inner_capacity, &buffers[SVO_TREE_CHILD_MASK]));
     return svo_i_commands_alloc(&build->commands, first_child, build->inner_capacity * 4,
                                 &buffers[SVO_TREE_FIRST_CHILD]);
 }
 
 /* Makes the nodes in the tree's own arrays, of the plan's capacities. */
-static svo_status subdivide_in_place(svo_i_build *build)
+static svo_status subdivide_in_place(subdivider *s)
 {
     bool fits = false;
+    svo_i_build *build = s->build;
+    s->worst_case = build->commands.plan->options.worst_case_nodes != 0;
     build->inner_capacity = build->tree->info.inner_count;
     SVO_I_TRY(
         alloc_nodes(build, svo_tree_buffer_name(SVO_TREE_CHILD_MASK), svo_tree_buffer_name(SVO_TREE_FIRST_CHILD)));
-    return run(build, &fits);
+    return run(s, &fits);
 }
 
 /* Runs again once, with capacity for the worst case, if the fragment estimate was too low. */
-svo_status svo_i_subdivide(svo_i_build *build)
+static svo_status subdivide_and_trim(subdivider *s)
 {
+    svo_i_build *build = s->build;
     const svo_plan *plan = build->commands.plan;
     cl_mem *buffers = build->tree->buffers;
     bool fits = false;
-    SVO_I_TRY(svo_i_build_alloc_cursors(build));
-    if (build->in_place) {
-        return subdivide_in_place(build);
-    }
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {
-        const bool worst_case = attempt > 0 || plan->options.worst_case_nodes != 0;
-        build->inner_capacity = svo_i_plan_inner_nodes(plan, build->fragment_count, worst_case);
+        s->worst_case = attempt > 0 || plan->options.worst_case_nodes != 0;
+        build->inner_capacity = svo_i_plan_inner_nodes(plan, build->fragment_count, s->worst_case);
         svo_i_commands_free(&build->commands, &buffers[SVO_TREE_CHILD_MASK]);
         svo_i_commands_free(&build->commands, &buffers[SVO_TREE_FIRST_CHILD]);
+        free_blocks(s);
         SVO_I_TRY(alloc_nodes(build, "child_mask_pool", "first_child_pool"));
-        SVO_I_TRY(run(build, &fits));
+        SVO_I_TRY(run(s, &fits));
         build->commands.report->reruns += fits ? 0 : 1;
     }
     if (!fits) {
@@ -230,4 +352,25 @@ svo_status svo_i_subdivide(svo_i_build *build)
     }
     SVO_I_TRY(trim(build, SVO_TREE_CHILD_MASK, build->tree->info.inner_count));
     return trim(build, SVO_TREE_FIRST_CHILD, build->tree->info.inner_count * 4);
+}
+
+/* The cursors come last, so that they do not add to the peak of memory that the nodes need. */
+svo_status svo_i_subdivide(svo_i_build *build)
+{
+    svo_status status = SVO_OK;
+    const uint32_t depth = build->commands.plan->info.depth;
+    const uint32_t pad = (3 - depth % 3) % 3;
+    subdivider s = {.build = build, .params = {.depth = depth, .pad = pad}, .last = depth + pad - 3};
+    SVO_I_TRY_CLEANUP(create_kernels(&s));
+    SVO_I_TRY_CLEANUP(build->in_place ? subdivide_in_place(&s) : subdivide_and_trim(&s));
+    if (needs_cursors(build->commands.plan)) {
+        SVO_I_TRY_CLEANUP(svo_i_build_alloc_cursors(build));
+        svo_i_stage_begin(&build->commands);
+        SVO_I_TRY_CLEANUP(find_leaves(&s));
+        SVO_I_TRY_CLEANUP(svo_i_stage_end(&build->commands, SVO_STAGE_SUBDIVIDE));
+    }
+cleanup:
+    free_blocks(&s);
+    release_kernels(&s);
+    return status;
 }

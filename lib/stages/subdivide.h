@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Makes the nodes from the root down, level by level. Kernels: kernels/stages/subdivide.cl, scan.cl.
+ * Makes the nodes from the root down, three levels at a time. Kernels: kernels/stages/subdivide.cl.
  *
  * Reads: the fragment list.
- * Writes: SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, the tree's counts, build->state, build->partials, and
- * build->cursors, which hold the leaf of each fragment at the end.
+ * Writes: SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, the tree's counts, build->state, build->partials, and where a
+ * stage reads them build->cursors, the leaf of each fragment.
  * Needs: a complete fragment list.
  */
 #ifndef SVO_LIB_STAGES_SUBDIVIDE_H
