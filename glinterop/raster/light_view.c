@@ -212,7 +212,8 @@ static void split_vertices(const svo_tree_info *info, const int32_t *snapped, co
     }
 }
 
-/* The vertices of the mesh that rays meet. A float in grid units would be too coarse for the edges of small triangles. */
+/* The vertices of the mesh that rays meet. Floats in grid units would be too coarse for the edges of small
+   triangles. */
 static svo_status upload_vertices(svo_i_light_raster *raster, cl_command_queue queue)
 {
     const svo_tree_info *info = &raster->tree->info;
