@@ -367,6 +367,9 @@ static void plan_all(const fixture *opened, const svo_mesh *mesh)
 {
     static const float points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint16_t corners[4] = {0, 0, 1, 2};
+    static const uint8_t texel[4] = {1, 2, 3, 255};
+    const svo_texture texture = {.rgba = texel, .width = 1, .height = 1};
+    const svo_material material = {{255, 255, 255, 255}, 0};
     svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 0.5};
     svo_mesh_buffers buffers = {
         .struct_size = sizeof buffers, .vertex_count = 3, .triangle_count = 1, .index_bytes = 2};
@@ -379,7 +382,10 @@ static void plan_all(const fixture *opened, const svo_mesh *mesh)
     svo_plan_destroy(&plan);
     buffers.indices.offset_bytes = 2;
     buffers.positions.memory = buffer_of(opened, points, sizeof points);
-    buffers.normals.memory = buffers.positions.memory; /* any three floats */
+    buffers.normals.memory = buffers.uvs.memory = buffers.positions.memory; /* any floats */
+    buffers.materials = &material;
+    buffers.textures = &texture;
+    buffers.material_count = buffers.texture_count = 1;
     buffers.indices.memory = buffer_of(opened, corners, sizeof corners);
     succeed(opened, svo_plan_create_from_buffers(opened->device, &buffers, DEPTH, NULL, opened->queue, 0, NULL, &plan));
     svo_plan_destroy(&plan);

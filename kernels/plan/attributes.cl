@@ -101,7 +101,8 @@ static svo_triangle_record svo_make_record(const svo_shape *s, uint material, bo
 }
 
 /* textured: one byte per material, whether it has a texture. materials: receives 1 for those of kept triangles.
-   Columns: the bits of the largest area; whether colors, normals and the triangles' own normals vary. */
+   Columns: the bits of the largest area; whether colors and normals vary; the largest of the triangles' own normals as
+   numbers, and of their complements: they tell whether all are equal. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_plan_records(__global const int *vertices, __global const uint *indices, __global const uint *triangle_ids,
                    __global const ushort *triangle_materials, __global const uint *colors,
@@ -111,15 +112,8 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
 {
     const uint2 run = svo_own_run(params.triangle_count);
     const svo_attributes from = {colors, normals};
-    ulong columns[4] = {0, 0, 0, 0};
-    uint first[3];
-    svo_shape first_shape;
-    if (run.x < run.y) {
-        for (uint k = 0; k < 3; ++k) {
-            first[k] = indices[k];
-        }
-        first_shape = svo_shape_of(vertices, first);
-    }
+    const uint first = run.x < run.y ? indices[0] : 0u;
+    ulong columns[5] = {0, 0, 0, 0, 0};
     for (uint t = run.x; t < run.y; ++t) {
         const uint corners[3] = {indices[(size_t)t * 3], indices[(size_t)t * 3 + 1], indices[(size_t)t * 3 + 2]};
         const uint given = triangle_materials != 0 ? triangle_materials[triangle_ids[t]] : 0u;
@@ -128,17 +122,18 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
         const svo_shape s = svo_shape_of(vertices, corners);
         const uint inside =
             svo_differences(from, corners[0], corners[1]) | svo_differences(from, corners[0], corners[2]);
-        const uint vary = inside | svo_differences(from, corners[0], first[0]);
-        records[t] = svo_make_record(&s, material, !is_textured && inside == 0u);
+        const uint vary = inside | svo_differences(from, corners[0], first);
+        const svo_triangle_record record = svo_make_record(&s, material, !is_textured && inside == 0u);
+        const ulong own = (ulong)(record.normal_z_flags & 0xffffu) << 32 | record.normal_xy;
+        records[t] = record;
         if (materials[material] == 0) { /* most find it set, and leave its cache line shared */
             materials[material] = 1;
         }
         columns[0] = max(columns[0], as_ulong(s.area));
         columns[1] |= vary & 1u;
         columns[2] |= vary >> 1;
-        columns[3] |= s.unit.x != first_shape.unit.x || s.unit.y != first_shape.unit.y || s.unit.z != first_shape.unit.z
-                          ? 1ul
-                          : 0ul;
+        columns[3] = max(columns[3], own);
+        columns[4] = max(columns[4], ~own);
     }
-    svo_group_columns(columns, 4u, true, scratch, partials);
+    svo_group_columns(columns, 5u, true, scratch, partials);
 }

@@ -10,7 +10,7 @@
 #include "plan/attributes.h"
 #include "plan/device_grid.h"
 
-#define COLUMNS       4 /* of svo_k_plan_records */
+#define COLUMNS       5 /* of svo_k_plan_records */
 #define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
 
 typedef struct attributes_run {
@@ -59,7 +59,7 @@ static void take_totals(svo_i_findings *found, const uint64_t totals[COLUMNS])
     memcpy(&found->largest_area, &totals[0], sizeof found->largest_area);
     found->colors_vary = totals[1] != 0;
     found->normals_vary = totals[2] != 0;
-    found->own_normals_vary = totals[3] != 0;
+    found->own_normals_vary = totals[3] != ~totals[4]; /* the largest and the smallest */
 }
 
 static svo_status make_records(attributes_run *r)
@@ -91,7 +91,9 @@ static svo_status make_records(attributes_run *r)
     SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments),
                                  svo_i_run_items(plan->triangle_count)));
     SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, plan->triangle_count, COLUMNS, true, totals));
-    take_totals(&r->found, totals);
+    if (plan->triangle_count > 0) {
+        take_totals(&r->found, totals);
+    }
     return svo_i_launcher_read(r->launcher, r->materials, 0, r->found.material_used, plan->material_count);
 }
 
