@@ -36,6 +36,8 @@ static void compare_geometry(const svo_plan *host, const svo_plan *device)
     SAME_ARRAY(items, host->triangle_count);
     SAME_ARRAY(item_fragments, host->triangle_count);
     SAME_ARRAY(large, host->large_count);
+    SAME_ARRAY(positions, host->vertex_count * 3);
+    SAME_ARRAY(positions_double, host->vertex_count * 3);
 }
 
 static void compare_payload(const svo_plan *host, const svo_plan *device)

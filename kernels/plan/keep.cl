@@ -4,7 +4,7 @@
  * by class. Counts of classes before a group come from the reduction, so the order is that of a stable counting sort.
  *
  * Launch: svo_k_plan_totals one group; svo_k_plan_keep one work-item per SVO_PLAN_RUN triangles and svo_k_plan_clear
- * one per vertex, in whole groups. Atomics: the counter of large triangles, whose list the host sorts by item.
+ * and svo_k_plan_positions one per vertex, in whole groups. Atomics: the counter of large triangles, whose list the host sorts by item.
  */
 #include "plan/plan.clh"
 
@@ -138,5 +138,17 @@ svo_k_plan_clear(__global const uchar *kept, __global int *vertices, svo_plan_pa
     const uint vertex = (uint)get_global_id(0);
     for (uint axis = 0; axis < (vertex < params.vertex_count && kept[vertex] == 0 ? 3u : 0u); ++axis) {
         vertices[(size_t)vertex * 3 + axis] = 0;
+    }
+}
+
+/* Copies the positions of marked vertices; the others become 0, since they may not be finite. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_plan_positions(__global const uint *from, __global const uchar *marks, __global uint *to, svo_plan_params params)
+{
+    const uint vertex = (uint)get_global_id(0);
+    const uint words = (params.flags & SVO_PLAN_DOUBLES) != 0u ? 6u : 3u;
+    for (uint k = 0; k < (vertex < params.vertex_count ? words : 0u); ++k) {
+        const size_t at = (size_t)vertex * words + k;
+        to[at] = marks[vertex] != 0 ? from[at] : 0u;
     }
 }

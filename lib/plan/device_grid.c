@@ -249,6 +249,23 @@ static svo_status keep(grid_run *r)
     return svo_i_launcher_run(r->launcher, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
 }
 
+/* The mesh's own positions of the vertices that kept triangles use, for rays; positions.c has it for the host. */
+static svo_status keep_positions(grid_run *r)
+{
+    const bool is_double = (r->params.flags & SVO_PLAN_DOUBLES) != 0;
+    svo_i_plan_memory *memory = &r->plan->memory;
+    cl_mem *positions = is_double ? &memory->positions_double : &memory->positions;
+    const cl_mem marks = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->kept : r->used;
+    if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_positions",
+                                    (uint64_t)r->params.vertex_count * (is_double ? 24 : 12), positions));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(marks),
+                                        SVO_I_ARGUMENT(*positions), SVO_I_ARGUMENT(r->params)};
+    return svo_i_launcher_run(r->launcher, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
+}
+
 static int compare_items(const void *a, const void *b)
 {
     const uint32_t x = ((const svo_large_item *)a)->item;
@@ -285,6 +302,7 @@ static svo_status run_steps(grid_run *r)
         SVO_I_TRY(find_closed(r));
     }
     SVO_I_TRY(keep(r));
+    SVO_I_TRY(keep_positions(r));
     SVO_I_TRY(read_large(r));
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)r->params.triangle_count);
     return svo_i_progress_tell(plan, SVO_STAGE_GRID);

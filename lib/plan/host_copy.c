@@ -47,6 +47,12 @@ svo_status svo_i_plan_copy_to_host(svo_plan *plan)
     host = plan->triangle_ids;
     SVO_I_TRY(bring(plan, memory->triangle_ids, triangles * 4, &host));
     plan->triangle_ids = host;
+    host = plan->positions;
+    SVO_I_TRY(bring(plan, memory->positions, vertices * 12, &host));
+    plan->positions = host;
+    host = plan->positions_double;
+    SVO_I_TRY(bring(plan, memory->positions_double, vertices * 24, &host));
+    plan->positions_double = host;
     host = plan->items;
     SVO_I_TRY(bring(plan, memory->items, triangles * sizeof(svo_draw_item), &host));
     plan->items = host;
@@ -70,9 +76,10 @@ svo_status svo_i_plan_copy_to_host(svo_plan *plan)
 
 void svo_i_plan_memory_free(svo_i_plan_memory *memory)
 {
-    const cl_mem buffers[] = {memory->vertices, memory->indices,        memory->triangle_ids,
-                              memory->items,    memory->item_fragments, memory->records,
-                              memory->colors,   memory->normals,        memory->uvs};
+    const cl_mem buffers[] = {memory->vertices,  memory->indices,         memory->triangle_ids,
+                              memory->items,     memory->item_fragments,  memory->records,
+                              memory->colors,    memory->normals,         memory->uvs,
+                              memory->positions, memory->positions_double};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         if (buffers[i] != NULL) {
             clReleaseMemObject(buffers[i]);

@@ -8,6 +8,7 @@
 #include "plan/device_grid.h"
 #include "plan/grid.h"
 #include "plan/host_copy.h"
+#include "plan/positions.h"
 
 const char *svo_place_name(svo_place place)
 {
@@ -45,7 +46,8 @@ static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
 {
     plan->info.place = SVO_PLACE_HOST;
     SVO_I_TRY(svo_i_plan_grid(plan, &input->mesh));
-    return svo_i_plan_attributes(plan, &input->mesh);
+    SVO_I_TRY(svo_i_plan_attributes(plan, &input->mesh));
+    return svo_i_plan_positions(plan, &input->mesh);
 }
 
 static svo_status run_kernels(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,

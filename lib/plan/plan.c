@@ -239,6 +239,8 @@ void svo_plan_destroy(svo_plan **plan)
     svo_i_free(p->vertices);
     svo_i_free(p->indices);
     svo_i_free(p->triangle_ids);
+    svo_i_free(p->positions);
+    svo_i_free(p->positions_double);
     svo_i_free(p->items);
     svo_i_free(p->item_fragments);
     svo_i_free(p->large);

@@ -166,6 +166,7 @@ typedef struct svo_i_sums {
 /* The arrays of a plan that kernels made, in place of the host's; all NULL in other plans. */
 typedef struct svo_i_plan_memory {
     cl_mem vertices, indices, triangle_ids, items, item_fragments;
+    cl_mem positions, positions_double; /* at most one */
     cl_mem records, colors, normals, uvs; /* NULL where the request does not read them or the mesh has none */
 } svo_i_plan_memory;
 
@@ -186,6 +187,9 @@ struct svo_plan {
     uint32_t *indices; /* triangle_count * 3 */
     uint32_t *triangle_ids; /* mesh indices of the kept triangles: accepted and not outside the grid */
     uint32_t triangle_count;
+    /* The same vertices as the mesh has them, in one of these arrays; both NULL where no ray meets triangles. */
+    float *positions; /* vertex_count * 3 */
+    double *positions_double;
 
     /* The draw items: kept triangles, sorted by class. */
     svo_draw_item *items;
