@@ -110,7 +110,7 @@ typedef enum svo_place {
     SVO_PLACE_DEFAULT = 0,
     SVO_PLACE_HOST = 1, /**< "host": one thread; builds upload what they read */
     /** "device": kernels. The snapped mesh and the payload inputs stay on the device, in memory of the plan's own,
-     *  about 28 bytes per triangle and 12 per vertex besides the attributes; builds copy what they read. */
+     *  28 bytes per triangle and 12 per vertex besides attributes and what rays meet; builds copy what they read. */
     SVO_PLACE_DEVICE = 2
 } svo_place;
 

@@ -3,8 +3,9 @@
  * Reduces the rows of the groups, and writes the kept triangles: those in the order of the mesh, and their draw items
  * by class. Counts of classes before a group come from the reduction, so the order is that of a stable counting sort.
  *
- * Launch: svo_k_plan_totals one group; svo_k_plan_keep one work-item per SVO_PLAN_RUN triangles and svo_k_plan_clear
- * and svo_k_plan_positions one per vertex, in whole groups. Atomics: the counter of large triangles, whose list the host sorts by item.
+ * Launch: svo_k_plan_totals one group; svo_k_plan_keep one work-item per SVO_PLAN_RUN triangles; svo_k_plan_clear and
+ * svo_k_plan_positions one per vertex, in whole groups. Atomics: the counter of large triangles, whose list the host
+ * sorts by item.
  */
 #include "plan/plan.clh"
 
