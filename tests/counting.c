@@ -59,6 +59,10 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
                              build_callback done, void *user);
 cl_kernel __real_clCreateKernel(cl_program program, const char *name, cl_int *error);
 cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error);
+cl_int __real_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
 cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
                                      const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
                                      cl_event *event);
@@ -212,6 +216,13 @@ cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *er
 void counting_fail_launch(size_t index)
 {
     notes.launches_to_failure = index + 1;
+}
+
+cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    notes.figures.read_bytes += bytes;
+    return __real_clEnqueueReadBuffer(queue, buffer, blocking, offset, bytes, to, num_wait, wait, event);
 }
 
 cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,

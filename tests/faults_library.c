@@ -120,11 +120,13 @@ static svo_status run_limited_device(subject *of)
     return status;
 }
 
-static svo_status run_plan(subject *of)
+static svo_status plan_at(subject *of, svo_place place)
 {
     svo_plan *plan = NULL;
     svo_plan_info info = SVO_PLAN_INFO_INIT;
-    const svo_status status = svo_plan_create(world.device, &world.mesh.mesh, DEPTH, &everything, &plan);
+    svo_plan_options options = everything;
+    options.place = place;
+    const svo_status status = svo_plan_create(world.device, &world.mesh.mesh, DEPTH, &options, &plan);
     if (status == SVO_OK) {
         svo_plan_get_info(plan, &info);
         info.grid_ms = 0.0;
@@ -134,6 +136,16 @@ static svo_status run_plan(subject *of)
     }
     svo_plan_destroy(&plan);
     return told(of, world.device, status);
+}
+
+static svo_status run_plan(subject *of)
+{
+    return plan_at(of, SVO_PLACE_DEFAULT);
+}
+
+static svo_status run_plan_on_device(subject *of)
+{
+    return plan_at(of, SVO_PLACE_DEVICE);
 }
 
 static svo_status run_count(subject *of)
@@ -178,6 +190,26 @@ static svo_status run_mesh_read(subject *of)
     }
     svo_mesh_copy_destroy(&copy);
     return status;
+}
+
+static svo_status run_plan_from_buffers(subject *of)
+{
+    svo_plan *plan = NULL;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    const svo_mesh_buffers buffers = {.struct_size = sizeof buffers,
+                                      .vertex_count = world.mesh.mesh.vertex_count,
+                                      .triangle_count = world.mesh.mesh.triangle_count,
+                                      .positions = {.memory = of->positions},
+                                      .indices = {.memory = of->indices}};
+    const svo_status status =
+        svo_plan_create_from_buffers(world.device, &buffers, DEPTH, NULL, world.queue, 0, NULL, &plan);
+    if (status == SVO_OK) {
+        svo_plan_get_info(plan, &info);
+        info.grid_ms = 0.0;
+        digest(of, &info, sizeof info);
+    }
+    svo_plan_destroy(&plan);
+    return told(of, world.device, status);
 }
 
 static void cleanup_buffers(subject *of)
@@ -387,8 +419,10 @@ static const scenario rows[] = {
     {"device", false, false, prepare_nothing, run_device, NULL, destroy_all},
     {"limited_device", false, false, prepare_nothing, run_limited_device, NULL, destroy_all},
     {"plan", false, false, prepare_nothing, run_plan, NULL, destroy_all},
+    {"plan_on_device", false, false, prepare_nothing, run_plan_on_device, NULL, destroy_all},
     {"plan_count", false, false, prepare_plan, run_count, NULL, destroy_all},
     {"mesh_read", false, false, prepare_buffers, run_mesh_read, NULL, cleanup_buffers},
+    {"plan_from_buffers", false, false, prepare_buffers, run_plan_from_buffers, NULL, cleanup_buffers},
     {"build", false, false, prepare_plan, run_build, NULL, destroy_all},
     {"build_sorted", false, false, prepare_sorted, run_build, NULL, destroy_all},
     {"build_short", false, false, prepare_short, run_build, NULL, destroy_all},

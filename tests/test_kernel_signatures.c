@@ -37,6 +37,7 @@ extern const char svo_i_source_sort[];
 extern const char svo_i_source_pack[];
 extern const char svo_i_source_filter[];
 extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_plan[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_trace[];
 extern const char svo_i_source_view[];
@@ -90,6 +91,10 @@ static size_t bytes_of_type(const char *type)
         const char *name;
         size_t bytes;
     } types[] = {{"uint", sizeof(cl_uint)},
+                 {"ulong", sizeof(cl_ulong)},
+                 {"svo_plan_params", sizeof(svo_plan_params)},
+                 {"svo_plan_total_params", sizeof(svo_plan_total_params)},
+                 {"svo_plan_view", sizeof(svo_plan_view)},
                  {"float4", sizeof(cl_float4)},
                  {"double4", sizeof(cl_double4)},
                  {"svo_bvh_params", sizeof(svo_bvh_params)},
@@ -335,6 +340,15 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     svo_plan_destroy(&plan);
 }
 
+static cl_mem buffer_of(const fixture *opened, const void *bytes, size_t count)
+{
+    cl_int error = CL_SUCCESS;
+    const cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, count, NULL, &error);
+    assert_int_equal(error, CL_SUCCESS);
+    assert_int_equal(clEnqueueWriteBuffer(opened->queue, buffer, CL_TRUE, 0, count, bytes, 0, NULL, NULL), CL_SUCCESS);
+    return buffer;
+}
+
 /* The list in one chunk and in several, each with and without areas, the same with a workspace, the sorted builder,
    which has the same payload stages, and a deep tree. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
@@ -363,6 +377,37 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     options.builder = SVO_BUILDER_CL;
     fixture_build(opened, mesh, 2 * DEPTH, &options, &other); /* its lower levels have blocks for nodes alone */
     built_destroy(&other);
+}
+
+/* A plan by kernels of all that they do: some triangles are outside, indices are narrow and begin at an offset. */
+static void plan_all(const fixture *opened, const svo_mesh *mesh)
+{
+    static const float points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint16_t corners[4] = {0, 0, 1, 2};
+    static const uint8_t texel[4] = {1, 2, 3, 255};
+    const svo_texture texture = {.rgba = texel, .width = 1, .height = 1};
+    const svo_material material = {{255, 255, 255, 255}, 0};
+    svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 0.5};
+    svo_mesh_buffers buffers = {
+        .struct_size = sizeof buffers, .vertex_count = 3, .triangle_count = 1, .index_bytes = 2};
+    svo_plan *plan = NULL;
+    options.place = SVO_PLACE_DEVICE;
+    succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
+    svo_plan_destroy(&plan);
+    options.edge = 0.0;
+    succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
+    svo_plan_destroy(&plan);
+    buffers.indices.offset_bytes = 2;
+    buffers.positions.memory = buffer_of(opened, points, sizeof points);
+    buffers.normals.memory = buffers.uvs.memory = buffers.positions.memory; /* any floats */
+    buffers.materials = &material;
+    buffers.textures = &texture;
+    buffers.material_count = buffers.texture_count = 1;
+    buffers.indices.memory = buffer_of(opened, corners, sizeof corners);
+    succeed(opened, svo_plan_create_from_buffers(opened->device, &buffers, DEPTH, NULL, opened->queue, 0, NULL, &plan));
+    svo_plan_destroy(&plan);
+    clReleaseMemObject(buffers.positions.memory);
+    clReleaseMemObject(buffers.indices.memory);
 }
 
 static void query_all(const fixture *opened, svo_tree *tree)
@@ -563,7 +608,7 @@ static void every_launch_matches_its_kernel(void **state)
         svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
         svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
         svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
-        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh};
+        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,         svo_i_source_plan};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -573,6 +618,7 @@ static void every_launch_matches_its_kernel(void **state)
     built_destroy(&tree);
     /* The first builds also launched every kernel as a warm-up (warm_up.c). These have only the stages' launches. */
     notes.launched_count = 0;
+    plan_all(&opened, &painted.mesh);
     build_all(&opened, &painted.mesh, &tree);
     query_all(&opened, tree.tree);
     compact_all(&opened, tree.tree);

@@ -89,6 +89,11 @@ typedef struct svo_mesh_buffers {
     svo_mesh_view uvs; /**< 2 floats per vertex */
     svo_mesh_view triangle_materials; /**< uint16_t per triangle */
     const svo_memory_callbacks *memory; /**< host memory of the mesh that is read; NULL: malloc and free */
+    /** Materials and textures as in svo_mesh, on the host. svo_mesh_read refers to them. */
+    const svo_material *materials;
+    size_t material_count;
+    const svo_texture *textures;
+    size_t texture_count;
 } svo_mesh_buffers;
 
 /** No arrays. */
@@ -97,7 +102,8 @@ typedef struct svo_mesh_buffers {
 /** A mesh that owns its host arrays. Thread-safety: several threads may read it. */
 typedef struct svo_mesh_copy svo_mesh_copy;
 
-/** Reads a mesh from OpenCL buffers and waits for it. The buffers are not needed afterwards.
+/** Reads a mesh from OpenCL buffers to the host and waits for it. The buffers are not needed afterwards.
+ * svo_plan_create_from_buffers (plan.h) makes a plan without it: the mesh stays where it is.
  *
  * \param buffers where the arrays are
  * \param queue not NULL, on the buffers' context, in-order or out-of-order

@@ -102,6 +102,24 @@ typedef enum svo_builder {
  * \returns "cl", "sorted"; else "unknown builder". Static string. */
 SVO_API const char *svo_builder_name(svo_builder builder);
 
+/** Where svo_plan_create works. The plan is the same, bit for bit. */
+typedef enum svo_place {
+    /** The host for fewer than 4,096 triangles, and on a device handle whose plans had fewer than 131,072 in all;
+     *  later the device, so that small meshes do not pay for the kernels. Always the host on handles with a budget
+     *  (max_device_bytes) and on devices without doubles or denormals. */
+    SVO_PLACE_DEFAULT = 0,
+    SVO_PLACE_HOST = 1, /**< "host": one thread; builds upload what they read */
+    /** "device": kernels. The snapped mesh and the payload inputs stay on the device, in memory of the plan's own,
+     *  28 bytes per triangle and 12 per vertex besides attributes and what rays meet; builds copy what they read. */
+    SVO_PLACE_DEVICE = 2
+} svo_place;
+
+/** Name of a place.
+ *
+ * \param place any value
+ * \returns "default", "host", "device"; else "unknown place". Static string. */
+SVO_API const char *svo_place_name(svo_place place);
+
 /** The stages of plans and builds. Later versions may append some. */
 typedef enum svo_stage {
     SVO_STAGE_GRID = 0, /**< "grid": validate, snap, classify (svo_plan_create) */
@@ -161,6 +179,8 @@ typedef struct svo_plan_options {
      *  large ones. Enqueued builds wait for nothing and report nothing. */
     svo_progress_callback progress;
     void *progress_user; /**< passed to progress */
+    /** Where the plan is made. SVO_PLACE_DEVICE fails with SVO_UNSUPPORTED on devices without doubles or denormals. */
+    svo_place place;
 } svo_plan_options;
 
 /** All defaults. */
@@ -183,7 +203,8 @@ typedef struct svo_plan_info {
     double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
     double expected_fragments; /**< the fragment estimate, without slack */
     uint64_t fragments; /**< the exact number after svo_plan_count; 0 before */
-    double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds */
+    double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds; without compiling */
+    uint32_t place; /**< svo_place: SVO_PLACE_HOST or SVO_PLACE_DEVICE */
 } svo_plan_info;
 
 /** An empty output. */
@@ -246,6 +267,29 @@ typedef struct svo_left_out {
  *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more), SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
+
+/** Makes a plan from a mesh in OpenCL buffers, by kernels: SVO_PLACE_DEVICE.
+ *
+ * The mesh does not cross to the host. Of the whole plan the host reads totals (some hundred bytes, and a byte per
+ * material), the triangles of more than 64 columns of voxels, 48 bytes each, for the front end "cl", and, where the
+ * fragment list takes several chunks, 4 bytes per triangle. A front end or a builder of OpenGL reads the snapped mesh,
+ * since it draws from OpenGL's memory. The buffers are not needed afterwards. OpenGL buffers can be given as the
+ * cl_mems that clCreateFromGLBuffer makes of them, acquired; svo_gl_mesh_read reads those of other drivers to the host.
+ *
+ * \param device must outlive the plan
+ * \param buffers where the arrays are; gl_buffer and memory of it are unused
+ * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
+ * \param options NULL means all defaults; place: SVO_PLACE_DEFAULT or SVO_PLACE_DEVICE
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
+ * \param num_wait number of events in wait
+ * \param wait events to wait for first; NULL when num_wait is 0
+ * \param out receives the plan; the call waits for it
+ * \returns SVO_UNSUPPORTED (the device has no doubles or denormals; read the mesh with svo_mesh_read), and as
+ *          svo_mesh_read and svo_plan_create: SVO_INVALID_ARGUMENT, SVO_CL_ERROR, SVO_COMPILE_FAILED, SVO_CANCELED,
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_OUT_OF_HOST_MEMORY. */
+SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_mesh_buffers *buffers, unsigned depth,
+                                                const svo_plan_options *options, cl_command_queue queue,
+                                                cl_uint num_wait, const cl_event *wait, svo_plan **out);
 
 /** Destroys a plan.
  *

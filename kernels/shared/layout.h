@@ -61,6 +61,70 @@ SVO_RECORD(svo_tile_item)
     SVO_U32 corner; /* 4: the first column in voxels of the grid, u in the low half, v in the high half */
 };
 
+/* A triangle of more than SVO_TILE_COLUMNS columns, for the host that finds its tiles. 48 bytes. */
+SVO_RECORD(svo_large_item)
+{
+    SVO_U32 item; /* 0: into the items */
+    SVO_U32 axis; /* 4: of its projection */
+    SVO_F32 fragments; /* 8: expected ones */
+    SVO_I32 corners[9]; /* 12: grid units */
+};
+
+/* Arguments of the plan's kernels. Doubles are two words, the low one first. 72 bytes. */
+SVO_RECORD(svo_plan_params)
+{
+    SVO_U32 vertex_count; /* 0 */
+    SVO_U32 triangle_count; /* 4: of the mesh; for attributes, of the kept ones */
+    SVO_U32 flags; /* 8: SVO_PLAN_* */
+    SVO_U32 snap_bits; /* 12 */
+    SVO_U32 voxel_log2; /* 16: edge of a voxel in grid units */
+    SVO_U32 material_count; /* 20 */
+    SVO_U32 origin[6]; /* 24: of the grid, three doubles */
+    SVO_U32 scale[2]; /* 48: grid units per world unit, a double */
+    SVO_U32 class_begin[4]; /* 56: the first item of each class */
+};
+
+#define SVO_PLAN_INDEXED  1u /* the mesh has indices */
+#define SVO_PLAN_DOUBLES  2u /* its positions are doubles */
+#define SVO_PLAN_CLOSED   4u /* voxels contain their far faces */
+#define SVO_PLAN_THIN     8u /* coverage is thin */
+#define SVO_PLAN_SOME     16u /* not all triangles are kept */
+#define SVO_PLAN_TEXTURED 32u /* textures may be sampled */
+
+/* What becomes of a triangle: its class (svo_i_class in lib/plan/plan_data.h) or one of these, in the low bits of a
+   byte; above them its draw flags, and whether it is large. */
+#define SVO_FATE_REFUSED   4u /* index out of range, not finite */
+#define SVO_FATE_OUTSIDE   5u
+#define SVO_FATE_FAR       6u /* refused, since the overlap test cannot represent it */
+#define SVO_FATE_MASK      7u
+#define SVO_FATE_DRAW_LOG2 3
+#define SVO_FATE_LARGE     64u
+
+/* The columns of 64 bits that classification sums: triangles by fate, the sums of the estimate, large triangles. */
+#define SVO_PLAN_SUM_WIDTHS     7
+#define SVO_PLAN_SUM_AREAS_LOW  8
+#define SVO_PLAN_SUM_AREAS_HIGH 9
+#define SVO_PLAN_SUM_LARGE      10
+#define SVO_PLAN_SUMS           11
+
+/* Arguments of the reduction over the columns of all groups. 16 bytes. */
+SVO_RECORD(svo_plan_total_params)
+{
+    SVO_U32 groups; /* 0 */
+    SVO_U32 columns; /* 4 */
+    SVO_U32 largest; /* 8: not 0: the largest number of each column instead of the sum */
+    SVO_U32 reserved; /* 12 */
+};
+
+/* An array in a caller's buffer. 64-bit numbers are two words, the low one first. 28 bytes. */
+SVO_RECORD(svo_plan_view)
+{
+    SVO_U32 offset[2]; /* 0: bytes to the first element */
+    SVO_U32 stride[2]; /* 8: bytes between the starts of elements */
+    SVO_U32 count[2]; /* 16: elements */
+    SVO_U32 element_bytes; /* 24 */
+};
+
 /* What a triangle brings to the payload besides its vertices. 16 bytes. */
 SVO_RECORD(svo_triangle_record)
 {
@@ -474,6 +538,10 @@ SVO_RECORD(svo_solid_params)
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
+SVO_ASSERT_BYTES(svo_large_item, 48);
+SVO_ASSERT_BYTES(svo_plan_params, 72);
+SVO_ASSERT_BYTES(svo_plan_total_params, 16);
+SVO_ASSERT_BYTES(svo_plan_view, 28);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_blocks_params, 56);

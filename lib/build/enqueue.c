@@ -71,7 +71,7 @@ static svo_status draw_now(svo_workspace *workspace, svo_i_pending *pending)
         return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clWaitForEvents", error);
     }
     pending->releases_list = true;
-    SVO_I_TRY(frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list));
+    SVO_I_TRY(svo_i_frontend_voxelize(frontend, &build->commands, &workspace->chunking, &build->list));
     const uint64_t needed = build->list.chunk_count > 0 ? build->list.chunks[0].needed : 0;
     pending->state.fragments_low = (cl_uint)needed;
     pending->state.fragments_high = (cl_uint)(needed >> 32);
@@ -90,7 +90,7 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
     }
     return frontend->on_device
-               ? frontend->voxelize(frontend->self, &build->commands, &workspace->chunking, &build->list)
+               ? svo_i_frontend_voxelize(frontend, &build->commands, &workspace->chunking, &build->list)
                : draw_now(workspace, pending);
 }
 

@@ -75,7 +75,7 @@ static svo_status draw_list(svo_i_build *build, svo_i_chunking *chunking, uint64
         SVO_I_TRY_CLEANUP(list_chunks(build->commands.plan, chunking));
         listed = true;
     }
-    SVO_I_TRY_CLEANUP(frontend->voxelize(frontend->self, &build->commands, chunking, &build->list));
+    SVO_I_TRY_CLEANUP(svo_i_frontend_voxelize(frontend, &build->commands, chunking, &build->list));
     *whole = count_list(build, needed);
 cleanup:
     if (status != SVO_OK || !*whole) {
@@ -134,7 +134,7 @@ static svo_status count_fragments(svo_i_commands *commands, svo_frontend *fronte
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         chunking->chunks[i].capacity = 1;
     }
-    const svo_status status = frontend->voxelize(frontend->self, commands, chunking, &list);
+    const svo_status status = svo_i_frontend_voxelize(frontend, commands, chunking, &list);
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         *total += list.chunks[i].needed;
     }

@@ -107,6 +107,16 @@ svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, con
     return svo_i_commands_write(commands, *out, data, bytes);
 }
 
+svo_status svo_i_commands_take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
+                               uint64_t bytes, cl_mem *out)
+{
+    if (memory == NULL) {
+        return svo_i_commands_upload(commands, name, host, bytes, out);
+    }
+    SVO_I_TRY(svo_i_commands_alloc(commands, name, bytes, out));
+    return svo_i_commands_copy(commands, memory, *out, 0, bytes);
+}
+
 /* Whether a copy or fill is to be skipped: it has no bytes, or the build only measures. */
 static bool skips(const svo_i_commands *commands, uint64_t bytes)
 {

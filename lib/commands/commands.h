@@ -60,6 +60,11 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
 svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, const void *data, uint64_t bytes,
                                  cl_mem *out);
 
+/* Allocates a buffer and fills it from an array of the plan: from memory on the device, or where that is NULL from the
+   host. */
+svo_status svo_i_commands_take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
+                               uint64_t bytes, cl_mem *out);
+
 SVO_I_SHARED_END
 
 /* Releases a buffer, NULL allowed, and sets it to NULL. */

@@ -2,6 +2,8 @@
 /* The public functions that all front ends share. */
 #include "commands/frontend.h"
 
+#include "plan/host_copy.h"
+
 void svo_frontend_destroy(svo_frontend **frontend)
 {
     if (frontend == NULL || *frontend == NULL) {
@@ -21,4 +23,13 @@ const char *svo_frontend_name(const svo_frontend *frontend)
 const char *svo_frontend_share(const svo_frontend *frontend)
 {
     return frontend->share;
+}
+
+svo_status svo_i_frontend_voxelize(svo_frontend *frontend, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                   svo_i_fragment_list *list)
+{
+    if (!frontend->on_device) {
+        SVO_I_TRY(svo_i_plan_copy_to_host(commands->plan));
+    }
+    return frontend->voxelize(frontend->self, commands, chunking, list);
 }

@@ -56,4 +56,8 @@ struct svo_frontend {
     const char *builder; /* name of the builder that make_tree is, for the report */
 };
 
+/* Calls voxelize. Front ends of OpenGL get the plan's arrays on the host first. */
+svo_status svo_i_frontend_voxelize(svo_frontend *frontend, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                   svo_i_fragment_list *list);
+
 #endif

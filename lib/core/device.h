@@ -26,6 +26,7 @@ struct svo_device {
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
+    uint64_t planned_triangles; /* of the plans until now, see plan/place.h */
     svo_message message;
 };
 

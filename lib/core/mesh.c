@@ -12,9 +12,11 @@
 #include "core/memory.h"
 #include "core/struct_size.h"
 
+#define ARRAYS 6
+
 struct svo_mesh_copy {
     svo_mesh mesh;
-    void *arrays[6]; /* owned; some NULL */
+    void *arrays[ARRAYS]; /* owned; some NULL */
 };
 
 /* One array of a mesh in the making. */
@@ -135,22 +137,28 @@ static svo_status check_buffers(const svo_mesh_buffers *buffers, const svo_i_mes
     return SVO_OK;
 }
 
+/* The arrays in the order of svo_mesh_copy. */
+static void list_arrays(const svo_mesh_buffers *buffers, array arrays[ARRAYS])
+{
+    const size_t vertices = buffers->vertex_count, triangles = buffers->triangle_count;
+    arrays[0] = (array){"positions", &buffers->positions, vertices, 12};
+    arrays[1] = (array){"indices", &buffers->indices, triangles * 3, buffers->index_bytes == 2 ? 2 : 4};
+    arrays[2] = (array){"normals", &buffers->normals, vertices, 12};
+    arrays[3] = (array){"colors", &buffers->colors, vertices, 4};
+    arrays[4] = (array){"uvs", &buffers->uvs, vertices, 8};
+    arrays[5] = (array){"triangle_materials", &buffers->triangle_materials, triangles, 2};
+}
+
 static svo_status read_arrays(const svo_mesh_buffers *buffers, const svo_i_mesh_reader *reader,
                               const svo_i_memory *memory, svo_mesh_copy *copy, svo_message *message)
 {
-    const size_t vertices = buffers->vertex_count, triangles = buffers->triangle_count;
-    const size_t index_bytes = buffers->index_bytes == 2 ? 2 : 4;
-    const array arrays[6] = {{"positions", &buffers->positions, vertices, 12},
-                             {"indices", &buffers->indices, triangles * 3, index_bytes},
-                             {"normals", &buffers->normals, vertices, 12},
-                             {"colors", &buffers->colors, vertices, 4},
-                             {"uvs", &buffers->uvs, vertices, 8},
-                             {"triangle_materials", &buffers->triangle_materials, triangles, 2}};
-    for (size_t i = 0; i < 6; ++i) {
+    array arrays[ARRAYS];
+    list_arrays(buffers, arrays);
+    for (size_t i = 0; i < ARRAYS; ++i) {
         SVO_I_TRY(read_array(reader, memory, &arrays[i], &copy->arrays[i], message));
     }
-    return copy->arrays[1] != NULL && index_bytes == 2
-               ? widen_indices(reader, memory, triangles * 3, &copy->arrays[1], message)
+    return copy->arrays[1] != NULL && buffers->index_bytes == 2
+               ? widen_indices(reader, memory, buffers->triangle_count * 3, &copy->arrays[1], message)
                : SVO_OK;
 }
 
@@ -181,13 +189,18 @@ svo_status svo_i_mesh_read(const svo_mesh_buffers *given, const svo_i_mesh_reade
                             .normals = copy->arrays[2],
                             .colors = copy->arrays[3],
                             .uvs = copy->arrays[4],
-                            .triangle_materials = copy->arrays[5]};
+                            .triangle_materials = copy->arrays[5],
+                            .materials = buffers->materials,
+                            .material_count = buffers->material_count,
+                            .textures = buffers->textures,
+                            .texture_count = buffers->texture_count};
     *out = copy;
     return SVO_OK;
 }
 
 /* Reading through a queue. */
 typedef struct queue_reader {
+    const char *function; /* for messages */
     cl_command_queue queue;
     cl_context context; /* the queue's */
     cl_uint wait_count;
@@ -199,9 +212,9 @@ static bool has_memory(const svo_mesh_view *view)
     return view->memory != NULL;
 }
 
-static svo_status fail_cl(svo_message *message, const char *call, cl_int error)
+static svo_status fail_cl(svo_message *message, const char *function, const char *call, cl_int error)
 {
-    return svo_i_fail(message, SVO_CL_ERROR, "svo_mesh_read: %s failed with %s (%d)", call, svo_i_cl_error_name(error),
+    return svo_i_fail(message, SVO_CL_ERROR, "%s: %s failed with %s (%d)", function, call, svo_i_cl_error_name(error),
                       error);
 }
 
@@ -211,10 +224,10 @@ static svo_status memory_size(void *self, const char *name, const svo_mesh_view 
     const queue_reader *reader = self;
     const char *wrong = svo_i_wrong_memory(reader->context, view->memory);
     if (wrong != NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_mesh_read: %s %s", name, wrong);
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s %s", reader->function, name, wrong);
     }
     const cl_int error = clGetMemObjectInfo(view->memory, CL_MEM_SIZE, sizeof *bytes, bytes, NULL);
-    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, "clGetMemObjectInfo", error);
+    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, reader->function, "clGetMemObjectInfo", error);
 }
 
 static svo_status read_memory(void *self, const svo_mesh_view *view, size_t offset_bytes, size_t bytes, void *to,
@@ -223,7 +236,27 @@ static svo_status read_memory(void *self, const svo_mesh_view *view, size_t offs
     const queue_reader *reader = self;
     const cl_int error = clEnqueueReadBuffer(reader->queue, view->memory, CL_TRUE, offset_bytes, bytes, to,
                                              reader->wait_count, reader->wait, NULL);
-    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, "clEnqueueReadBuffer", error);
+    return error == CL_SUCCESS ? SVO_OK : fail_cl(message, reader->function, "clEnqueueReadBuffer", error);
+}
+
+svo_status svo_i_mesh_check(const char *function, cl_context context, const svo_mesh_buffers *buffers,
+                            svo_message *message)
+{
+    queue_reader self = {.function = function, .context = context};
+    const svo_i_mesh_reader reader = {.function = function, .self = &self, .has = has_memory, .size = memory_size};
+    array arrays[ARRAYS];
+    SVO_I_TRY(check_buffers(buffers, &reader, message));
+    list_arrays(buffers, arrays);
+    for (size_t i = 0; i < ARRAYS; ++i) {
+        const array *from = &arrays[i];
+        size_t span_bytes = 0;
+        if (from->count > 0 && has_memory(from->view)) {
+            const size_t stride_bytes = from->view->stride_bytes;
+            SVO_I_TRY(
+                span_of(&reader, from, stride_bytes != 0 ? stride_bytes : from->element_bytes, &span_bytes, message));
+        }
+    }
+    return SVO_OK;
 }
 
 svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue, cl_uint num_wait,
@@ -235,10 +268,10 @@ svo_status svo_mesh_read(const svo_mesh_buffers *buffers, cl_command_queue queue
                           : queue == NULL ? "queue"
                                           : "out");
     }
-    queue_reader self = {.queue = queue, .wait_count = num_wait, .wait = wait};
+    queue_reader self = {.function = "svo_mesh_read", .queue = queue, .wait_count = num_wait, .wait = wait};
     const cl_int error = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(cl_context), &self.context, NULL);
     if (error != CL_SUCCESS) {
-        return fail_cl(message, "clGetCommandQueueInfo", error);
+        return fail_cl(message, self.function, "clGetCommandQueueInfo", error);
     }
     const char *wrong = svo_i_wrong_wait(self.context, num_wait, wait);
     if (wrong != NULL) {

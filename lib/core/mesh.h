@@ -18,6 +18,10 @@ typedef struct svo_i_mesh_reader {
                        svo_message *message);
 } svo_i_mesh_reader;
 
+/* Refuses buffers whose counts or views do not fit, without reading them. buffers: complete. */
+svo_status svo_i_mesh_check(const char *function, cl_context context, const svo_mesh_buffers *buffers,
+                            svo_message *message);
+
 SVO_I_SHARED_BEGIN
 
 /* Checks the views, reads the arrays and packs them. Returns what the reader does, SVO_INVALID_ARGUMENT, or

@@ -21,6 +21,7 @@ extern const char svo_i_source_sort[];
 extern const char svo_i_source_pack[];
 extern const char svo_i_source_filter[];
 extern const char svo_i_source_voxelize[];
+extern const char svo_i_source_plan[];
 extern const char svo_i_source_cast[];
 extern const char svo_i_source_bvh[];
 extern const char svo_i_source_trace[];
@@ -58,6 +59,7 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_PACK] = "pack",
                                                            [SVO_I_PROGRAM_FILTER] = "filter",
                                                            [SVO_I_PROGRAM_VOXELIZE] = "voxelize",
+                                                           [SVO_I_PROGRAM_PLAN] = "plan",
                                                            [SVO_I_PROGRAM_CAST] = "cast",
                                                            [SVO_I_PROGRAM_BVH] = "bvh",
                                                            [SVO_I_PROGRAM_TRACE] = "trace",
@@ -90,6 +92,7 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_PACK] = svo_i_source_pack,
                                                       [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
                                                       [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,
+                                                      [SVO_I_PROGRAM_PLAN] = svo_i_source_plan,
                                                       [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
                                                       [SVO_I_PROGRAM_BVH] = svo_i_source_bvh,
                                                       [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,

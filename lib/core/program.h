@@ -18,6 +18,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_STAGE_KINDS,
 
     SVO_I_PROGRAM_VOXELIZE = SVO_I_PROGRAM_STAGE_KINDS, /* voxelize */
+    SVO_I_PROGRAM_PLAN, /* those of kernels/plan */
     SVO_I_PROGRAM_CAST, /* render */
     SVO_I_PROGRAM_BVH, /* scan, and those of kernels/bvh */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */

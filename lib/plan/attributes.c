@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "plan/attributes.h"
-#include "plan/constant.h"
 #include "plan/grid.h"
 
 #define UV_ONE     65536.0
@@ -26,8 +25,8 @@
 
 static svo_status no_memory(svo_plan *plan)
 {
-    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
-                             "svo_plan_create: no memory for the attributes of %u vertices", plan->vertex_count);
+    return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the attributes of %u vertices",
+                             plan->progress.function, plan->vertex_count);
 }
 
 /* A kept triangle's material; 0 if it is out of range. */
@@ -38,32 +37,34 @@ static uint32_t material_of(const svo_plan *plan, const svo_mesh *mesh, uint32_t
     return material < plan->material_count ? material : 0;
 }
 
-/* One byte per texture: whether kept triangles use it. Without texture coordinates none is used. The caller owns the
-   array. Returns NULL when out of memory. */
-static uint8_t *find_textures(svo_plan *plan, const svo_mesh *mesh)
+bool svo_i_material_is_textured(const svo_mesh *mesh, bool has_uvs, size_t material)
 {
-    uint8_t *used = svo_i_alloc_zeroed(&plan->device->memory, mesh->texture_count + 1, 1);
+    return has_uvs && material < mesh->material_count && mesh->materials[material].texture_index < mesh->texture_count;
+}
+
+/* Marks the textures of used materials, one byte each, and counts them. */
+static void find_textures(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used,
+                          uint8_t *used)
+{
     plan->textures_given = mesh->texture_count;
-    if (used == NULL || mesh->uvs == NULL || mesh->texture_count == 0 || mesh->material_count == 0) {
-        return used;
-    }
-    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
-        const uint32_t texture = mesh->materials[material_of(plan, mesh, t)].texture_index;
-        if (texture < mesh->texture_count && used[texture] == 0) {
-            used[texture] = 1;
+    for (size_t i = 0; i < plan->material_count; ++i) {
+        if (material_used[i] != 0 && svo_i_material_is_textured(mesh, has_uvs, i) &&
+            used[mesh->materials[i].texture_index] == 0) {
+            used[mesh->materials[i].texture_index] = 1;
             ++plan->textures_used;
         }
     }
-    return used;
 }
 
-static uint32_t resolve_need(uint32_t need, const svo_mesh *mesh)
+void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors, bool has_normals)
 {
+    const uint32_t need = plan->options.need;
+    plan->info.need = need & ~(uint32_t)SVO_NEED_NONE;
     if (need == SVO_NEED_DEFAULT) {
-        return (mesh->colors != NULL || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) |
-               (mesh->normals != NULL ? (uint32_t)SVO_NEED_NORMAL : 0u);
+        plan->info.need = (has_colors || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) |
+                          (has_normals ? (uint32_t)SVO_NEED_NORMAL : 0u);
     }
-    return need & ~(uint32_t)SVO_NEED_NONE;
+    plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
 }
 
 static void unit_normal(double x, double y, double z, int16_t out[3])
@@ -133,7 +134,7 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_
     }
     if (total > UINT32_MAX) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_plan_create: textures have %llu texels, above 2^32 - 1",
+                                 "%s: textures have %llu texels, above 2^32 - 1", plan->progress.function,
                                  (unsigned long long)total);
     }
     plan->texels = svo_i_alloc(&plan->device->memory, (size_t)(total + 1) * sizeof(uint32_t));
@@ -151,7 +152,7 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_
 }
 
 /* used: one byte per texture; NULL: none is used. */
-static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
+static svo_status copy_records(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
 {
     uint32_t *offsets = NULL;
     if (used != NULL) {
@@ -182,6 +183,18 @@ static svo_status copy_materials(svo_plan *plan, const svo_mesh *mesh, const uin
     }
     svo_i_free(offsets);
     return SVO_OK;
+}
+
+svo_status svo_i_plan_copy_materials(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used)
+{
+    uint8_t *used = svo_i_alloc_zeroed(&plan->device->memory, mesh->texture_count + 1, 1);
+    if (used == NULL) {
+        return no_memory(plan);
+    }
+    find_textures(plan, mesh, has_uvs, material_used, used);
+    const svo_status status = copy_records(plan, mesh, plan->textures_used > 0 ? used : NULL);
+    svo_i_free(used);
+    return status;
 }
 
 /* Whether an attribute of some bytes per vertex is the same at the three corners. */
@@ -232,28 +245,52 @@ static uint32_t half_word(int16_t value)
     return (uint16_t)value;
 }
 
-/* *largest_area: the largest area of a triangle, in square grid units. */
-static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, double *largest_area)
+static bool same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
+{
+    return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
+}
+
+static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found)
 {
     plan->records =
         svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->triangle_count + 1, sizeof(svo_triangle_record));
     if (plan->records == NULL) {
         return no_memory(plan);
     }
-    *largest_area = 0.0;
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         const uint32_t *corners = plan->indices + (size_t)t * 3;
         svo_triangle_record *record = &plan->records[t];
         record->material = material_of(plan, mesh, t);
-        plan->materials_vary = plan->materials_vary || record->material != plan->records[0].material;
         const shape s = shape_of(plan, corners);
         record->normal_xy = half_word(s.unit[0]) | half_word(s.unit[1]) << 16;
         record->normal_z_flags = half_word(s.unit[2]) | s.axis << SVO_TRIANGLE_AXIS_SHIFT |
                                  (is_flat(plan, corners, record->material) ? SVO_TRIANGLE_FLAT : 0u);
         record->stretch = (uint32_t)rint(s.stretch * STRETCH_ONE);
-        *largest_area = fmax(*largest_area, s.area);
+        found->largest_area = fmax(found->largest_area, s.area);
+        found->own_normals_vary = found->own_normals_vary || !same_own_normal(record, &plan->records[0]);
     }
+    found->first_record = plan->records[0];
     return SVO_OK;
+}
+
+/* Compares the vertex attributes at the corners of the kept triangles with those at the first corner. */
+static void compare_corners(const svo_plan *plan, svo_i_findings *found)
+{
+    const size_t corners = (size_t)plan->triangle_count * 3;
+    const size_t normal_bytes = sizeof found->first_normal;
+    if (corners > 0 && plan->colors != NULL) {
+        found->first_color = plan->colors[plan->indices[0]];
+    }
+    if (corners > 0 && plan->normals != NULL) {
+        memcpy(found->first_normal, plan->normals + (size_t)plan->indices[0] * 4, normal_bytes);
+    }
+    for (size_t i = 0; i < corners && plan->colors != NULL && !found->colors_vary; ++i) {
+        found->colors_vary = plan->colors[plan->indices[i]] != found->first_color;
+    }
+    for (size_t i = 0; i < corners && plan->normals != NULL && !found->normals_vary; ++i) {
+        const int16_t *normal = plan->normals + (size_t)plan->indices[i] * 4;
+        found->normals_vary = memcmp(normal, found->first_normal, normal_bytes) != 0;
+    }
 }
 
 /* The exponent of the least power of two above x; 0 for 0. */
@@ -276,41 +313,49 @@ static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
     return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
 }
 
-/* Copies the inputs of colors. */
-static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh)
+void svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
 {
-    uint8_t *used = find_textures(plan, mesh);
-    const bool textured = plan->textures_used > 0;
-    const svo_status status = used != NULL ? copy_materials(plan, mesh, textured ? used : NULL) : no_memory(plan);
-    svo_i_free(used);
-    SVO_I_TRY(status);
-    if (textured) {
+    svo_i_plan_find_constants(plan, found);
+    plan->weight_log2 = choose_weight_log2(plan, found->largest_area);
+}
+
+/* Copies the inputs of colors. */
+static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh, const uint8_t *material_used)
+{
+    SVO_I_TRY(svo_i_plan_copy_materials(plan, mesh, mesh->uvs != NULL, material_used));
+    if (plan->textures_used > 0) {
         SVO_I_TRY(copy_uvs(plan, mesh));
     }
-    if (mesh->colors != NULL) {
-        SVO_I_TRY(copy_colors(plan, mesh));
+    return mesh->colors != NULL ? copy_colors(plan, mesh) : SVO_OK;
+}
+
+static svo_status fill(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found)
+{
+    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
+        found->material_used[material_of(plan, mesh, t)] = 1;
     }
-    svo_i_plan_fold_colors(plan);
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(copy_color_inputs(plan, mesh, found->material_used));
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
+        SVO_I_TRY(copy_normals(plan, mesh));
+    }
+    SVO_I_TRY(make_records(plan, mesh, found));
+    compare_corners(plan, found);
     return SVO_OK;
 }
 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
 {
-    plan->info.need = resolve_need(plan->options.need, mesh);
+    svo_i_plan_resolve_need(plan, mesh, mesh->colors != NULL, mesh->normals != NULL);
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
         return SVO_OK;
     }
-    plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
-        SVO_I_TRY(copy_color_inputs(plan, mesh));
+    svo_i_findings found = {.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1)};
+    const svo_status status = found.material_used != NULL ? fill(plan, mesh, &found) : no_memory(plan);
+    if (status == SVO_OK) {
+        svo_i_plan_conclude(plan, &found);
     }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
-        SVO_I_TRY(copy_normals(plan, mesh));
-        svo_i_plan_fold_normals(plan);
-    }
-    double largest_area = 0.0;
-    SVO_I_TRY(make_records(plan, mesh, &largest_area));
-    svo_i_plan_find_constants(plan);
-    plan->weight_log2 = choose_weight_log2(plan, largest_area);
-    return SVO_OK;
+    svo_i_free(found.material_used);
+    return status;
 }

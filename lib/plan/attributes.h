@@ -3,9 +3,19 @@
 #ifndef SVO_LIB_PLAN_ATTRIBUTES_H
 #define SVO_LIB_PLAN_ATTRIBUTES_H
 
-#include "plan/plan_data.h"
+#include "plan/constant.h"
 
-/* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload. */
+/* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload, on the host. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
+
+/* Parts that do not depend on where the mesh is. has_colors, has_normals, has_uvs: whether the mesh has them. */
+
+void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors, bool has_normals);
+/* Whether a material names a texture that can be sampled. */
+bool svo_i_material_is_textured(const svo_mesh *mesh, bool has_uvs, size_t material);
+/* Copies the materials, and the textures of used ones. */
+svo_status svo_i_plan_copy_materials(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used);
+/* Finds what is constant, and chooses the unit of weights. */
+void svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "plan/chunking.h"
 #include "plan/estimate.h"
+#include "plan/host_copy.h"
 
 /* Tiles are halved down to one pixel. A column has at most four fragments per triangle, so such a tile always fits. */
 #define TILE_PIXELS_MIN 1u
@@ -90,6 +91,7 @@ typedef struct cutter {
     const svo_plan *plan;
     svo_i_chunking *chunking;
     double room; /* expected fragments a chunk should hold */
+    const float *expected; /* fragments of each item; NULL where all items fit one chunk */
     double held; /* expected fragments of the current chunk */
     uint32_t first_draw;
     uint64_t limit; /* fragments a chunk can hold */
@@ -113,8 +115,7 @@ static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
 {
     const uint32_t pixels = 1u << c->plan->info.depth;
     uint32_t tiles = c->plan->info.depth > SVO_I_VIEW_LOG2 ? pixels >> SVO_I_VIEW_LOG2 : 2;
-    while (tiles < pixels && tiles < TILES_MAX &&
-           (double)c->plan->item_fragments[item] / ((double)tiles * tiles) * 4.0 > c->room) {
+    while (tiles < pixels && tiles < TILES_MAX && (double)c->expected[item] / ((double)tiles * tiles) * 4.0 > c->room) {
         tiles *= 2;
     }
     const uint32_t edge = pixels / tiles;
@@ -129,12 +130,20 @@ static bool cut_triangle(cutter *c, svo_i_class class_id, uint32_t item)
     return true;
 }
 
+/* Puts the items of a class into the current chunk, in which the whole list fits. */
+static bool add_class(cutter *c, svo_i_class class_id)
+{
+    const uint32_t first = c->plan->class_begin[class_id];
+    const uint32_t end = c->plan->class_begin[class_id + 1];
+    return first == end || add_items(c->plan, c->chunking, class_id, first, end - first);
+}
+
 static bool cut_class(cutter *c, svo_i_class class_id)
 {
     const uint32_t end = c->plan->class_begin[class_id + 1];
     uint32_t first = c->plan->class_begin[class_id];
     for (uint32_t item = first; item < end; ++item) {
-        const double expected = (double)c->plan->item_fragments[item];
+        const double expected = (double)c->expected[item];
         const bool huge = expected > c->room;
         if (huge || c->held + expected > c->room) {
             if ((item > first && !add_items(c->plan, c->chunking, class_id, first, item - first)) || !close_chunk(c)) {
@@ -154,19 +163,35 @@ static bool cut_class(cutter *c, svo_i_class class_id)
     return first == end || add_items(c->plan, c->chunking, class_id, first, end - first);
 }
 
+/* Cuts the classes one after the other. */
+static bool cut_list(cutter *c, bool fits)
+{
+    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
+        if (!(fits ? add_class(c, class_id) : cut_class(c, class_id))) {
+            return false;
+        }
+    }
+    return close_chunk(c);
+}
+
 svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_chunking *chunking)
 {
     *chunking = (svo_i_chunking){.memory = &plan->device->memory};
     cutter c = {.plan = plan, .chunking = chunking, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
     /* The capacity that svo_i_with_slack makes of it stays within the limit. */
     c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
-    for (svo_i_class class_id = 0; class_id < SVO_I_CLASS_COUNT; ++class_id) {
-        if (!cut_class(&c, class_id)) {
-            svo_i_chunking_destroy(chunking);
-            return no_memory(plan);
-        }
+    const double expected = svo_i_plan_expected(plan, plan->info.depth);
+    const bool fits = expected <= c.room;
+    const bool reads = !fits && plan->item_fragments == NULL; /* the plan's kernels have left them on the device */
+    void *read = NULL;
+    if (reads) {
+        SVO_I_TRY(svo_i_plan_read(plan, plan->memory.item_fragments, (uint64_t)plan->triangle_count * 4, &read));
     }
-    if (!close_chunk(&c)) {
+    c.expected = reads ? read : plan->item_fragments;
+    c.held = fits ? expected : 0.0;
+    const bool cut = cut_list(&c, fits);
+    svo_i_free(read);
+    if (!cut) {
         svo_i_chunking_destroy(chunking);
         return no_memory(plan);
     }

@@ -10,6 +10,7 @@
 #include "core/struct_size.h"
 #include "plan/configuration.h"
 #include "plan/frontend_choice.h"
+#include "plan/host_copy.h"
 
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -134,8 +135,8 @@ static void configure_payload(svo_plan *plan)
     work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
     work->surface = work->made != 0;
     work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
-    work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && plan->colors != NULL;
-    work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && plan->normals != NULL;
+    work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && svo_i_plan_has(plan->colors, plan->memory.colors);
+    work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && svo_i_plan_has(plan->normals, plan->memory.normals);
     work->textures = (work->made & SVO_NEED_COLOR) != 0 && plan->texels != NULL;
     leave_out_payload(plan, SVO_NEED_COLOR, "color");
     leave_out_payload(plan, SVO_NEED_NORMAL, "normal");

@@ -6,29 +6,7 @@
 #include <string.h>
 
 #include "plan/constant.h"
-
-/* Whether visit returns true for every corner of the kept triangles. first: the first corner's vertex. */
-static bool every_corner(const svo_plan *plan, bool (*visit)(const svo_plan *plan, uint32_t vertex, uint32_t first))
-{
-    const size_t corners = (size_t)plan->triangle_count * 3;
-    for (size_t i = 0; i < corners; ++i) {
-        if (!visit(plan, plan->indices[i], plan->indices[0])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool same_color(const svo_plan *plan, uint32_t vertex, uint32_t first)
-{
-    return plan->colors[vertex] == plan->colors[first];
-}
-
-static bool same_normal(const svo_plan *plan, uint32_t vertex, uint32_t first)
-{
-    const size_t bytes = 4 * sizeof(int16_t);
-    return memcmp(plan->normals + (size_t)vertex * 4, plan->normals + (size_t)first * 4, bytes) == 0;
-}
+#include "plan/host_copy.h"
 
 /* a * b / 255 per channel, rounded half up, as in kernels/stages/attribute.clh. */
 static uint32_t modulate(uint32_t a, uint32_t b)
@@ -40,81 +18,92 @@ static uint32_t modulate(uint32_t a, uint32_t b)
     return product;
 }
 
-void svo_i_plan_fold_colors(svo_plan *plan)
+static void drop(void *host, cl_mem *memory)
 {
-    if (plan->colors == NULL || !every_corner(plan, same_color)) {
+    svo_i_free(host);
+    if (*memory != NULL) {
+        clReleaseMemObject(*memory);
+        *memory = NULL;
+    }
+}
+
+static void fold_colors(svo_plan *plan, const svo_i_findings *found)
+{
+    if (!svo_i_plan_has(plan->colors, plan->memory.colors) || found->colors_vary) {
         return;
     }
     for (uint32_t i = 0; i < plan->material_count && plan->triangle_count > 0; ++i) {
-        plan->materials[i].rgba = modulate(plan->materials[i].rgba, plan->colors[plan->indices[0]]);
+        plan->materials[i].rgba = modulate(plan->materials[i].rgba, found->first_color);
     }
-    svo_i_free(plan->colors);
+    drop(plan->colors, &plan->memory.colors);
     plan->colors = NULL;
 }
 
-void svo_i_plan_fold_normals(svo_plan *plan)
+static void fold_normals(svo_plan *plan, const svo_i_findings *found)
 {
     static const int16_t none[4] = {0};
-    if (plan->normals == NULL || !every_corner(plan, same_normal)) {
+    if (!svo_i_plan_has(plan->normals, plan->memory.normals) || found->normals_vary) {
         return;
     }
     if (plan->triangle_count > 0) {
-        const int16_t *normal = plan->normals + (size_t)plan->indices[0] * 4;
-        plan->one_normal = memcmp(normal, none, sizeof none) != 0; /* zero normals stand for the triangle's own */
-        memcpy(plan->work.constant_normal, normal, sizeof plan->work.constant_normal);
+        /* zero normals stand for the triangle's own */
+        plan->one_normal = memcmp(found->first_normal, none, sizeof none) != 0;
+        memcpy(plan->work.constant_normal, found->first_normal, sizeof plan->work.constant_normal);
     }
-    svo_i_free(plan->normals);
+    drop(plan->normals, &plan->memory.normals);
     plan->normals = NULL;
 }
 
-static bool has_one_color(const svo_plan *plan)
+static bool has_one_color(const svo_plan *plan, const svo_i_findings *found)
 {
-    if (plan->colors != NULL || plan->texels != NULL) {
+    if (svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
         return false;
     }
-    const uint32_t color = plan->materials[plan->records[0].material].rgba;
-    for (uint32_t t = 0; t < plan->triangle_count; ++t) {
-        if (plan->materials[plan->records[t].material].rgba != color) {
+    const uint32_t color = plan->materials[found->first_record.material].rgba;
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        if (found->material_used[i] != 0 && plan->materials[i].rgba != color) {
             return false;
         }
     }
     return true;
 }
 
-static bool same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
-{
-    return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
-}
-
 /* Whether the mesh has no vertex normals and all triangles have the same normal. */
-static bool has_one_own_normal(const svo_plan *plan)
+static bool has_one_own_normal(const svo_plan *plan, const svo_i_findings *found)
 {
-    for (uint32_t t = 0; t < plan->triangle_count && plan->normals == NULL; ++t) {
-        if (!same_own_normal(&plan->records[t], &plan->records[0])) {
-            return false;
-        }
-    }
-    return plan->normals == NULL;
+    return !svo_i_plan_has(plan->normals, plan->memory.normals) && !found->own_normals_vary;
 }
 
 static void free_colors(svo_plan *plan)
 {
     svo_i_free(plan->materials);
-    svo_i_free(plan->uvs);
+    drop(plan->uvs, &plan->memory.uvs);
     plan->materials = NULL;
     plan->uvs = NULL;
 }
 
-void svo_i_plan_find_constants(svo_plan *plan)
+static bool materials_vary(const svo_plan *plan, const svo_i_findings *found)
+{
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        used += found->material_used[i] != 0 ? 1u : 0u;
+    }
+    return used > 1;
+}
+
+void svo_i_plan_find_constants(svo_plan *plan, const svo_i_findings *found)
 {
     svo_i_work *work = &plan->work;
-    const svo_triangle_record *first = &plan->records[0]; /* all zero without triangles, like the payload */
-    if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan)) {
+    const svo_triangle_record *first = &found->first_record; /* all zero without triangles, like the payload */
+    fold_colors(plan, found);
+    fold_normals(plan, found);
+    plan->materials_vary = materials_vary(plan, found);
+    if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan, found)) {
         work->constant |= SVO_NEED_COLOR;
         work->constant_color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;
         free_colors(plan);
     }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && !plan->one_normal && has_one_own_normal(plan)) {
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && !plan->one_normal && has_one_own_normal(plan, found)) {
         plan->one_normal = true;
         work->constant_normal[0] = (int16_t)(first->normal_xy & 0xffffu);
         work->constant_normal[1] = (int16_t)(first->normal_xy >> 16);

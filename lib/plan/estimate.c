@@ -8,9 +8,13 @@
  * The last product is the sum of the areas of the three projections.
  *
  * Triangles that reach outside the grid are clipped to it (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974).
- * Doubles suffice: the estimate only sizes buffers, and a list that does not fit is drawn again.
+ *
+ * All of it is in integers, so that kernels/plan/classify.cl finds the same numbers. Cuts are rounded to grid units,
+ * 2^8 and more of which make a voxel: the estimate only sizes buffers, and a list that does not fit is drawn again.
  */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "plan/estimate.h"
 
@@ -23,29 +27,25 @@
 #define CORNERS_MAX 9
 
 typedef struct polygon {
-    double corners[CORNERS_MAX][3];
+    int32_t corners[CORNERS_MAX][3];
     unsigned count;
 } polygon;
 
-/* Keeps the part with side * x[axis] <= side * bound. */
-static polygon cut(const polygon *from, unsigned axis, double side, double bound)
+/* Keeps the part with side * x[axis] <= side * bound. Coordinates are below 2^29, so products fit 61 bits. */
+static polygon cut(const polygon *from, unsigned axis, int32_t side, int32_t bound)
 {
     polygon to = {.count = 0};
     for (unsigned i = 0; i < from->count; ++i) {
-        const double *a = from->corners[i];
-        const double *b = from->corners[(i + 1) % from->count];
-        const double a_depth = side * (bound - a[axis]);
-        const double b_depth = side * (bound - b[axis]);
-        if (a_depth >= 0.0 && to.count < CORNERS_MAX) {
-            for (unsigned k = 0; k < 3; ++k) {
-                to.corners[to.count][k] = a[k];
-            }
-            ++to.count;
+        const int32_t *a = from->corners[i];
+        const int32_t *b = from->corners[(i + 1) % from->count];
+        const int32_t a_depth = side * (bound - a[axis]);
+        const int32_t b_depth = side * (bound - b[axis]);
+        if (a_depth >= 0 && to.count < CORNERS_MAX) {
+            memcpy(to.corners[to.count++], a, sizeof to.corners[0]);
         }
-        if ((a_depth >= 0.0) != (b_depth >= 0.0) && to.count < CORNERS_MAX) {
-            const double share = a_depth / (a_depth - b_depth);
+        if ((a_depth >= 0) != (b_depth >= 0) && to.count < CORNERS_MAX) {
             for (unsigned k = 0; k < 3; ++k) {
-                to.corners[to.count][k] = a[k] + share * (b[k] - a[k]);
+                to.corners[to.count][k] = a[k] + (int32_t)((int64_t)(b[k] - a[k]) * a_depth / (a_depth - b_depth));
             }
             ++to.count;
         }
@@ -57,53 +57,53 @@ static polygon clip_to_grid(const svo_plan *plan, const uint32_t corners[3])
 {
     polygon p = {.count = 3};
     for (unsigned corner = 0; corner < 3; ++corner) {
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            p.corners[corner][axis] = plan->vertices[(size_t)corners[corner] * 3 + axis];
-        }
+        memcpy(p.corners[corner], plan->vertices + (size_t)corners[corner] * 3, sizeof p.corners[corner]);
     }
-    const double units = (double)(1u << plan->info.snap_bits);
+    const int32_t units = (int32_t)(1u << plan->info.snap_bits);
     for (unsigned axis = 0; axis < 3; ++axis) {
         bool above = false;
         bool below = false;
         for (unsigned corner = 0; corner < p.count; ++corner) {
             above = above || p.corners[corner][axis] > units;
-            below = below || p.corners[corner][axis] < 0.0;
+            below = below || p.corners[corner][axis] < 0;
         }
-        p = above ? cut(&p, axis, 1.0, units) : p;
-        p = below ? cut(&p, axis, -1.0, 0.0) : p;
+        p = above ? cut(&p, axis, 1, units) : p;
+        p = below ? cut(&p, axis, -1, 0) : p;
     }
     return p;
 }
 
-static double sum_of_widths(const polygon *p)
+static uint64_t sum_of_widths(const polygon *p)
 {
-    double sum = 0.0;
+    uint64_t sum = 0;
     for (unsigned axis = 0; axis < 3 && p->count > 0; ++axis) {
-        double low = p->corners[0][axis];
-        double high = low;
+        int32_t low = p->corners[0][axis];
+        int32_t high = low;
         for (unsigned i = 1; i < p->count; ++i) {
-            low = fmin(low, p->corners[i][axis]);
-            high = fmax(high, p->corners[i][axis]);
+            const int32_t x = p->corners[i][axis];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
         }
-        sum += high - low;
+        sum += (uint64_t)(high - low);
     }
     return sum;
 }
 
-static double sum_of_projected_areas(const polygon *p)
+/* Twice the sum of the areas of the three projections. */
+static uint64_t sum_of_doubled_areas(const polygon *p)
 {
-    double sum = 0.0;
+    uint64_t sum = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
         const unsigned u = (axis + 1) % 3;
         const unsigned v = (axis + 2) % 3;
-        double doubled = 0.0;
+        int64_t doubled = 0;
         for (unsigned i = 1; i + 1 < p->count; ++i) {
-            const double *a = p->corners[0];
-            const double *b = p->corners[i];
-            const double *c = p->corners[i + 1];
-            doubled += (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+            const int32_t *a = p->corners[0];
+            const int32_t *b = p->corners[i];
+            const int32_t *c = p->corners[i + 1];
+            doubled += (int64_t)(b[u] - a[u]) * (c[v] - a[v]) - (int64_t)(b[v] - a[v]) * (c[u] - a[u]);
         }
-        sum += fabs(doubled) * 0.5;
+        sum += (uint64_t)llabs(doubled);
     }
     return sum;
 }
@@ -111,13 +111,24 @@ static double sum_of_projected_areas(const polygon *p)
 float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3])
 {
     const polygon part = clip_to_grid(plan, corners);
-    const double widths = sum_of_widths(&part);
-    const double areas = sum_of_projected_areas(&part);
-    const double voxel = (double)(1u << plan->voxel_log2);
-    plan->estimate[0] += 1.0;
-    plan->estimate[1] += widths;
-    plan->estimate[2] += areas;
-    return (float)(1.0 + widths / voxel + areas / (voxel * voxel));
+    const uint64_t widths = sum_of_widths(&part);
+    const uint64_t doubled_areas = sum_of_doubled_areas(&part);
+    /* One fragment in units of the last term's, 1 / (2 h^2). The sum is below 2^52. */
+    const uint32_t one_log2 = 2 * plan->voxel_log2 + 1;
+    const uint64_t scaled = (UINT64_C(1) << one_log2) + (widths << (plan->voxel_log2 + 1)) + doubled_areas;
+    plan->sums.widths += widths;
+    plan->sums.areas_low += doubled_areas & UINT32_MAX;
+    plan->sums.areas_high += doubled_areas >> 32;
+    return (float)scaled * (1.0f / (float)(UINT64_C(1) << one_log2));
+}
+
+void svo_i_estimate_end(svo_plan *plan)
+{
+    plan->sums.areas_high += plan->sums.areas_low >> 32;
+    plan->sums.areas_low &= UINT32_MAX;
+    plan->estimate[0] = (double)plan->triangle_count;
+    plan->estimate[1] = (double)plan->sums.widths;
+    plan->estimate[2] = 0.5 * ((double)plan->sums.areas_high * 4294967296.0 + (double)plan->sums.areas_low);
 }
 
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level)

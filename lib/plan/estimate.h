@@ -7,6 +7,8 @@
 
 /* Adds a kept triangle to the sums. Returns its expected number of fragments. */
 float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3]);
+/* Makes the estimate of the sums and the number of kept triangles. */
+void svo_i_estimate_end(svo_plan *plan);
 /* Expected number of fragments at a level. */
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* The expected number with a margin. */

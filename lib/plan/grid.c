@@ -84,33 +84,37 @@ static double divide_toward_zero(double x, double y)
     return fma(quotient, y, -x) > 0.0 ? nextafter(quotient, 0.0) : quotient;
 }
 
-/* The default grid: the smallest cube that contains the used vertices. Its far faces are at the last unit. */
-static void fit_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
+static svo_i_bounds find_bounds(const svo_mesh *mesh, const uint8_t *flags)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    bool any = false;
+    svo_i_bounds bounds = {false, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         if ((flags[v] & VERTEX_USED) == 0) {
             continue;
         }
-        any = true;
+        bounds.any = true;
         for (unsigned axis = 0; axis < 3; ++axis) {
             const double x = coordinate(mesh, v, axis);
-            low[axis] = x < low[axis] ? x : low[axis];
-            high[axis] = x > high[axis] ? x : high[axis];
+            bounds.low[axis] = x < bounds.low[axis] ? x : bounds.low[axis];
+            bounds.high[axis] = x > bounds.high[axis] ? x : bounds.high[axis];
         }
     }
+    return bounds;
+}
+
+static void fit_grid(svo_plan *plan, const svo_i_bounds *bounds)
+{
     double edge = 0.0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        plan->info.origin[axis] = any ? low[axis] + 0.0 : 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
-        edge = any && high[axis] - low[axis] > edge ? high[axis] - low[axis] : edge;
+        const double width = bounds->any ? bounds->high[axis] - bounds->low[axis] : 0.0;
+        /* + 0.0 turns -0 into 0; their hashes differ */
+        plan->info.origin[axis] = bounds->any ? bounds->low[axis] + 0.0 : 0.0;
+        edge = width > edge ? width : edge;
     }
     plan->info.edge = edge > 0.0 ? edge : 1.0;
     plan->info.scale = divide_toward_zero((double)((1u << plan->info.snap_bits) - 1u), plan->info.edge);
 }
 
-static svo_status make_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
+svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
 {
     if (plan->options.edge > 0.0) {
         for (unsigned axis = 0; axis < 3; ++axis) {
@@ -119,12 +123,12 @@ static svo_status make_grid(svo_plan *plan, const svo_mesh *mesh, const uint8_t 
         plan->info.edge = plan->options.edge;
         plan->info.scale = (double)(1u << plan->info.snap_bits) / plan->info.edge;
     } else {
-        fit_grid(plan, mesh, flags);
+        fit_grid(plan, bounds);
     }
     if (!isfinite(plan->info.edge) || !isfinite(plan->info.scale) || plan->info.scale <= 0.0) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: a grid of edge %g cannot be scaled to 2^%u units", plan->info.edge,
-                                 plan->info.snap_bits);
+                                 "%s: a grid of edge %g cannot be scaled to 2^%u units", plan->progress.function,
+                                 plan->info.edge, plan->info.snap_bits);
     }
     return SVO_OK;
 }
@@ -225,19 +229,18 @@ void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t 
     }
 }
 
-/* The longest edge of the projection along axis, in grid units. */
-static double longest_edge(const svo_plan *plan, const uint32_t corners[3], unsigned axis)
+/* The square of the longest edge of the projection along axis; exact inside the grid. */
+static double longest_squared(const svo_plan *plan, const uint32_t corners[3], unsigned axis)
 {
-    double longest = 0.0;
+    int64_t longest = 0;
     for (unsigned corner = 0; corner < 3; ++corner) {
         const int32_t *a = plan->vertices + (size_t)corners[corner] * 3;
         const int32_t *b = plan->vertices + (size_t)corners[(corner + 1) % 3] * 3;
-        const double p = (double)b[(axis + 1) % 3] - a[(axis + 1) % 3];
-        const double q = (double)b[(axis + 2) % 3] - a[(axis + 2) % 3];
-        const double length = sqrt(p * p + q * q);
-        longest = length > longest ? length : longest;
+        const int64_t p = (int64_t)b[(axis + 1) % 3] - a[(axis + 1) % 3];
+        const int64_t q = (int64_t)b[(axis + 2) % 3] - a[(axis + 2) % 3];
+        longest = p * p + q * q > longest ? p * p + q * q : longest;
     }
-    return longest;
+    return (double)longest;
 }
 
 /* The axis of projection is that of the normal's largest component, ties to the first. Degenerate triangles are
@@ -254,11 +257,14 @@ static uint32_t draw_flags(const svo_plan *plan, const uint32_t corners[3], cons
     if (normal[axis] == 0) {
         return shortest | SVO_DRAW_BOUNDS;
     }
+    if (!inside_grid(plan, p)) {
+        return axis | SVO_DRAW_BOUNDS;
+    }
     const double voxel = (double)(1u << plan->voxel_log2);
     const double area = (double)llabs(normal[axis]);
-    const double longest = longest_edge(plan, corners, axis);
-    const bool needle = area < voxel * longest || area * NEEDLE_RATIO < longest * longest;
-    return axis | (needle || !inside_grid(plan, p) ? SVO_DRAW_BOUNDS : 0u);
+    const double squared = longest_squared(plan, corners, axis);
+    const bool needle = area * area < voxel * voxel * squared || area * NEEDLE_RATIO < squared;
+    return axis | (needle ? SVO_DRAW_BOUNDS : 0u);
 }
 
 /* Puts a triangle outside the grid at the end of the indices, behind those of all kept ones; plan/closed.c reads it. */
@@ -354,6 +360,50 @@ static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
     return SVO_OK;
 }
 
+/* Whether a triangle has more columns than a tile, as in kernels/stages/voxelize.cl. */
+static bool is_large(const placed *p, unsigned axis)
+{
+    const unsigned u = (axis + 1) % 3;
+    const unsigned v = (axis + 2) % 3;
+    return (int64_t)(p->last[u] - p->first[u] + 1) * (p->last[v] - p->first[v] + 1) > SVO_TILE_COLUMNS;
+}
+
+static bool item_is_large(const svo_plan *plan, uint32_t item)
+{
+    const placed p = place(plan, plan->indices + (size_t)plan->items[item].triangle * 3);
+    return is_large(&p, plan->items[item].flags & SVO_DRAW_AXIS_MASK);
+}
+
+static svo_large_item large_item(const svo_plan *plan, uint32_t item)
+{
+    const uint32_t *corners = plan->indices + (size_t)plan->items[item].triangle * 3;
+    svo_large_item large = {item, plan->items[item].flags & SVO_DRAW_AXIS_MASK, plan->item_fragments[item], {0}};
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        memcpy(large.corners + (size_t)corner * 3, plan->vertices + (size_t)corners[corner] * 3, 3 * sizeof(int32_t));
+    }
+    return large;
+}
+
+/* Lists the large triangles; item_fragments and class_begin are final. */
+static svo_status list_large(svo_plan *plan)
+{
+    for (uint32_t i = 0; i < plan->triangle_count; ++i) {
+        plan->large_count += item_is_large(plan, i) ? 1u : 0u;
+    }
+    plan->large = svo_i_alloc(&plan->device->memory, (plan->large_count + (size_t)1) * sizeof *plan->large);
+    if (plan->large == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for %u triangles",
+                                 plan->large_count);
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; count < plan->large_count; ++i) {
+        if (item_is_large(plan, i)) {
+            plan->large[count++] = large_item(plan, i);
+        }
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
 {
     const size_t vertices = mesh->vertex_count;
@@ -376,7 +426,8 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     plan->vertex_count = (uint32_t)vertices;
     plan->info.triangles = triangles;
     plan->info.refused_triangles = mark_vertices(mesh, flags);
-    SVO_I_TRY_CLEANUP(make_grid(plan, mesh, flags));
+    const svo_i_bounds bounds = find_bounds(mesh, flags);
+    SVO_I_TRY_CLEANUP(svo_i_plan_make_grid(plan, &bounds));
     snap_vertices(plan, mesh, flags);
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)vertices);
     SVO_I_TRY_CLEANUP(svo_i_progress_tell(plan, SVO_STAGE_GRID));
@@ -387,7 +438,9 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
         plan->work.both_sides = !closed;
     }
     clear_unused_vertices(plan, flags);
-    status = sort_items(plan, classes);
+    SVO_I_TRY_CLEANUP(sort_items(plan, classes));
+    svo_i_estimate_end(plan);
+    status = list_large(plan);
 cleanup:
     svo_i_free(flags);
     svo_i_free(classes);

@@ -4,12 +4,12 @@
  * build predicts the sizes later (build/measure.c). All later steps of the pipeline follow the plan.
  */
 #include "plan/plan.h"
+#include "core/mesh.h"
 #include "core/struct_size.h"
-#include "plan/attributes.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
-#include "plan/grid.h"
-#include "plan/positions.h"
+#include "plan/host_copy.h"
+#include "plan/place.h"
 #include "plan/progress.h"
 #include "svocl/nodes.h"
 
@@ -68,154 +68,159 @@ const char *svo_certainty_name(svo_certainty certainty)
     return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
 }
 
-static svo_status check_options(svo_device *device, const svo_plan_options *options)
+static svo_status check_options(svo_device *device, const char *function, const svo_plan_options *options)
 {
     if ((options->need & ~((uint32_t)SVO_NEED_ALL | (uint32_t)SVO_NEED_NONE)) != 0 ||
         ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.need 0x%x is not a combination of svo_need", options->need);
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.need 0x%x is not a combination of svo_need",
+                                 function, options->need);
     }
     if ((unsigned)options->coverage > SVO_COVERAGE_THIN) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.coverage %d is not in 0 .. %d",
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.coverage %d is not in 0 .. %d", function,
                                  (int)options->coverage, (int)SVO_COVERAGE_THIN);
     }
     if ((unsigned)options->builder > SVO_BUILDER_SORTED) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.builder %d is not in 0 .. %d",
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.builder %d is not in 0 .. %d", function,
                                  (int)options->builder, (int)SVO_BUILDER_SORTED);
     }
     if ((unsigned)options->weights > SVO_WEIGHTS_CENTER) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.weights %d is not in 0 .. %d",
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.weights %d is not in 0 .. %d", function,
                                  (int)options->weights, (int)SVO_WEIGHTS_CENTER);
+    }
+    if ((unsigned)options->place > SVO_PLACE_DEVICE) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.place %d is not in 0 .. %d", function,
+                                 (int)options->place, (int)SVO_PLACE_DEVICE);
     }
     if ((options->need & SVO_NEED_FILL) != 0 && options->weights != SVO_WEIGHTS_AREA) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.need has fill, which requires weights area, and "
+                                 "%s: options.need has fill, which requires weights area, and "
                                  "options.weights is %s",
-                                 svo_weights_name(options->weights));
+                                 function, svo_weights_name(options->weights));
     }
     if (!isfinite(options->edge) || options->edge < 0.0) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.edge %g is not finite and at least 0", options->edge);
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.edge %g is not finite and at least 0",
+                                 function, options->edge);
     }
     if (options->fragment_capacity > SVO_I_FRAGMENTS_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.fragment_capacity %llu is above %u",
-                                 (unsigned long long)options->fragment_capacity, SVO_I_FRAGMENTS_MAX);
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.fragment_capacity %llu is above %u",
+                                 function, (unsigned long long)options->fragment_capacity, SVO_I_FRAGMENTS_MAX);
     }
     if (options->chunk_bytes != 0 && options->chunk_bytes < CHUNK_BYTES_MIN) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: options.chunk_bytes %llu is below %d",
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.chunk_bytes %llu is below %d", function,
                                  (unsigned long long)options->chunk_bytes, CHUNK_BYTES_MIN);
     }
     for (unsigned axis = 0; axis < 3; ++axis) {
         if (!isfinite(options->origin[axis])) {
-            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                     "svo_plan_create: options.origin[%u] %g is not finite", axis,
-                                     options->origin[axis]);
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.origin[%u] %g is not finite", function,
+                                     axis, options->origin[axis]);
         }
     }
     return SVO_OK;
 }
 
-static svo_status check_textures(svo_device *device, const svo_mesh *mesh)
+static svo_status check_textures(svo_device *device, const char *function, const svo_mesh *mesh)
 {
     for (size_t i = 0; i < mesh->texture_count; ++i) {
         const svo_texture *texture = &mesh->textures[i];
         if (texture->rgba == NULL || texture->width < 1 || texture->width > 16384 || texture->height < 1 ||
             texture->height > 16384) {
             return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                     "svo_plan_create: texture %zu is %u x %u texels, not 1 .. 16384 each, or has none",
-                                     i, texture->width, texture->height);
+                                     "%s: texture %zu is %u x %u texels, not 1 .. 16384 each, or has none", function, i,
+                                     texture->width, texture->height);
         }
     }
     return SVO_OK;
 }
 
-static svo_status check_mesh(svo_device *device, const svo_mesh *mesh)
+static svo_status check_mesh(svo_device *device, const char *function, const svo_mesh *mesh)
 {
-    if (mesh->vertex_count > 0 && (mesh->positions == NULL) == (mesh->positions_double == NULL)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: mesh has %zu vertices but not exactly one array of positions",
-                                 mesh->vertex_count);
-    }
     if (mesh->vertex_count >= UINT32_MAX || mesh->triangle_count >= UINT32_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: mesh has %zu vertices and %zu triangles, not below 2^32 - 1",
+                                 "%s: mesh has %zu vertices and %zu triangles, not below 2^32 - 1", function,
                                  mesh->vertex_count, mesh->triangle_count);
     }
     if (mesh->material_count > 65535 || (mesh->material_count > 0 && mesh->materials == NULL) ||
         (mesh->texture_count > 0 && mesh->textures == NULL)) {
-        return svo_i_device_fail(
-            device, SVO_INVALID_ARGUMENT,
-            "svo_plan_create: mesh has %zu materials (at most 65535) and %zu textures, or no array",
-            mesh->material_count, mesh->texture_count);
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: mesh has %zu materials (at most 65535) and %zu textures, or no array", function,
+                                 mesh->material_count, mesh->texture_count);
     }
-    return check_textures(device, mesh);
+    return check_textures(device, function, mesh);
 }
 
-static svo_status check_arguments(svo_device *device, const svo_mesh *mesh, unsigned depth, svo_plan *const *out)
+/* Whether there is one array of positions, or none where there are no vertices. */
+static svo_status check_positions(svo_device *device, const char *function, const svo_mesh *mesh)
 {
-    if (device == NULL || mesh == NULL || out == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: %s is NULL",
-                                 device == NULL ? "device"
-                                 : mesh == NULL ? "mesh"
-                                                : "out");
+    return mesh->vertex_count == 0 || (mesh->positions == NULL) != (mesh->positions_double == NULL)
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                   "%s: mesh has %zu vertices but not exactly one array of positions", function,
+                                   mesh->vertex_count);
+}
+
+static svo_status check_input(svo_device *device, const char *function, const svo_i_plan_input *input,
+                              const svo_plan_options *options)
+{
+    SVO_I_TRY(check_options(device, function, options));
+    if (input->buffers == NULL) {
+        SVO_I_TRY(check_positions(device, function, &input->mesh));
+        return check_mesh(device, function, &input->mesh);
     }
-    if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "svo_plan_create: depth %u is not in %d .. %d", depth,
-                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+    if (options->place == SVO_PLACE_HOST) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.place is host; the mesh is on the device",
+                                 function);
     }
-    return SVO_OK;
+    SVO_I_TRY(svo_i_mesh_check(function, device->context, input->buffers, &device->message));
+    SVO_I_TRY(svo_i_device_check_wait(device, function, input->wait_count, input->wait));
+    return check_mesh(device, function, &input->mesh);
 }
 
 /* Fills a plan whose device, options, depth and stages are set. */
-static svo_status make_plan(svo_plan *plan, const svo_mesh *mesh)
+static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_plan_input *input)
 {
+    const svo_mesh *mesh = &input->mesh;
     const double start_ms = svo_i_now_ms();
+    const double compiled_ms = plan->device->compile_ms;
     const uint32_t depth = plan->info.depth;
     plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
                                                  (SVO_I_KEEP_NS + SVO_I_ATTRIBUTES_NS) * (double)mesh->triangle_count;
-    SVO_I_TRY(svo_i_progress_begin(plan, "svo_plan_create", SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
-    SVO_I_TRY(svo_i_plan_grid(plan, mesh));
-    SVO_I_TRY(svo_i_plan_attributes(plan, mesh));
-    SVO_I_TRY(svo_i_plan_positions(plan, mesh));
+    SVO_I_TRY(svo_i_progress_begin(plan, function, SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
+    SVO_I_TRY(svo_i_plan_take_mesh(plan, input));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     SVO_I_TRY(svo_i_plan_configure(plan));
-    plan->info.grid_ms = svo_i_now_ms() - start_ms;
+    plan->info.grid_ms = svo_i_now_ms() - start_ms - (plan->device->compile_ms - compiled_ms);
     return SVO_OK;
 }
 
-svo_status svo_i_plan_new(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                          const svo_i_stage *stages, size_t stage_count, svo_plan **out)
+svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
+                          const svo_plan_options *options, const svo_i_stage_list *stages, svo_plan **out)
 {
-    static const char function[] = "svo_plan_create";
-    svo_mesh given;
     svo_plan_options asked;
-    SVO_I_TRY(check_arguments(device, mesh, depth, out));
+    if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: depth %u is not in %d .. %d", function, depth,
+                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+    }
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
-    SVO_I_TRY(svo_i_struct_read(&device->message, function, "mesh", mesh, &given,
-                                SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    SVO_I_TRY(check_options(device, &asked));
-    SVO_I_TRY(check_mesh(device, &given));
+    SVO_I_TRY(check_input(device, function, input, &asked));
     if (asked.payload_level > depth) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_create: options.payload_level %u is above depth %u", asked.payload_level,
-                                 depth);
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.payload_level %u is above depth %u",
+                                 function, asked.payload_level, depth);
     }
     svo_plan *plan = svo_i_alloc_zeroed(&device->memory, 1, sizeof *plan);
     if (plan == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_plan_create: no memory for the handle");
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the handle", function);
     }
     plan->device = device;
     plan->options = asked;
     svo_plan_set_progress(plan, asked.progress, asked.progress_user);
     plan->info.depth = depth;
-    plan->stages = stages;
-    plan->stage_count = stage_count;
-    const svo_status status = make_plan(plan, &given);
+    plan->stages = stages->rows;
+    plan->stage_count = stages->count;
+    const svo_status status = make_plan(plan, function, input);
     if (status != SVO_OK) {
         svo_plan_destroy(&plan);
         return status;
@@ -230,6 +235,7 @@ void svo_plan_destroy(svo_plan **plan)
         return;
     }
     svo_plan *p = *plan;
+    svo_i_plan_memory_free(&p->memory);
     svo_i_free(p->vertices);
     svo_i_free(p->indices);
     svo_i_free(p->triangle_ids);
@@ -237,6 +243,7 @@ void svo_plan_destroy(svo_plan **plan)
     svo_i_free(p->positions_double);
     svo_i_free(p->items);
     svo_i_free(p->item_fragments);
+    svo_i_free(p->large);
     svo_i_free(p->records);
     svo_i_free(p->colors);
     svo_i_free(p->normals);

@@ -157,6 +157,19 @@ typedef struct svo_i_progress {
     double fraction; /* that it was told */
 } svo_i_progress;
 
+/* Sums over the kept triangles, in grid units: of their widths, and of twice the areas of their projections in two
+   parts, below and from 2^32 on. */
+typedef struct svo_i_sums {
+    uint64_t widths, areas_low, areas_high;
+} svo_i_sums;
+
+/* The arrays of a plan that kernels made, in place of the host's; all NULL in other plans. */
+typedef struct svo_i_plan_memory {
+    cl_mem vertices, indices, triangle_ids, items, item_fragments;
+    cl_mem positions, positions_double; /* at most one */
+    cl_mem records, colors, normals, uvs; /* NULL where the request does not read them or the mesh has none */
+} svo_i_plan_memory;
+
 struct svo_plan {
     svo_device *device;
     svo_i_progress progress;
@@ -167,6 +180,7 @@ struct svo_plan {
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 
+    svo_i_plan_memory memory; /* plan/host_copy.h brings it to the host */
     /* The snapped mesh. Vertices that no kept triangle uses are 0. */
     int32_t *vertices; /* vertex_count * 3 */
     uint32_t vertex_count;
@@ -181,7 +195,10 @@ struct svo_plan {
     svo_draw_item *items;
     float *item_fragments; /* expected fragments of each item */
     uint32_t class_begin[SVO_I_CLASS_COUNT + 1];
-    double estimate[3]; /* sums over the kept triangles: their number, widths, projected areas; in grid units */
+    svo_i_sums sums;
+    double estimate[3]; /* of the kept triangles: their number, sum of widths, of projected areas; in grid units */
+    svo_large_item *large; /* those of more than SVO_TILE_COLUMNS columns, by item */
+    uint32_t large_count;
 
     /* Payload inputs; NULL where the request does not read them or the mesh has none. */
     svo_triangle_record *records;

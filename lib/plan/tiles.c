@@ -15,14 +15,15 @@ typedef struct projection {
 } projection;
 
 /* First and last voxel on an axis, as in the kernel. */
-static void voxel_bounds(const svo_plan *plan, const int32_t *corners[3], unsigned axis, int32_t *first, int32_t *last)
+static void voxel_bounds(const svo_plan *plan, const int32_t *corners, unsigned axis, int32_t *first, int32_t *last)
 {
     const int32_t limit = (int32_t)(1u << plan->info.depth) - 1;
-    int32_t low = corners[0][axis];
+    int32_t low = corners[axis];
     int32_t high = low;
     for (unsigned corner = 1; corner < 3; ++corner) {
-        low = corners[corner][axis] < low ? corners[corner][axis] : low;
-        high = corners[corner][axis] > high ? corners[corner][axis] : high;
+        const int32_t q = corners[corner * 3 + axis];
+        low = q < low ? q : low;
+        high = q > high ? q : high;
     }
     low = (low - (plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0)) >> plan->voxel_log2;
     high >>= plan->voxel_log2;
@@ -30,24 +31,20 @@ static void voxel_bounds(const svo_plan *plan, const int32_t *corners[3], unsign
     *last = high < 0 ? 0 : high > limit ? limit : high;
 }
 
-static projection project(const svo_plan *plan, const svo_i_draw *draw, const svo_draw_item *item)
+static projection project(const svo_plan *plan, const svo_i_draw *draw, const svo_large_item *large)
 {
-    const uint32_t *indices = plan->indices + (size_t)item->triangle * 3;
-    const unsigned axis = item->flags & SVO_DRAW_AXIS_MASK;
-    const unsigned axis_u = (axis + 1) % 3;
-    const unsigned axis_v = (axis + 2) % 3;
+    const unsigned axis_u = (large->axis + 1) % 3;
+    const unsigned axis_v = (large->axis + 2) % 3;
     const double voxel = (double)(1u << plan->voxel_log2);
-    const int32_t *corners[3];
     projection p;
     for (unsigned corner = 0; corner < 3; ++corner) {
-        corners[corner] = plan->vertices + (size_t)indices[corner] * 3;
-        p.u[corner] = corners[corner][axis_u] / voxel;
-        p.v[corner] = corners[corner][axis_v] / voxel;
+        p.u[corner] = large->corners[corner * 3 + axis_u] / voxel;
+        p.v[corner] = large->corners[corner * 3 + axis_v] / voxel;
     }
     int32_t last_u;
     int32_t last_v;
-    voxel_bounds(plan, corners, axis_u, &p.first_u, &last_u);
-    voxel_bounds(plan, corners, axis_v, &p.first_v, &last_v);
+    voxel_bounds(plan, large->corners, axis_u, &p.first_u, &last_u);
+    voxel_bounds(plan, large->corners, axis_v, &p.first_v, &last_v);
     const int32_t left = (int32_t)draw->tile_x;
     const int32_t bottom = (int32_t)draw->tile_y;
     const int32_t right = left + (int32_t)draw->tile_width;
@@ -130,25 +127,46 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
     return true;
 }
 
-/* With fewer expected fragments a triangle inside the grid has no more columns than a tile: for widths wu and wv in
-   voxels it has less than (wu + 3) (wv + 3) columns, and the estimate is above wu + wv + 1 fragments. */
-#define SMALL_FRAGMENTS (2.0f * (SVO_TILE_EDGE - 3) + 1.0f)
+/* The index of the first large triangle from an item on. */
+static uint32_t first_large(const svo_plan *plan, uint32_t item)
+{
+    uint32_t first = 0;
+    uint32_t end = plan->large_count;
+    while (first < end) {
+        const uint32_t middle = first + (end - first) / 2;
+        if (plan->large[middle].item < item) {
+            first = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return first;
+}
 
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)
 {
+    const uint32_t end = first_large(plan, draw->first_item + draw->item_count);
     tiles->memory = &plan->device->memory;
-    for (uint32_t item = draw->first_item; item < draw->first_item + draw->item_count; ++item) {
-        if (plan->item_fragments[item] <= SMALL_FRAGMENTS && draw->class_id != SVO_I_CLASS_WIDE) {
-            continue;
-        }
-        const projection p = project(plan, draw, &plan->items[item]);
+    for (uint32_t i = first_large(plan, draw->first_item); i < end; ++i) {
+        const projection p = project(plan, draw, &plan->large[i]);
         for (int32_t v = p.first_v; v < p.end_v && is_large(&p); v += SVO_TILE_EDGE) {
-            if (!add_row(tiles, &p, item, v)) {
+            if (!add_row(tiles, &p, plan->large[i].item, v)) {
                 return false;
             }
         }
     }
     return true;
+}
+
+double svo_i_tiles_expected(const svo_plan *plan, const svo_i_draw *draw)
+{
+    const uint32_t end = first_large(plan, draw->first_item + draw->item_count);
+    double tiles = 0.0;
+    for (uint32_t i = first_large(plan, draw->first_item); i < end; ++i) {
+        const double fragments = (double)plan->large[i].fragments;
+        tiles += fragments > SVO_TILE_COLUMNS ? fragments * 4.0 / SVO_TILE_COLUMNS : 0.0;
+    }
+    return tiles;
 }
 
 void svo_i_tiles_free(svo_i_tiles *tiles)

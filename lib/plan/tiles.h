@@ -20,6 +20,8 @@ typedef struct svo_i_tile_cache {
 /* Adds the tiles inside the draw that its triangles of more than SVO_TILE_COLUMNS columns can touch. Returns false when
    out of memory. */
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles);
+/* An estimate of their number. */
+double svo_i_tiles_expected(const svo_plan *plan, const svo_i_draw *draw);
 /* Frees the tiles; a struct that is all zero is allowed. */
 void svo_i_tiles_free(svo_i_tiles *tiles);
 

@@ -5,10 +5,14 @@
  */
 #include "stages/surface.h"
 
-/* Uploads an array if the plan has it. */
-static svo_status upload(svo_i_build *build, const char *name, const void *data, uint64_t bytes, cl_mem *out)
+#include "plan/host_copy.h"
+
+/* Uploads an array if the plan has it, on the host or on the device. */
+static svo_status upload(svo_i_build *build, const char *name, const void *host, cl_mem memory, uint64_t bytes,
+                         cl_mem *out)
 {
-    return data != NULL ? svo_i_commands_upload(&build->commands, name, data, bytes, out) : SVO_OK;
+    return svo_i_plan_has(host, memory) ? svo_i_commands_take(&build->commands, name, host, memory, bytes, out)
+                                        : SVO_OK;
 }
 
 /* Uniform weights alone need no vertices: they do not depend on where in its voxel a triangle is. */
@@ -22,9 +26,11 @@ static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
         return SVO_OK;
     }
     if (plan->work.positions) {
-        SVO_I_TRY(upload(build, "vertices", plan->vertices, (uint64_t)plan->vertex_count * 12, &out->vertices));
+        SVO_I_TRY(upload(build, "vertices", plan->vertices, plan->memory.vertices, (uint64_t)plan->vertex_count * 12,
+                         &out->vertices));
     }
-    return upload(build, "indices", plan->indices, (uint64_t)plan->triangle_count * 12, &out->indices);
+    return upload(build, "indices", plan->indices, plan->memory.indices, (uint64_t)plan->triangle_count * 12,
+                  &out->indices);
 }
 
 svo_status svo_i_surface_upload(svo_i_build *build)
@@ -34,14 +40,14 @@ svo_status svo_i_surface_upload(svo_i_build *build)
     const uint64_t vertices = plan->vertex_count;
     svo_i_stage_begin(&build->commands);
     SVO_I_TRY(upload_geometry(build, out));
-    SVO_I_TRY(upload(build, "records", plan->records, (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
-                     &out->records));
-    SVO_I_TRY(upload(build, "vertex_colors", plan->colors, vertices * 4, &out->colors));
-    SVO_I_TRY(upload(build, "vertex_normals", plan->normals, vertices * 8, &out->normals));
-    SVO_I_TRY(upload(build, "uvs", plan->uvs, vertices * 8, &out->uvs));
-    SVO_I_TRY(upload(build, "material_records", plan->materials, plan->material_count * sizeof(svo_material_record),
-                     &out->materials));
-    SVO_I_TRY(upload(build, "texels", plan->texels, plan->texel_count * 4, &out->texels));
+    SVO_I_TRY(upload(build, "records", plan->records, plan->memory.records,
+                     (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records));
+    SVO_I_TRY(upload(build, "vertex_colors", plan->colors, plan->memory.colors, vertices * 4, &out->colors));
+    SVO_I_TRY(upload(build, "vertex_normals", plan->normals, plan->memory.normals, vertices * 8, &out->normals));
+    SVO_I_TRY(upload(build, "uvs", plan->uvs, plan->memory.uvs, vertices * 8, &out->uvs));
+    SVO_I_TRY(upload(build, "material_records", plan->materials, NULL,
+                     plan->material_count * sizeof(svo_material_record), &out->materials));
+    SVO_I_TRY(upload(build, "texels", plan->texels, NULL, plan->texel_count * 4, &out->texels));
     return svo_i_stage_end(&build->commands, SVO_STAGE_TRANSFER);
 }
 

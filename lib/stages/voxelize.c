@@ -80,11 +80,12 @@ static svo_status upload(run *r)
     const uint64_t triangles = plan->triangle_count;
     const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
     svo_i_stage_begin(r->commands);
-    SVO_I_TRY(svo_i_commands_upload(r->commands, "mesh_vertices", plan->vertices, (uint64_t)plan->vertex_count * 12,
-                                    &r->vertices));
-    SVO_I_TRY(svo_i_commands_upload(r->commands, "mesh_indices", plan->indices, triangles * 12, &r->indices));
-    SVO_I_TRY(
-        svo_i_commands_upload(r->commands, "mesh_items", plan->items, triangles * sizeof(svo_draw_item), &r->items));
+    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_vertices", plan->vertices, plan->memory.vertices,
+                                  (uint64_t)plan->vertex_count * 12, &r->vertices));
+    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_indices", plan->indices, plan->memory.indices, triangles * 12,
+                                  &r->indices));
+    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
+                                  triangles * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
     SVO_I_TRY(svo_i_commands_fill_zero(r->commands, r->counters, counter_bytes));
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
@@ -181,16 +182,12 @@ static void free_tiles(const run *r, svo_i_tile_cache *found)
     }
 }
 
-/* An estimate of the bytes of a chunk's tiles, from the expected fragments per column. */
+/* An estimate of the bytes of a chunk's tiles. */
 static uint64_t expected_tile_bytes(const run *r, const svo_i_chunk *chunk)
 {
     double tiles = 0.0;
     for (uint32_t i = chunk->first_draw; i < chunk->first_draw + chunk->draw_count; ++i) {
-        const svo_i_draw *draw = &r->chunking->draws[i];
-        for (uint32_t k = 0; k < draw->item_count; ++k) {
-            const double fragments = (double)r->commands->plan->item_fragments[draw->first_item + k];
-            tiles += fragments > SVO_TILE_COLUMNS ? fragments * 4.0 / SVO_TILE_COLUMNS : 0.0;
-        }
+        tiles += svo_i_tiles_expected(r->commands->plan, &r->chunking->draws[i]);
     }
     return (uint64_t)tiles * sizeof(svo_tile_item);
 }

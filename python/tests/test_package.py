@@ -63,6 +63,7 @@ def test_enumerations_are_complete():
         "svo_status": (_enums.Status, "SVO_"),
         "svo_need": (_enums.Need, "SVO_NEED_"),
         "svo_coverage": (_enums.Coverage, "SVO_COVERAGE_"),
+        "svo_place": (_enums.Place, "SVO_PLACE_"),
         "svo_weights": (_enums.Weights, "SVO_WEIGHTS_"),
         "svo_builder": (_enums.Builder, "SVO_BUILDER_"),
         "svo_certainty": (_enums.Certainty, "SVO_BYTES_"),

@@ -56,6 +56,14 @@ class Coverage(IntEnum):
     THIN = lib.SVO_COVERAGE_THIN
 
 
+class Place(IntEnum):
+    """Where a plan is made. The plan is the same, bit for bit."""
+
+    DEFAULT = lib.SVO_PLACE_DEFAULT
+    HOST = lib.SVO_PLACE_HOST
+    DEVICE = lib.SVO_PLACE_DEVICE
+
+
 class Weights(IntEnum):
     """The weight of a triangle in the payload of its voxel."""
 

@@ -3,7 +3,7 @@
 
 from typing import Any, NamedTuple, Optional, TypeVar
 
-from ._enums import Certainty, Coverage, Form, LightForm, Need, Opacity, Positions, Weights
+from ._enums import Certainty, Coverage, Form, LightForm, Need, Opacity, Place, Positions, Weights
 from ._errors import text
 from ._native import ffi, lib
 
@@ -41,7 +41,9 @@ class PlanInfo(NamedTuple):
     fragments: int
     """The exact number after Plan.count; 0 before."""
     grid_ms: float
-    """Wall clock of validating, snapping and classifying, milliseconds."""
+    """Wall clock of validating, snapping and classifying, milliseconds; without compiling kernels."""
+    place: Place
+    """Place.HOST or Place.DEVICE."""
 
 
 class PlanBuffer(NamedTuple):
@@ -364,6 +366,7 @@ _KINDS: dict[str, Any] = {
     "need": Need,
     "constant": Need,
     "weights": Weights,
+    "place": Place,
     "certainty": Certainty,
     "positions": Positions,
     "persistent": bool,

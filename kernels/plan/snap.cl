@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Accepts triangles, finds the bounds of the vertices that they use, and snaps these: lib/plan/grid.c explains the
+ * rules and has the same steps for the host.
+ *
+ * Launch: one work-item per SVO_PLAN_RUN triangles or vertices, in whole groups. Groups write partial results, which
+ * svo_k_plan_totals reduces. No atomics: the marks of vertices are only ever set.
+ */
+#include "plan/plan.clh"
+
+#define SVO_UNITS_MAX (1 << 29)
+#define SVO_UNITS_FAR (1 << 30)
+
+static bool svo_is_finite(__global const uint *positions, uint flags, uint vertex)
+{
+    return all(isfinite(svo_mesh_vertex(positions, flags, vertex)));
+}
+
+/* Marks the vertices that accepted triangles use. A triangle is accepted if its corners are in range and finite, so
+   from then on: if its corners are in range and marked. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_plan_accept(__global const uint *positions, __global const uint *indices, __global uchar *used,
+                  svo_plan_params params)
+{
+    const uint2 run = svo_own_run(params.triangle_count);
+    for (uint t = run.x; t < run.y; ++t) {
+        uint corners[3];
+        if (svo_mesh_corners(indices, &params, t, corners) && svo_is_finite(positions, params.flags, corners[0]) &&
+            svo_is_finite(positions, params.flags, corners[1]) && svo_is_finite(positions, params.flags, corners[2])) {
+            used[corners[0]] = 1;
+            used[corners[1]] = 1;
+            used[corners[2]] = 1;
+        }
+    }
+}
+
+/* An integer above 0 that orders as the finite double x. */
+static ulong svo_key(double x)
+{
+    const ulong bits = as_ulong(x);
+    return (bits >> 63) != 0ul ? ~bits : bits | 1ul << 63;
+}
+
+/* Largest keys of -x, -y, -z, x, y, z over the used vertices; 0: there are none. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_plan_bounds(__global const uint *positions, __global const uchar *used, __global ulong *partials,
+                  svo_plan_params params, __local ulong *scratch)
+{
+    const uint2 run = svo_own_run(params.vertex_count);
+    double3 low = (double3)(INFINITY, INFINITY, INFINITY);
+    double3 high = -low;
+    bool any = false;
+    for (uint v = run.x; v < run.y; ++v) {
+        if (used[v] != 0) {
+            const double3 x = svo_mesh_vertex(positions, params.flags, v);
+            low = fmin(low, x);
+            high = fmax(high, x);
+            any = true;
+        }
+    }
+    const ulong none[6] = {0, 0, 0, 0, 0, 0};
+    const ulong keys[6] = {svo_key(-low.x), svo_key(-low.y), svo_key(-low.z),
+                           svo_key(high.x), svo_key(high.y), svo_key(high.z)};
+    svo_group_columns(any ? keys : none, 6u, true, scratch, partials);
+}
+
+/* Snaps the used vertices; the others become 0. One column: the bits of the largest error. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_plan_snap(__global const uint *positions, __global const uchar *used, __global int *vertices,
+                __global ulong *partials, svo_plan_params params, __local ulong *scratch)
+{
+    const uint2 run = svo_own_run(params.vertex_count);
+    const double scale = svo_double_from(params.scale[0], params.scale[1]);
+    const double3 origin = (double3)(svo_double_from(params.origin[0], params.origin[1]),
+                                     svo_double_from(params.origin[2], params.origin[3]),
+                                     svo_double_from(params.origin[4], params.origin[5]));
+    double3 largest = (double3)(0.0, 0.0, 0.0);
+    for (uint v = run.x; v < run.y; ++v) {
+        const double3 x = used[v] != 0 ? svo_mesh_vertex(positions, params.flags, v) : origin;
+        const double3 q = rint((x - origin) * scale);
+        const long3 near = fabs(q) < (double3)(SVO_UNITS_MAX);
+        /* On grids near the largest double, converting back may overflow. */
+        const double3 error = fmin(fabs(q / scale + origin - x), (double3)(DBL_MAX));
+        const double3 beyond = select((double3)(-SVO_UNITS_FAR), (double3)(SVO_UNITS_FAR), q > 0.0);
+        largest = fmax(largest, select((double3)(0.0), error, near));
+        vstore3(convert_int3(select(beyond, q, near)), v, vertices);
+    }
+    const ulong bits[1] = {as_ulong(fmax(fmax(largest.x, largest.y), largest.z))};
+    svo_group_columns(bits, 1u, true, scratch, partials);
+}

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The first step of the pipeline by kernels (kernels/plan): accepts triangles, fits the grid, snaps vertices, makes the
+ * draw items. The host reads three rows of totals: bounds, the snap error, counts and sums.
+ */
+#include "plan/device_grid.h"
+
+#include <string.h>
+
+#include "plan/estimate.h"
+#include "plan/grid.h"
+#include "plan/progress.h"
+
+#define RUN (SVO_SCAN_TILE / SVO_GROUP_ITEMS)
+
+/* Local memory of a work-group: one number of 64 bits per work-item. */
+#define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
+
+/* What the steps share besides the plan's buffers. */
+typedef struct grid_run {
+    svo_plan *plan;
+    svo_i_launcher *launcher;
+    const svo_i_device_mesh *mesh;
+    svo_plan_params params;
+    cl_mem used; /* per vertex: whether an accepted triangle uses it */
+    cl_mem kept; /* per vertex: whether a kept triangle does */
+    cl_mem fates, fragments; /* per triangle */
+    cl_mem partials; /* a row per work-group */
+    cl_mem large, large_count;
+    uint64_t totals[SVO_PLAN_SUMS];
+} grid_run;
+
+uint32_t svo_i_run_groups(uint64_t elements)
+{
+    return (uint32_t)((elements + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE);
+}
+
+uint64_t svo_i_run_items(uint64_t elements)
+{
+    return (elements + RUN - 1) / RUN;
+}
+
+svo_status svo_i_run_totals(svo_i_launcher *launcher, cl_mem partials, uint64_t elements, uint32_t columns,
+                            bool largest, uint64_t *out)
+{
+    cl_mem totals = NULL;
+    const svo_plan_total_params params = {svo_i_run_groups(elements), columns, largest ? 1u : 0u, 0};
+    memset(out, 0, columns * sizeof *out);
+    if (params.groups == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_launcher_buffer(launcher, "totals", columns * sizeof(cl_ulong), &totals));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    svo_status status = svo_i_launcher_run(launcher, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+    if (status == SVO_OK) {
+        status = svo_i_launcher_read(launcher, totals, 0, out, columns * sizeof *out);
+    }
+    svo_i_launcher_free(&totals);
+    return status;
+}
+
+static void put_double(double x, cl_uint words[2])
+{
+    uint64_t bits = 0;
+    memcpy(&bits, &x, sizeof bits);
+    words[0] = (cl_uint)(bits & UINT32_MAX);
+    words[1] = (cl_uint)(bits >> 32);
+}
+
+static double double_of(uint64_t bits)
+{
+    double x = 0.0;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* The double of a key of kernels/plan/snap.cl. */
+static double double_of_key(uint64_t key)
+{
+    const uint64_t sign = UINT64_C(1) << 63;
+    return double_of((key & sign) != 0 ? key ^ sign : ~key);
+}
+
+static svo_status alloc(grid_run *r)
+{
+    const uint64_t vertices = r->params.vertex_count;
+    const uint64_t triangles = r->params.triangle_count;
+    const uint32_t groups = svo_i_run_groups(vertices > triangles ? vertices : triangles);
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_used", vertices, &r->used));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fates", triangles, &r->fates));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fragments", triangles * 4, &r->fragments));
+    SVO_I_TRY(
+        svo_i_launcher_buffer(r->launcher, "plan_partials", groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
+    return svo_i_launcher_buffer(r->launcher, "plan_vertices", vertices * 12, &r->plan->memory.vertices);
+}
+
+static svo_status accept(grid_run *r)
+{
+    SVO_I_TRY(svo_i_launcher_zero(r->launcher, r->used, r->params.vertex_count));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->used), SVO_I_ARGUMENT(r->params)};
+    return svo_i_launcher_run(r->launcher, "svo_k_plan_accept", SVO_I_ARGUMENTS(arguments),
+                              svo_i_run_items(r->params.triangle_count));
+}
+
+/* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
+static svo_status fit(grid_run *r)
+{
+    uint64_t keys[6] = {0};
+    svo_i_bounds bounds = {.any = false};
+    if (!(r->plan->options.edge > 0.0)) {
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),
+                                            SVO_I_ARGUMENT(r->partials), SVO_I_ARGUMENT(r->params),
+                                            SVO_I_LOCAL(SCRATCH_BYTES)};
+        SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_bounds", SVO_I_ARGUMENTS(arguments),
+                                     svo_i_run_items(r->params.vertex_count)));
+        SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, r->params.vertex_count, 6, true, keys));
+    }
+    bounds.any = keys[0] != 0;
+    for (unsigned axis = 0; axis < 3 && bounds.any; ++axis) {
+        bounds.low[axis] = -double_of_key(keys[axis]);
+        bounds.high[axis] = double_of_key(keys[axis + 3]);
+    }
+    SVO_I_TRY(svo_i_plan_make_grid(r->plan, &bounds));
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
+    }
+    put_double(r->plan->info.scale, r->params.scale);
+    return SVO_OK;
+}
+
+static svo_status snap(grid_run *r)
+{
+    uint64_t largest = 0;
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),   SVO_I_ARGUMENT(r->plan->memory.vertices),
+        SVO_I_ARGUMENT(r->partials),        SVO_I_ARGUMENT(r->params), SVO_I_LOCAL(SCRATCH_BYTES)};
+    SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments),
+                                 svo_i_run_items(r->params.vertex_count)));
+    SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, r->params.vertex_count, 1, true, &largest));
+    r->plan->info.snap_error = double_of(largest);
+    return SVO_OK;
+}
+
+/* Takes the counts and sums of all triangles into the plan. */
+static void take_totals(grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    const uint64_t *totals = r->totals;
+    for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
+        r->params.class_begin[c] = plan->class_begin[c];
+        plan->class_begin[c + 1] = plan->class_begin[c] + (uint32_t)totals[c];
+    }
+    plan->triangle_count = plan->class_begin[SVO_I_CLASS_COUNT];
+    plan->info.refused_triangles = totals[SVO_FATE_REFUSED] + totals[SVO_FATE_FAR];
+    plan->info.outside_triangles = totals[SVO_FATE_OUTSIDE];
+    plan->sums =
+        (svo_i_sums){totals[SVO_PLAN_SUM_WIDTHS], totals[SVO_PLAN_SUM_AREAS_LOW], totals[SVO_PLAN_SUM_AREAS_HIGH]};
+    plan->large_count = (uint32_t)totals[SVO_PLAN_SUM_LARGE];
+    svo_i_estimate_end(plan);
+    r->params.flags |= plan->triangle_count < r->params.triangle_count ? SVO_PLAN_SOME : 0u;
+}
+
+static svo_status classify(grid_run *r)
+{
+    const uint64_t triangles = r->params.triangle_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->used),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(r->fragments),
+                                        SVO_I_ARGUMENT(r->partials),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    SVO_I_TRY(
+        svo_i_launcher_run(r->launcher, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles)));
+    SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, triangles, SVO_PLAN_SUMS, false, r->totals));
+    take_totals(r);
+    return SVO_OK;
+}
+
+/* For projected areas: whether the edges cancel. */
+static svo_status find_closed(grid_run *r)
+{
+    uint64_t sums[2] = {0};
+    cl_mem partials = NULL; /* the rows of classification are still needed */
+    const uint64_t triangles = r->params.triangle_count;
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials", svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
+                                    &partials));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(partials),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    svo_status status =
+        svo_i_launcher_run(r->launcher, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles));
+    if (status == SVO_OK) {
+        status = svo_i_run_totals(r->launcher, partials, triangles, 2, false, sums);
+    }
+    svo_i_launcher_free(&partials);
+    r->plan->work.both_sides = (sums[0] | sums[1]) != 0;
+    return status;
+}
+
+static svo_status alloc_kept(grid_run *r)
+{
+    svo_i_plan_memory *memory = &r->plan->memory;
+    const uint64_t count = r->plan->triangle_count;
+    const cl_uint kept_bytes = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->params.vertex_count : 0;
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_indices", count * 12, &memory->indices));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_triangle_ids", count * 4, &memory->triangle_ids));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_items", count * sizeof(svo_draw_item), &memory->items));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_item_fragments", count * 4, &memory->item_fragments));
+    SVO_I_TRY(
+        svo_i_launcher_buffer(r->launcher, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_large_count", sizeof(cl_uint), &r->large_count));
+    SVO_I_TRY(svo_i_launcher_zero(r->launcher, r->large_count, sizeof(cl_uint)));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_kept", kept_bytes, &r->kept));
+    return svo_i_launcher_zero(r->launcher, r->kept, kept_bytes);
+}
+
+static svo_status keep(grid_run *r)
+{
+    const svo_i_plan_memory *memory = &r->plan->memory;
+    SVO_I_TRY(alloc_kept(r));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(r->fragments),
+                                        SVO_I_ARGUMENT(r->partials),
+                                        SVO_I_ARGUMENT(memory->indices),
+                                        SVO_I_ARGUMENT(memory->triangle_ids),
+                                        SVO_I_ARGUMENT(memory->items),
+                                        SVO_I_ARGUMENT(memory->item_fragments),
+                                        SVO_I_ARGUMENT(r->large),
+                                        SVO_I_ARGUMENT(r->large_count),
+                                        SVO_I_ARGUMENT(r->kept),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
+                                 svo_i_run_items(r->params.triangle_count)));
+    if ((r->params.flags & SVO_PLAN_SOME) == 0) {
+        return SVO_OK;
+    }
+    const svo_i_argument clear[] = {SVO_I_ARGUMENT(r->kept), SVO_I_ARGUMENT(memory->vertices),
+                                    SVO_I_ARGUMENT(r->params)};
+    return svo_i_launcher_run(r->launcher, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
+}
+
+/* The mesh's own positions of the vertices that kept triangles use, for rays; positions.c has it for the host. */
+static svo_status keep_positions(grid_run *r)
+{
+    const bool is_double = (r->params.flags & SVO_PLAN_DOUBLES) != 0;
+    svo_i_plan_memory *memory = &r->plan->memory;
+    cl_mem *positions = is_double ? &memory->positions_double : &memory->positions;
+    const cl_mem marks = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->kept : r->used;
+    if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_positions",
+                                    (uint64_t)r->params.vertex_count * (is_double ? 24 : 12), positions));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(marks),
+                                        SVO_I_ARGUMENT(*positions), SVO_I_ARGUMENT(r->params)};
+    return svo_i_launcher_run(r->launcher, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    const uint32_t x = ((const svo_large_item *)a)->item;
+    const uint32_t y = ((const svo_large_item *)b)->item;
+    return x < y ? -1 : x > y ? 1 : 0;
+}
+
+/* Reads the large triangles, whose order differs from run to run. */
+static svo_status read_large(grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    const size_t bytes = plan->large_count * sizeof *plan->large;
+    plan->large = svo_i_alloc(&plan->device->memory, bytes + sizeof *plan->large);
+    if (plan->large == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u triangles",
+                                 r->launcher->function, plan->large_count);
+    }
+    SVO_I_TRY(svo_i_launcher_read(r->launcher, r->large, 0, plan->large, bytes));
+    qsort(plan->large, plan->large_count, sizeof *plan->large, compare_items);
+    return SVO_OK;
+}
+
+static svo_status run_steps(grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    SVO_I_TRY(alloc(r));
+    SVO_I_TRY(accept(r));
+    SVO_I_TRY(fit(r));
+    SVO_I_TRY(snap(r));
+    (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)r->params.vertex_count);
+    SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
+    SVO_I_TRY(classify(r));
+    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
+        SVO_I_TRY(find_closed(r));
+    }
+    SVO_I_TRY(keep(r));
+    SVO_I_TRY(keep_positions(r));
+    SVO_I_TRY(read_large(r));
+    (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)r->params.triangle_count);
+    return svo_i_progress_tell(plan, SVO_STAGE_GRID);
+}
+
+svo_status svo_i_device_grid(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,
+                             const svo_i_device_mesh *mesh)
+{
+    const svo_mesh *given = &input->mesh;
+    grid_run r = {.plan = plan, .launcher = launcher, .mesh = mesh};
+    plan->vertex_count = (uint32_t)given->vertex_count;
+    plan->info.triangles = given->triangle_count;
+    r.params = (svo_plan_params){.vertex_count = plan->vertex_count,
+                                 .triangle_count = (cl_uint)given->triangle_count,
+                                 .snap_bits = plan->info.snap_bits,
+                                 .voxel_log2 = plan->voxel_log2};
+    r.params.flags = (mesh->indices != NULL ? SVO_PLAN_INDEXED : 0u) |
+                     (given->positions_double != NULL ? SVO_PLAN_DOUBLES : 0u) |
+                     (plan->info.coverage == SVO_COVERAGE_CLOSED ? SVO_PLAN_CLOSED : 0u) |
+                     (plan->info.coverage == SVO_COVERAGE_THIN ? SVO_PLAN_THIN : 0u);
+    const svo_status status = run_steps(&r);
+    svo_i_launcher_end(launcher);
+    cl_mem *buffers[] = {&r.used, &r.kept, &r.fates, &r.fragments, &r.partials, &r.large, &r.large_count};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_launcher_free(buffers[i]);
+    }
+    return status;
+}

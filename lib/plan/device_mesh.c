@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Brings the mesh that a plan is made from to the device. Arrays of the host are uploaded, or used in place by a CPU.
+ * Arrays in a caller's buffers are used in place; those with gaps, at odd offsets or of 16-bit indices are packed.
+ */
+#include "plan/device_mesh.h"
+
+/* One array of the mesh. */
+typedef struct array {
+    const char *name;
+    const void *host;
+    const svo_mesh_view *view; /* NULL: host */
+    uint64_t count;
+    uint32_t element_bytes;
+} array;
+
+static void words_of(uint64_t number, cl_uint words[2])
+{
+    words[0] = (cl_uint)(number & UINT32_MAX);
+    words[1] = (cl_uint)(number >> 32);
+}
+
+/* Packs a view's elements into a new buffer. */
+static svo_status pack(svo_i_launcher *launcher, const array *from, uint64_t stride_bytes, cl_mem *out)
+{
+    svo_plan_view view = {.element_bytes = from->element_bytes};
+    words_of(from->count, view.count);
+    words_of(from->view->offset_bytes, view.offset);
+    words_of(stride_bytes, view.stride);
+    SVO_I_TRY(svo_i_launcher_buffer(launcher, from->name, from->count * from->element_bytes, out));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from->view->memory), SVO_I_ARGUMENT(*out), SVO_I_ARGUMENT(view)};
+    return svo_i_launcher_run(launcher, "svo_k_plan_pack", SVO_I_ARGUMENTS(arguments), from->count);
+}
+
+/* Gets an array. *out stays NULL for one that is empty or absent. */
+static svo_status get_array(svo_i_launcher *launcher, const array *from, cl_mem *out)
+{
+    if (from->count == 0 || (from->view != NULL ? from->view->memory == NULL : from->host == NULL)) {
+        return SVO_OK;
+    }
+    if (from->view == NULL) {
+        return svo_i_launcher_input(launcher, from->name, from->host, from->count * from->element_bytes, out);
+    }
+    const uint64_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
+    if (from->view->offset_bytes != 0 || stride_bytes != from->element_bytes) {
+        return pack(launcher, from, stride_bytes, out);
+    }
+    const cl_int error = clRetainMemObject(from->view->memory);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(launcher->device, launcher->function, "clRetainMemObject", error);
+    }
+    *out = from->view->memory;
+    return SVO_OK;
+}
+
+/* Replaces indices of 16 bits by indices of 32 bits. */
+static svo_status widen(svo_i_launcher *launcher, cl_ulong count, cl_mem *indices)
+{
+    cl_mem wide = NULL;
+    SVO_I_TRY(svo_i_launcher_buffer(launcher, "indices", count * 4, &wide));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(*indices), SVO_I_ARGUMENT(wide), SVO_I_ARGUMENT(count)};
+    const svo_status status = svo_i_launcher_run(launcher, "svo_k_plan_widen", SVO_I_ARGUMENTS(arguments), count);
+    svo_i_launcher_free(status == SVO_OK ? indices : &wide);
+    *indices = status == SVO_OK ? wide : *indices;
+    return status;
+}
+
+svo_status svo_i_device_mesh_geometry(svo_i_launcher *launcher, const svo_i_plan_input *input, svo_i_device_mesh *out)
+{
+    const svo_mesh *mesh = &input->mesh;
+    const svo_mesh_buffers *buffers = input->buffers;
+    const bool is_double = mesh->positions_double != NULL;
+    const bool is_narrow = buffers != NULL && buffers->index_bytes == 2;
+    const array positions = {"positions", is_double ? (const void *)mesh->positions_double : mesh->positions,
+                             buffers != NULL ? &buffers->positions : NULL, mesh->vertex_count, is_double ? 24 : 12};
+    const array indices = {"indices", mesh->indices, buffers != NULL ? &buffers->indices : NULL,
+                           (uint64_t)mesh->triangle_count * 3, is_narrow ? 2 : 4};
+    SVO_I_TRY(get_array(launcher, &positions, &out->positions));
+    SVO_I_TRY(get_array(launcher, &indices, &out->indices));
+    return is_narrow && out->indices != NULL ? widen(launcher, indices.count, &out->indices) : SVO_OK;
+}
+
+svo_status svo_i_device_mesh_attributes(svo_i_launcher *launcher, const svo_i_plan_input *input, uint32_t need,
+                                        svo_i_device_mesh *out)
+{
+    const svo_mesh *mesh = &input->mesh;
+    const svo_mesh_buffers *b = input->buffers;
+    const uint64_t vertices = mesh->vertex_count;
+    const array normals = {"normals", mesh->normals, b != NULL ? &b->normals : NULL, vertices, 12};
+    const array colors = {"colors", mesh->colors, b != NULL ? &b->colors : NULL, vertices, 4};
+    const array uvs = {"uvs", mesh->uvs, b != NULL ? &b->uvs : NULL, vertices, 8};
+    const array materials = {"triangle_materials", mesh->triangle_materials, b != NULL ? &b->triangle_materials : NULL,
+                             mesh->triangle_count, 2};
+    if ((need & SVO_NEED_NORMAL) != 0) {
+        SVO_I_TRY(get_array(launcher, &normals, &out->normals));
+    }
+    if ((need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(get_array(launcher, &colors, &out->colors));
+        SVO_I_TRY(get_array(launcher, &uvs, &out->uvs));
+    }
+    return get_array(launcher, &materials, &out->triangle_materials);
+}
+
+void svo_i_device_mesh_free(svo_i_device_mesh *mesh)
+{
+    svo_i_launcher_free(&mesh->positions);
+    svo_i_launcher_free(&mesh->indices);
+    svo_i_launcher_free(&mesh->normals);
+    svo_i_launcher_free(&mesh->colors);
+    svo_i_launcher_free(&mesh->uvs);
+    svo_i_launcher_free(&mesh->triangle_materials);
+}

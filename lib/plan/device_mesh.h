@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* The mesh that a plan is made from, as buffers of the device. */
+#ifndef SVO_LIB_PLAN_DEVICE_MESH_H
+#define SVO_LIB_PLAN_DEVICE_MESH_H
+
+#include "plan/launch.h"
+#include "plan/plan_data.h"
+
+/* Packed arrays; NULL where the mesh has none. */
+typedef struct svo_i_device_mesh {
+    cl_mem positions; /* 3 floats or doubles per vertex */
+    cl_mem indices; /* 3 per triangle, 32 bits */
+    cl_mem normals, colors, uvs; /* per vertex: 3 floats, RGBA8, 2 floats */
+    cl_mem triangle_materials; /* 16 bits per triangle */
+} svo_i_device_mesh;
+
+/* What the mesh is given as: host arrays, or views of buffers with the counts, materials and textures in mesh. */
+typedef struct svo_i_plan_input {
+    svo_mesh mesh;
+    const svo_mesh_buffers *buffers; /* NULL: the arrays are the mesh's */
+    cl_command_queue queue; /* NULL: the device's own */
+    cl_uint wait_count;
+    const cl_event *wait;
+} svo_i_plan_input;
+
+/* Gets the arrays that the request reads. Positions and indices: always. need: resolved svo_need bits. */
+svo_status svo_i_device_mesh_geometry(svo_i_launcher *launcher, const svo_i_plan_input *input, svo_i_device_mesh *out);
+svo_status svo_i_device_mesh_attributes(svo_i_launcher *launcher, const svo_i_plan_input *input, uint32_t need,
+                                        svo_i_device_mesh *out);
+void svo_i_device_mesh_free(svo_i_device_mesh *mesh);
+
+#endif
