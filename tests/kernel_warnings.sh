@@ -24,7 +24,8 @@ for processor in x86-64 haswell; do
         compact/expand compact/gather compact/implied compact/minimize compact/payload compact/places compact/sizes \
         compact/words; do
         compile "-march=$processor" -DSVO_LEVELS -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COMPARE -DSVO_COLOR \
-            -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_RAY_STREAMS -DSVO_CAST_TILES "kernels/$kernel.cl" ||
+            -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_PAIR_LANES -DSVO_RAY_STREAMS -DSVO_CAST_TILES \
+            "kernels/$kernel.cl" ||
             failed=1
     done
     for form in DESCRIPTOR IMPLIED SHARED; do

@@ -224,12 +224,15 @@ static svo_status check_context(cl_context context, cl_device_id device, const s
 static svo_status query_limits(svo_device *handle, cl_device_id device, svo_message *message)
 {
     cl_device_type type = 0;
+    cl_device_fp_config doubles = 0;
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
                                     &handle->max_allocation_bytes, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, CREATE,
                                     message));
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    handle->has_fp64 = doubles != 0;
     return SVO_OK;
 }
 
