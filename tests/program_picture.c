@@ -44,3 +44,12 @@ double mean_of(const program_picture *picture)
     }
     return sum / (3 * (double)count);
 }
+
+double take_brightness(const char *path)
+{
+    program_picture picture = read_picture(path);
+    const double mean = mean_of(&picture);
+    free_picture(&picture);
+    assert_int_equal(remove(path), 0);
+    return mean;
+}

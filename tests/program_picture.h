@@ -20,4 +20,7 @@ const uint8_t *pixel_of(const program_picture *picture, int x, int y);
 /* The mean of red, green and blue over all pixels, 0 .. 255. */
 double mean_of(const program_picture *picture);
 
+/* The mean of a PNG file, which is removed. */
+double take_brightness(const char *path);
+
 #endif

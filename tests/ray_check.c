@@ -16,7 +16,9 @@
 
 oracle_ray_scene ray_scene_of(const built *tree)
 {
-    return (oracle_ray_scene){.vertices = tree->arrays.vertices,
+    return (oracle_ray_scene){.positions = tree->arrays.positions,
+                              .positions_double = tree->arrays.positions_double,
+                              .vertices = tree->arrays.vertices,
                               .indices = tree->arrays.indices,
                               .triangle_count = (size_t)tree->info.list_triangle_count,
                               .origin = {tree->info.origin[0], tree->info.origin[1], tree->info.origin[2]},
@@ -52,14 +54,9 @@ oracle_ray widen_ray(const svo_ray *ray)
     return wide;
 }
 
-/* Whether two values of t are equal within the rounding of a float, or within a thousandth of a grid unit. */
-bool is_tied(const oracle_ray_scene *mesh, const svo_ray *ray, double a, double b)
+bool is_tied(double a, double b)
 {
-    double length = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        length = fmax(length, fabs((double)ray->direction[axis]));
-    }
-    return fabs(a - b) <= 0x1p-22 * fmax(fabs(a), fabs(b)) + 1e-3 / (mesh->scale * length);
+    return fabs(a - b) <= 0x1p-23 * fmin(fabs(a), fabs(b));
 }
 
 static bool is_closest(const built *tree, const svo_ray *ray, const svo_hit *hit, oracle_ray_hit *exact)
@@ -70,7 +67,7 @@ static bool is_closest(const built *tree, const svo_ray *ray, const svo_hit *hit
     if (!exact->hit || hit->triangle == SVO_NO_TRIANGLE) {
         return !exact->hit && hit->triangle == SVO_NO_TRIANGLE;
     }
-    return is_tied(&mesh, ray, (double)hit->t, exact->t);
+    return is_tied((double)hit->t, exact->t);
 }
 
 /* The same triangle as the reference, or another with the same t. In long double, a denormal component cannot be told

@@ -14,11 +14,12 @@ void build_for_rays(const fixture *opened, const svo_mesh *mesh, unsigned depth,
 void trace_rays(const fixture *opened, const built *tree, const svo_ray *rays, size_t ray_count, uint32_t flags,
                 svo_hit *hits);
 
-oracle_ray_scene ray_scene_of(const built *tree);
 oracle_ray widen_ray(const svo_ray *ray);
 
-/* Whether two values of t are equal within the rounding of a float, or within a thousandth of a grid unit. */
-bool is_tied(const oracle_ray_scene *mesh, const svo_ray *ray, double a, double b);
+/* The mesh as rays meet it: the input's, or the snapped one of a tree that has no other. */
+oracle_ray_scene ray_scene_of(const built *tree);
+/* Whether two values of t differ by no more than the ulp of a float. */
+bool is_tied(double a, double b);
 /* Checks that the hit is the reference's, or another triangle's with the same t. what: for the message. */
 void assert_is_closest(const char *what, const built *tree, const svo_ray *ray, const svo_hit *hit);
 

@@ -188,6 +188,44 @@ static void rays_are_compared_with_a_grid(void **state)
     expect_files(NULL, 0);
 }
 
+/* Embree's calls are beside svocl, on both instruction sets where the processor has them; a mesh of one point and rays
+   that lead away from a mesh are no failure of either. */
+static void rays_are_compared_with_embree(void **state)
+{
+    (void)state;
+    need_builds();
+    run("$SVOCL bench rays scene:cube --vs embree --ray-count 100 --repeat 1 --isa avx2 --json");
+    if (strstr(last.errors, "without libembree-dev") != NULL || strstr(last.errors, "lacks it") != NULL) {
+        print_message("%s", last.errors);
+        skip();
+    }
+    assert_int_equal(last.exit_code, 0);
+    static const char *const sets[] = {"avx2", "sse2"};
+    for (size_t i = 0; i < 2; ++i) {
+        char line[160];
+        snprintf(line, sizeof line,
+                 "$SVOCL bench rays scene:knot:2000 --vs embree --isa %s --ray-count 1001 --repeat 1 --json", sets[i]);
+        cJSON *document = run_json(line);
+        assert_string_equal(text_of(document, "embree_native_widths"), i == 0 ? "1, 4, 8" : "1, 4");
+        assert_int_equal(cJSON_GetArraySize(array_of(document, "sets")), 4);
+        const cJSON *set = NULL;
+        cJSON_ArrayForEach(set, array_of(document, "sets"))
+        {
+            const bool misses = strcmp(text_of(set, "name"), "misses") == 0;
+            assert_true(misses ? number_of(set, "hits") == 0 : number_of(set, "hits") > 0);
+            assert_int_equal(cJSON_GetArraySize(array_of(set, "calls")), 3 + 3);
+            assert_int_equal((int)number_of(set, "wrong_ids") + (int)number_of(set, "missed"), 0);
+            assert_true(number_of(set, "embree_mrays") > 0 && number_of(set, "ratio") > 0);
+        }
+        cJSON_Delete(document);
+    }
+    write_text("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
+    run_well("$SVOCL bench rays point.obj --vs embree --ray-count 100 --repeat 1");
+    run_badly("$SVOCL bench rays scene:cube --isa mmx", 2, "--isa 'mmx'");
+    static const char *const kept[] = {"point.obj"};
+    expect_files(kept, 1);
+}
+
 /* Tables contain the published values and name their hardware. */
 static void published_values_name_their_hardware(void **state)
 {
@@ -243,13 +281,10 @@ static void unknown_scenes_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(front_ends_are_measured),
-        IN_FOLDER(every_subject_adds_its_tables),
-        IN_FOLDER(minimized_spheres_are_smaller),
-        IN_FOLDER(rays_are_compared_with_a_grid),
-        IN_FOLDER(published_values_name_their_hardware),
-        IN_FOLDER(usage_errors_exit_with_code_2),
-        IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(front_ends_are_measured),       IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER(minimized_spheres_are_smaller), IN_FOLDER(rays_are_compared_with_a_grid),
+        IN_FOLDER(rays_are_compared_with_embree), IN_FOLDER(published_values_name_their_hardware),
+        IN_FOLDER(usage_errors_exit_with_code_2), IN_FOLDER(unknown_scenes_are_named),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

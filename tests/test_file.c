@@ -31,9 +31,10 @@
 #include "svocl/io.h"
 #include "svocl/plan.h"
 
-#define DEPTH      3
-#define NEED_ALL   ((uint32_t)SVO_NEED_ALL)
-#define PATH_BYTES 512
+#define DEPTH             3
+#define NEED_ALL          ((uint32_t)SVO_NEED_ALL)
+#define NEED_WITHOUT_RAYS (NEED_ALL & ~(uint32_t)SVO_NEED_RAYS)
+#define PATH_BYTES        512
 
 static char directory[PATH_BYTES];
 
@@ -107,6 +108,12 @@ static void fill_payload(svo_tree *tree)
     memcpy(vertices, (const int32_t[]){0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, -9}, 12 * sizeof *vertices);
     memcpy(indices, (const uint32_t[]){0, 1, 2, 1, 2, 3}, 6 * sizeof *indices);
     memcpy(triangle_ids, (const uint32_t[]){1, 4}, 2 * sizeof *triangle_ids);
+    float *positions = allocate_array(12 * sizeof *positions);
+    for (int i = 0; i < 12; ++i) {
+        positions[i] = (float)vertices[i] / 3.0f;
+    }
+    info->positions = SVO_POSITIONS_FLOAT;
+    tree->host[SVO_TREE_POSITIONS] = positions;
     tree->host[SVO_TREE_VERTICES] = vertices;
     tree->host[SVO_TREE_INDICES] = indices;
     tree->host[SVO_TREE_TRIANGLE_IDS] = triangle_ids;
@@ -161,6 +168,7 @@ static svo_tree *make_tree(const uint32_t *codes, size_t count, uint32_t need)
     tree->host[SVO_TREE_FIRST_CHILD] = first_child;
     fill_payload(tree);
     info->need = need;
+    info->positions = (need & SVO_NEED_RAYS) != 0 ? SVO_POSITIONS_FLOAT : SVO_POSITIONS_SNAPPED;
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
             svo_i_free(tree->host[i]);
@@ -286,6 +294,86 @@ static void test_round_trips(void **unused)
     }
 }
 
+/* The small tree with its positions as doubles. */
+static svo_tree *make_double_tree(void)
+{
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    const float *floats = tree->host[SVO_TREE_POSITIONS];
+    double *positions = allocate_array(12 * sizeof *positions);
+    for (int i = 0; i < 12; ++i) {
+        positions[i] = (double)floats[i] + 0.1;
+    }
+    svo_i_free(tree->host[SVO_TREE_POSITIONS]);
+    tree->host[SVO_TREE_POSITIONS] = NULL;
+    tree->host[SVO_TREE_POSITIONS_DOUBLE] = positions;
+    tree->info.positions = SVO_POSITIONS_DOUBLE;
+    return tree;
+}
+
+static void test_double_positions_stay_double(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_double_tree();
+    round_trip(tree, 0);
+    round_trip(tree, 1);
+    svo_tree_destroy(&tree);
+}
+
+/* Recomputes header and chunk checksums, so that the checks after them run. */
+static void seal(uint8_t *bytes)
+{
+    file_head *head = (file_head *)(void *)bytes;
+    const size_t there = (head->header.header_bytes - sizeof head->header) / sizeof(file_chunk);
+    for (uint32_t i = 0; i < head->header.chunk_count && i < there; ++i) {
+        file_chunk *chunk = &head->chunks[i];
+        chunk->hash = XXH3_64bits(bytes + chunk->offset, (size_t)chunk->stored_bytes);
+    }
+    head->header.header_hash = XXH3_64bits(bytes + 32, head->header.header_bytes - 32);
+}
+
+/* Takes the last chunk, the positions, out of a file, and gives it a version. Returns the file's new length. */
+static size_t drop_positions(uint8_t *bytes, uint32_t version)
+{
+    file_head *head = (file_head *)(void *)bytes;
+    const uint32_t last = head->header.chunk_count - 1;
+    const size_t begin = head->header.header_bytes;
+    const size_t end = (size_t)head->chunks[last].offset;
+    memmove(bytes + begin - sizeof(file_chunk), bytes + begin, end - begin);
+    for (uint32_t i = 0; i < last; ++i) {
+        head->chunks[i].offset -= sizeof(file_chunk);
+    }
+    head->header.version = version;
+    head->header.chunk_count = last;
+    head->header.header_bytes -= (uint32_t)sizeof(file_chunk);
+    head->header.file_bytes = end - sizeof(file_chunk);
+    seal(bytes);
+    return end - sizeof(file_chunk);
+}
+
+/* Rays of such a tree meet the snapped mesh, also when it was saved again. */
+static void test_a_file_without_positions_loads(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = make_small_tree(NEED_ALL);
+    for (uint32_t version = 1; version <= FILE_VERSION; ++version) {
+        size_t byte_count = 0;
+        uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+        byte_count = drop_positions(bytes, version);
+        svo_tree *loaded = NULL;
+        svo_message message = {""};
+        if (svo_tree_load_memory(bytes, byte_count, "old", &loaded, &message) != SVO_OK) {
+            fail_msg("version %u: %s", version, message.text);
+            return;
+        }
+        assert_int_equal(loaded->info.positions, SVO_POSITIONS_SNAPPED);
+        assert_null(loaded->host[SVO_TREE_POSITIONS]);
+        round_trip(loaded, 0);
+        svo_tree_destroy(&loaded);
+        free(bytes);
+    }
+    svo_tree_destroy(&tree);
+}
+
 static void test_compression_makes_the_full_tree_smaller(void **unused)
 {
     (void)unused;
@@ -319,18 +407,18 @@ static void test_layout_is_as_documented(void **unused)
     memcpy(&edge, bytes + 80, 8);
     memcpy(&triangles, bytes + 104, 8);
     memcpy(level_begin, bytes + 128, 8);
-    memcpy(&kind, bytes + 200 + 40 * 11, 4);
+    memcpy(&kind, bytes + 200 + 40 * 12, 4);
     assert_memory_equal(bytes, "\x89SVO\r\n\x1a\n", 8);
-    assert_int_equal(words[0], 1);
-    assert_int_equal(words[1], 200 + 40 * 12);
+    assert_int_equal(words[0], 2);
+    assert_int_equal(words[1], 200 + 40 * 13);
     assert_int_equal(words[2], DEPTH);
     assert_int_equal(file_bytes, byte_count);
-    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 12 - 32));
+    assert_true(hash == XXH3_64bits(bytes + 32, 200 + 40 * 13 - 32));
     assert_true(edge == 2);
     assert_int_equal(triangles, 9);
     assert_int_equal(level_begin[0], 0);
     assert_int_equal(level_begin[1], 1);
-    assert_int_equal(kind, SVO_TREE_AREAS);
+    assert_int_equal(kind, SVO_TREE_POSITIONS);
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -426,17 +514,6 @@ static void test_files_that_cannot_be_read(void **unused)
     assert_null(tree);
 }
 
-/* Recomputes header and chunk checksums, so that the checks after them run. */
-static void seal(uint8_t *bytes)
-{
-    file_head *head = (file_head *)(void *)bytes;
-    for (uint32_t i = 0; i < head->header.chunk_count && i < SVO_TREE_BUFFER_COUNT; ++i) {
-        file_chunk *chunk = &head->chunks[i];
-        chunk->hash = XXH3_64bits(bytes + chunk->offset, (size_t)chunk->stored_bytes);
-    }
-    head->header.header_hash = XXH3_64bits(bytes + 32, head->header.header_bytes - 32);
-}
-
 /* Sets a 32-bit word at an offset, recomputes checksums, expects the text in the message, and restores the word. */
 static void expect_word_refused(uint8_t *bytes, size_t byte_count, size_t offset, uint32_t value, const char *text)
 {
@@ -454,8 +531,10 @@ static void test_broken_headers_are_named(void **unused)
     svo_tree *tree = make_small_tree(NEED_ALL);
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
-    expect_word_refused(bytes, byte_count, 8, 2, "version 2 is not known");
-    expect_word_refused(bytes, byte_count, 32, 13, "13 chunks, at most 12");
+    expect_word_refused(bytes, byte_count, 8, 0, "version 0 is not known");
+    expect_word_refused(bytes, byte_count, 8, 3, "version 3 is not known");
+    expect_word_refused(bytes, byte_count, 8, 1, "chunk 12: kind 12 is not expected");
+    expect_word_refused(bytes, byte_count, 32, 15, "15 chunks, at most 14");
     expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 36, 17, "depth 17 is outside 1 .. 16");
     expect_word_refused(bytes, byte_count, 40, 40, "snap_bits 40");
@@ -525,15 +604,15 @@ static void test_a_chunk_that_unpacks_to_less(void **unused)
 static void test_chunks_that_do_not_fit_the_file_are_named(void **unused)
 {
     (void)unused;
-    svo_tree *tree = make_small_tree(NEED_ALL);
+    svo_tree *tree = make_small_tree(NEED_WITHOUT_RAYS);
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     const file_head *head = (const file_head *)(const void *)bytes;
     uint8_t *copy = allocate(byte_count + 4);
     file_head *changed = (file_head *)(void *)copy;
     expect_word_refused(bytes, byte_count, 200 + 8, (uint32_t)head->chunks[0].offset + 1, " are free");
-    expect_word_refused(bytes, byte_count, 48, NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA,
-                        "chunk 11: kind 11 is not expected");
+    expect_word_refused(bytes, byte_count, 48, NEED_WITHOUT_RAYS & ~(uint32_t)SVO_NEED_PROJECTED_AREA,
+                        "chunk 6: kind 11 is not expected");
     memcpy(copy, bytes, byte_count);
     memset(copy + byte_count, 0, 4);
     changed->header.file_bytes = byte_count + 4;
@@ -563,7 +642,7 @@ static void test_damaged_chunks_are_named(void **unused)
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     const file_head *head = (const file_head *)(const void *)bytes;
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+    for (uint32_t i = 0; i < head->header.chunk_count; ++i) {
         char expected[64];
         (void)snprintf(expected, sizeof expected, "chunk %s: checksum is ", svo_tree_buffer_name((svo_tree_buffer)i));
         bytes[head->chunks[i].offset] ^= 1;
@@ -596,6 +675,10 @@ static void test_broken_structure_is_named(void **unused)
     expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_TRIANGLE_IDS].offset, 4, "not ascending below 9");
     expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_TRIANGLE_IDS].offset + 4, 9,
                         "not ascending below 9");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_POSITIONS].offset + 12, 0x40600000,
+                        "vertex 1: position 3.5 is not that of the snapped coordinate 9");
+    expect_word_refused(bytes, byte_count, (size_t)chunks[SVO_TREE_POSITIONS].offset, 0x7fc00000,
+                        "vertex 0: position nan");
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -822,6 +905,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trips),
+        cmocka_unit_test(test_double_positions_stay_double),
+        cmocka_unit_test(test_a_file_without_positions_loads),
         cmocka_unit_test(test_compression_makes_the_full_tree_smaller),
         cmocka_unit_test(test_layout_is_as_documented),
         cmocka_unit_test(test_every_flipped_byte_is_found),

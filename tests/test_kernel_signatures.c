@@ -20,7 +20,8 @@
 #include "fixture.h"
 #include "light/filter.h"
 #include "meshes.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
+#include "shared/probe_layout.h"
 #include "solid_meshes.h"
 
 #define KERNELS_MAX   128

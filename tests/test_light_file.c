@@ -73,11 +73,7 @@ static double brightness(const char *view)
     char line[256];
     snprintf(line, sizeof line, "$SVOCL render a.svo -q --lights lights.json --size 32x24 --cones 5 -o a.png %s", view);
     run_well(line);
-    program_picture picture = read_picture("a.png");
-    const double mean = mean_of(&picture);
-    free_picture(&picture);
-    run_well("rm a.png");
-    return mean;
+    return take_brightness("a.png");
 }
 
 /* Each view by itself, in every form; what is switched off is dark. */

@@ -466,6 +466,39 @@ static void test_emitting_materials_are_lit(void **state)
     built_destroy(&made);
 }
 
+/* Emission times opacity, both whole numbers, is rounded half up: in every form of it, over all opacities. */
+static void test_premultiplied_emission_is_rounded(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_finish finish = {.emission = {1, 0.75F, 0.3F}};
+    const svo_plan_options grid = wall_grid();
+    svo_mesh mesh = wall_mesh();
+    unsigned halves = 0;
+    for (unsigned alpha = 1; alpha <= 255; alpha += 2) {
+        const svo_material material = {{255, 255, 255, (uint8_t)alpha}, SVO_NO_TEXTURE};
+        mesh.materials = &material;
+        mesh.material_count = 1;
+        svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+        setup.finishes = &finish;
+        setup.finish_count = 1;
+        built made;
+        lit_leaves lit;
+        fixture_build(&opened, &mesh, 2, &grid, &made);
+        svo_light *light = light_of(&opened, made.tree, SVO_LIGHT_FACES);
+        shine(&opened, light, &setup, &lit);
+        assert_true(lit.count > 0);
+        for (unsigned k = 0; k < 18; ++k) {
+            const uint64_t emission = (uint64_t)((double)finish.emission[k % 3] / lit.unit + 0.5);
+            assert_int_equal(lit.radiance[k], (emission * alpha * 2 + 255) / 510);
+            halves += emission * alpha * 2 % 510 >= 255 ? 1 : 0;
+        }
+        free_lit(&lit);
+        svo_light_destroy(&light);
+        built_destroy(&made);
+    }
+    assert_true(halves > 1000);
+}
+
 /* ---- trees without triangles ---- */
 
 static void test_trees_without_triangles_are_lit(void **state)
@@ -505,6 +538,7 @@ int main(void)
         cmocka_unit_test(test_radiance_without_directions),
         cmocka_unit_test(test_emitting_materials_are_lit),
         cmocka_unit_test(test_emission_is_premultiplied_by_area),
+        cmocka_unit_test(test_premultiplied_emission_is_rounded),
         cmocka_unit_test(test_trees_without_triangles_are_lit),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -166,6 +166,7 @@ static const struct {
     {"list_spare", SVO_NEED_RAYS},
     {"long_leaves", SVO_NEED_RAYS},
     {"triangle_ids", SVO_NEED_RAYS},
+    {"positions", SVO_NEED_RAYS},
     {"vertices", SVO_NEED_ALL},
     {"indices", SVO_NEED_ALL},
     {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL | SVO_NEED_PROJECTED_AREA},
@@ -230,11 +231,14 @@ static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
         [SVO_TREE_MATERIALS] = payload_bytes(info, need, SVO_NEED_MATERIAL, 2),
         [SVO_TREE_FILLS] = payload_bytes(info, need, SVO_NEED_FILL, 2),
         [SVO_TREE_AREAS] = (need & SVO_NEED_PROJECTED_AREA) != 0 ? info->leaf_count * 12 : 0,
+        [SVO_TREE_POSITIONS] = rays ? info->vertex_count * 12 : 0,
     };
     const void *const arrays[SVO_TREE_BUFFER_COUNT] = {
-        actual->arrays.child_mask,   actual->arrays.first_child, actual->arrays.colors,   actual->arrays.normals,
-        actual->arrays.list_begin,   actual->arrays.list,        actual->arrays.vertices, actual->arrays.indices,
-        actual->arrays.triangle_ids, actual->arrays.materials,   actual->arrays.fills,    actual->arrays.areas};
+        actual->arrays.child_mask, actual->arrays.first_child,     actual->arrays.colors,
+        actual->arrays.normals,    actual->arrays.list_begin,      actual->arrays.list,
+        actual->arrays.vertices,   actual->arrays.indices,         actual->arrays.triangle_ids,
+        actual->arrays.materials,  actual->arrays.fills,           actual->arrays.areas,
+        actual->arrays.positions,  actual->arrays.positions_double};
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const cl_mem buffer = svo_tree_get_buffer(actual->tree, (svo_tree_buffer)i);
         size_t held_bytes = 0;

@@ -18,7 +18,7 @@
 #include "fixture.h"
 #include "meshes.h"
 #include "probes/encoding.h"
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 
 extern const char probe_codes_source[];
 

@@ -112,17 +112,53 @@ static void a_closed_room_has_no_holes(void **state)
     run_well("rm a.svo room.obj");
 }
 
-/* Probes of a scene see all that it places. */
+/* Probes of a scene see the voxels of what it places; lit ones see the triangles of a tree of all of it. */
 static void a_scene_that_moves_nothing_looks_like_its_mesh(void **state)
 {
     (void)state;
     need_builds();
-#define RENDER "$SVOCL render -q -d 5 --through probes --probes 2,2,2 --probe-resolution 64 --size 48x32 --view normal "
+#define RENDER "$SVOCL render -q -d 5 --through probes --probes 2,2,2 --probe-resolution 64 --size 48x32 "
     write_room("room.obj");
     write_text("scene.json",
                "{\"trees\": {\"room\": {\"path\": \"room.obj\"}}, \"instances\": [{\"tree\": \"room\"}]}");
-    run_well(RENDER "room.obj -o a.png && " RENDER "scene.json -o b.png && cmp a.png b.png");
-    run_well("rm room.obj scene.json a.png b.png");
+    run_well(RENDER "--view normal room.obj --need normal -o a.png && " RENDER
+                    "--view normal scene.json -o b.png && cmp a.png b.png");
+    run_well(RENDER "room.obj --need normal,rays,projected-area -o c.png && " RENDER "scene.json -o b.png && cmp c.png "
+                    "b.png");
+    run_well("rm room.obj scene.json a.png b.png c.png");
+#undef RENDER
+}
+
+/* Trees that are placed twice, turned and scaled, are found where they are; -d is of the trees then. */
+static void probes_see_what_a_scene_places(void **state)
+{
+    (void)state;
+    need_builds();
+#define RENDER                                                                                                 \
+    "$SVOCL render scene.json --json -d 4 --through probes --probes 4,3,4 --probe-resolution 64 --size 48x32 " \
+    "--eye 0.5,0.5,6 --at 0.5,0.5,0 --fov 50 -o a.png --view normal "
+    int hits_before = 0;
+    for (int i = 0; i < 2; ++i) {
+        static const char *const forms[] = {"built", "shared"};
+        char text[512];
+        snprintf(text, sizeof text,
+                 "{\"form\": \"%s\", \"trees\": {\"cube\": {\"path\": \"scene:cube\"}}, \"instances\": [\n"
+                 "{\"tree\": \"cube\", \"translate\": [-2, 0, 0], \"rotate\": [0, 30, 0]},\n"
+                 "{\"tree\": \"cube\", \"translate\": [2, 0, 0], \"scale\": 0.5}]}",
+                 forms[i]);
+        write_text("scene.json", text);
+        cJSON *document = run_json(RENDER);
+        program_picture picture = read_picture("a.png");
+        const int hits = (int)number_of(document, "hits");
+        assert_true(hits > PIXELS / 50 && hits < PIXELS / 10);
+        assert_true(i == 0 || hits == hits_before); /* every form has the same voxels */
+        hits_before = hits;
+        assert_int_equal(hits + count_pixels(&picture, green) + count_pixels(&picture, red), PIXELS);
+        assert_memory_equal(pixel_of(&picture, 24, 16), green, 3);
+        free_picture(&picture);
+        cJSON_Delete(document);
+    }
+    run_well("rm scene.json a.png");
 #undef RENDER
 }
 
@@ -147,11 +183,7 @@ static double brightness(const char *options)
              "--lights lights.json -o a.png %s",
              options);
     run_well(line);
-    program_picture picture = read_picture("a.png");
-    const double mean = mean_of(&picture);
-    free_picture(&picture);
-    run_well("rm a.png");
-    return mean;
+    return take_brightness("a.png");
 }
 
 /* Shaded pictures show the light that probes hold. */
@@ -224,6 +256,7 @@ int main(void)
         IN_FOLDER(colors_are_counted),
         IN_FOLDER(a_closed_room_has_no_holes),
         IN_FOLDER(a_scene_that_moves_nothing_looks_like_its_mesh),
+        IN_FOLDER(probes_see_what_a_scene_places),
         IN_FOLDER(probes_in_solids_know_nothing),
         IN_FOLDER(probes_are_lit),
         IN_FOLDER(the_hash_is_that_of_what_probes_store),

@@ -115,11 +115,7 @@ static void write_square(const char *path, const char *head)
 static double brightness(const char *line)
 {
     run_well(line);
-    program_picture picture = read_picture("a.png");
-    const double mean = mean_of(&picture);
-    free_picture(&picture);
-    run_well("rm a.png");
-    return mean;
+    return take_brightness("a.png");
 }
 
 /* A mesh without colors is clay, darker than a white one, and neither is burnt; a black one stays black. */

@@ -197,8 +197,11 @@ static void what_cannot_be_lit_is_one_line(void **state)
     run_badly("$SVOCL render none.json --view full -o a.png", 1, "none.obj");
     write_text("wrong.json", "{\"trees\": {\"k\": {\"path\": \"none.obj\"}},\n \"instances\": [{\"tree\": \"q\"}]}");
     run_badly("$SVOCL gather wrong.json --points 3 -o a.csv", 1, "wrong.json:2: no tree is called 'q'");
-    static const char *const written[] = {"many.json", "none.json", "wrong.json"};
-    expect_files(written, 3);
+    write_text("flat.json", "{\"trees\": {\"k\": {\"path\": \"scene:knot:500\"}}, \"instances\": [\n"
+                            "{\"tree\": \"k\", \"matrix\": [1, 1, 0, 0, 0, 1e-13, 0, 0, 0, 0, 1, 0]}]}");
+    run_badly("$SVOCL render flat.json --view direct -o a.png", 1, "flat.json:2: 'matrix' is flat");
+    static const char *const written[] = {"many.json", "none.json", "wrong.json", "flat.json"};
+    expect_files(written, 4);
 }
 
 int main(void)

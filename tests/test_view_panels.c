@@ -308,6 +308,21 @@ static void test_same_inputs_same_triangles(void **unused)
 
 /* ---- the viewer's panels ---- */
 
+#define MAP_TEXTURE 7u
+
+/* Two probes, of which one is off, and the map of the first. */
+static void fill_probes(view_probes *probes)
+{
+    static const svo_probe places[2] = {{.state = SVO_PROBE_IN_PLACE}, {.state = SVO_PROBE_OFF}};
+    static const uint32_t texels[2 * 64 * 64];
+    probes->made = (svo_probe_info){.resolution = 64, .probe_count = 2, .off = 1, .leaf_edge = 1, .farthest = 10};
+    probes->planned = probes->made;
+    probes->places = places;
+    probes->texels = texels;
+    probes->has_map = true;
+    probes->texture = MAP_TEXTURE;
+}
+
 static void fill_state(view_state *state, unsigned width, unsigned height)
 {
     static const view_tree trees[] = {{.name = "atrium", .path = "scene:atrium", .depth = 8}};
@@ -335,6 +350,7 @@ static void fill_state(view_state *state, unsigned width, unsigned height)
     state->selection.is_hit = true;
     state->selection.list_count = state->selection.list_kept = VIEW_LIST_KEPT;
     memset(state->settings.open, true, sizeof state->settings.open);
+    fill_probes(&state->probes);
 }
 
 static const ui_drawing *describe_panels(ui *toolkit, ui_events *events, view_state *state)
@@ -413,6 +429,54 @@ static void test_heading_opens(void **unused)
     free(state);
 }
 
+/* Clicks a row of the right column, of which the first ones are headings. */
+static void click_right(ui *toolkit, ui_events *events, view_state *state, int row)
+{
+    const int y = (int)(6 + UI_PADDING + ui_row_height(toolkit) * ((float)row + 0.5F));
+    for (int i = 0; i < 3; ++i) {
+        const view_event event = {
+            .kind = i == 0 ? VIEW_EVENT_MOVE : VIEW_EVENT_BUTTON, .is_down = i == 1, .x = 445, .y = y};
+        ui_events_take(events, &event);
+        assert_non_null(describe_panels(toolkit, events, state));
+    }
+}
+
+static bool draws_map(const ui_drawing *drawing)
+{
+    bool is_drawn = false;
+    for (size_t i = 0; i < drawing->batch_count; ++i) {
+        const ui_batch *batch = &drawing->batches[i];
+        is_drawn = is_drawn || (batch->texture == MAP_TEXTURE && batch->index_count == 6);
+    }
+    return is_drawn;
+}
+
+/* The panel of probes looks through them, and shows spheres and the map. */
+static void test_probes_are_shown(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    ui_events events;
+    ui *toolkit = ui_create();
+    fill_state(state, 640, 400);
+    memset(state->settings.open, false, sizeof state->settings.open);
+    state->settings.open[VIEW_PANEL_PROBES] = true;
+    ui_events_begin(&events);
+    (void)describe_panels(toolkit, &events, state);
+    click_right(toolkit, &events, state, 4);
+    assert_true(state->shown.through);
+    click_right(toolkit, &events, state, 8);
+    assert_true(state->probes.has_spheres);
+    assert_true(draws_map(describe_panels(toolkit, &events, state)));
+    click_right(toolkit, &events, state, 11);
+    assert_false(state->probes.has_map);
+    state->probes.texels = NULL; /* as the drawing does then */
+    assert_false(draws_map(describe_panels(toolkit, &events, state)));
+    view_state_end(state);
+    ui_destroy(&toolkit);
+    free(state);
+}
+
 /* ---- memory ---- */
 
 /* Opens the panels and shows three frames; false when memory ran out. */
@@ -470,6 +534,7 @@ int main(void)
         cmocka_unit_test(test_same_inputs_same_triangles),
         cmocka_unit_test(test_center_is_free),
         cmocka_unit_test(test_heading_opens),
+        cmocka_unit_test(test_probes_are_shown),
         cmocka_unit_test(test_each_allocation_fails),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,6 +14,7 @@
 
 #include "view/camera.h"
 #include "view/input.h"
+#include "view/probe_spheres.h"
 #include "view/settings.h"
 #include "work_folder.h"
 
@@ -211,6 +212,76 @@ static void keys_choose_what_is_shown(void **unused)
     free_state(state);
 }
 
+/* Probes have four views, and no light of a scene. */
+static void keys_look_through_probes(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    press(state, '0', false);
+    press(state, 't', false);
+    assert_true(state->shown.through);
+    assert_int_equal(state->shown.picture, VIEW_SHADED);
+    press(state, '3', false);
+    press(state, '9', false); /* refused */
+    assert_int_equal(state->shown.picture, VIEW_DEPTH);
+    press(state, 'e', false);
+    assert_int_equal(state->shown.choice, SVO_PROBE_CHOICE_EIGHT);
+    press(state, 't', false);
+    press(state, '9', false);
+    assert_int_equal(state->shown.picture, VIEW_GI);
+    assert_false(view_shows_probes(state));
+    press(state, 'o', false);
+    press(state, 'm', false);
+    assert_true(view_shows_probes(state));
+    state->probes.made.probe_count = 3;
+    press(state, '.', false);
+    press(state, '.', false);
+    press(state, '.', false);
+    assert_int_equal(state->probes.chosen, 2);
+    press(state, ',', false);
+    assert_int_equal(state->probes.chosen, 1);
+    state->is_scene = true;
+    press(state, 't', false);
+    press(state, '1', false); /* refused */
+    assert_int_equal(state->shown.picture, VIEW_NORMAL);
+    view_hide_probes(state);
+    assert_int_equal(state->shown.picture, VIEW_SHADED);
+    assert_false(view_shows_probes(state));
+    press(state, VIEW_KEY_F12, false);
+    assert_true(state->settings.open[VIEW_PANEL_PROBES]);
+    free_state(state);
+}
+
+/* A sphere is found where its center is seen; of two that cover each other, the nearer one. */
+static void clicks_find_spheres(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    svo_probe places[3] = {{.state = SVO_PROBE_IN_PLACE}, {.state = SVO_PROBE_IN_PLACE}, {.state = SVO_PROBE_OFF}};
+    const svo_camera *at = &state->camera.at;
+    uint32_t index = 9;
+    float pixel[2];
+    for (int axis = 0; axis < 3; ++axis) {
+        places[0].position[axis] = at->target[axis];
+        places[1].position[axis] = 0.5F * (at->eye[axis] + at->target[axis]);
+        places[2].position[axis] = at->target[axis] + (axis == 1 ? 1.0F : 0.0F);
+    }
+    state->probes.places = places;
+    state->probes.made.probe_count = 3;
+    for (int axis = 0; axis < 3; ++axis) {
+        state->probes.made.step[axis] = 2;
+    }
+    assert_true(camera_project(state, places[2].position, pixel));
+    assert_false(probe_sphere_at(state, pixel[0], pixel[1], &index));
+    state->probes.has_spheres = true;
+    assert_true(probe_sphere_at(state, pixel[0], pixel[1], &index));
+    assert_int_equal(index, 2);
+    assert_true(probe_sphere_at(state, (float)state->width / 2, (float)state->height / 2, &index));
+    assert_int_equal(index, 1);
+    assert_false(probe_sphere_at(state, 1, 1, &index));
+    free_state(state);
+}
+
 static input_wish button(input_mouse *mouse, view_state *state, bool is_down, int x, int y)
 {
     const view_event event = {
@@ -344,6 +415,8 @@ int main(void)
                                        cmocka_unit_test(panning_keeps_the_target_below_the_mouse),
                                        cmocka_unit_test(rays_and_pixels_agree),
                                        cmocka_unit_test(keys_choose_what_is_shown),
+                                       cmocka_unit_test(keys_look_through_probes),
+                                       cmocka_unit_test(clicks_find_spheres),
                                        cmocka_unit_test(clicks_pick_and_drags_turn),
                                        cmocka_unit_test(settings_come_back),
                                        cmocka_unit_test(damaged_settings_mean_defaults_and_a_line),

@@ -12,12 +12,12 @@ readonly program=$1 tour=$2
 source "${BASH_SOURCE[0]%/*}/complain.sh"
 cd "$work"
 export SDL_VIDEODRIVER=offscreen XDG_CONFIG_HOME=$work/config
-readonly scene=(scene:atrium -d 6)
+readonly scene=(scene:atrium -d 6) probes=(--probes 3,3,3 --probe-resolution 64)
 
 take_tour()
 {
     mkdir "$1"
-    (cd "$1" && "$program" view "${scene[@]}" --width 640 --height 400 --script "$tour")
+    (cd "$1" && "$program" view "${scene[@]}" "${probes[@]}" --width 640 --height 400 --script "$tour")
 }
 
 take_tour first
@@ -45,6 +45,11 @@ same view-8-direct --view direct
 same view-0-full --view full
 same toggle-no-gi --view full --gi off
 same toggle-no-photons --view full --photons off
+same probes-field --through probes "${probes[@]}"
+same probes-eight --through probes "${probes[@]}" --choice eight
+same probes-normal --through probes "${probes[@]}" --view normal
+same probes-depth --through probes "${probes[@]}" --view depth
+same probes-steps --through probes "${probes[@]}" --view steps
 
 # What changes a picture shows; what goes back does.
 differ()
@@ -63,6 +68,11 @@ differ camera-coarse camera-orbit
 differ camera-orbit camera-near
 differ camera-near camera-fly
 differ pick pick-none
+differ view-1-shaded probes-spheres
+differ probes-spheres probes-chosen
+differ probes-map-radiance probes-map-normal
+differ probes-map-normal probes-map-distance
+differ probes-planned probes-made
 cmp -s first/camera-home.png first/view-2-normal.png || complain "the first view does not come back"
 mapfile -t panels < <(ls first/panel-*)
 (($(md5sum "${panels[@]}" | cut -d' ' -f1 | sort -u | wc -l) == ${#panels[@]})) || complain "panels that look alike"

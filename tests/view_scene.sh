@@ -19,11 +19,20 @@ view()
     cat >script.txt
     "$program" view "$@" --width 640 --height 400 --script script.txt
 }
+# same FILE PICTURE OPTION...
 same()
 {
-    "$program" render "$1" --size 640x400 -q -o rendered.png
-    cmp -s "$2" rendered.png || complain "$2 is not what svocl render draws of $1"
+    local file=$1 picture=$2
+    shift 2
+    "$program" render "$file" --size 640x400 "$@" -q -o rendered.png
+    cmp -s "$picture" rendered.png || complain "$picture is not what svocl render $* draws of $file"
 }
+# Keys until the panel Instances is alone: of a tree that has become a scene.
+readonly edit_keys='key i
+key F2
+key F4
+key F8
+wait 2'
 count_instances()
 {
     grep -c '{"tree": ' "$1"
@@ -68,14 +77,51 @@ same scene.json loaded.png
 cmp -s before.png edited.png && complain "another instance shows nothing"
 cmp -s removed.png edited.png && complain "a removed instance still shows"
 
-# A tree becomes a scene, which is saved by the panel.
-view scene:knot:2000 -d 6 <<'SCRIPT'
-key i
+# Through probes: as it is, and after an instance was moved; without light.
+readonly probes=(--probes 3,3,3 --probe-resolution 64)
+cp before.json probes.json
+view probes.json "${probes[@]}" <<'SCRIPT'
+key tab
+key t
+refine
+shot probes.png
+key 3
+refine
+shot probes-depth.png
+key t
+click 320 230
+drag shift+left 320 230 380 160 6
+key o
+refine
+shot probes-moved-places.png
+key o
+key t
+refine
+shot probes-moved.png
+key ctrl+s
+key tab
 key F2
 key F4
-key F8
+key F12
+key m
 wait 2
-click 580 253
+shot probes-panel.png
+SCRIPT
+same before.json probes.png --through probes "${probes[@]}" --view normal
+same before.json probes-depth.png --through probes "${probes[@]}" --view depth
+same probes.json probes-moved.png --through probes "${probes[@]}" --view normal
+cmp -s probes.png probes-moved.png && complain "an instance that was moved shows nothing through probes"
+
+# A grid beyond the budget is refused in words, and the session goes on.
+printf 'key F9\nkey t\nkey F10\nwait 2\nshot refused.png\n' >refused.txt
+"$program" view scene:cube -d 3 --probes 8,8,8 --probe-resolution 1024 --width 320 --height 240 --script refused.txt ||
+    complain "a grid beyond the budget ends the session"
+[[ -e refused.png ]] || complain "no picture after a grid was refused"
+
+# A tree becomes a scene, which is saved by the panel.
+view scene:knot:2000 -d 6 <<SCRIPT
+$edit_keys
+click 580 274
 text made.json
 key enter
 wait 2
@@ -89,13 +135,9 @@ same made.json made.png
 
 # A scene that cannot be loaded changes nothing.
 printf '{"trees": 1}\n' >broken.json
-view scene:knot:2000 -d 6 2>err <<'SCRIPT'
-key i
-key F2
-key F4
-key F8
-wait 2
-click 580 253
+view scene:knot:2000 -d 6 2>err <<SCRIPT
+$edit_keys
+click 580 274
 text broken.json
 click 320 390
 key tab

@@ -3,11 +3,11 @@
  * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows. It includes
  * voxel_files.h, whose subject is voxels.
  *
- * The .svo format, version 1. All numbers are little-endian; offsets are bytes from the start of the file.
+ * The .svo format, version 2. All numbers are little-endian; offsets are bytes from the start of the file.
  *
  *     offset bytes
  *     0      8     magic: 89 53 56 4F 0D 0A 1A 0A  ("\x89SVO\r\n\x1a\n")
- *     8      4     u32 version: 1
+ *     8      4     u32 version: 2; files of version 1 are still read
  *     12     4     u32 header_bytes: offset of the first byte after the chunk table
  *     16     8     u64 file_bytes: length of the whole file
  *     24     8     u64 XXH3-64 over bytes 32 .. header_bytes
@@ -41,7 +41,9 @@
  * Chunks hold the arrays of svo_tree_arrays in ascending kind, back to back, the first at header_bytes. plain_bytes
  * follows from the header's counts and the array's element size; that of list, vertices and indices gives their count.
  * child_mask and first_child are always present. Every node's first_child is set, also that of the empty tree's root
- * (1). A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
+ * (1). positions or positions_double is there with need's bit 2, unless coverage is thin; its used vertices snap to
+ * those of vertices. In version 1, and in a file of such a tree, there is neither: rays meet the snapped mesh
+ * (svo_tree_info.positions). A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
  *
  * Files of compact trees (compact.h), version 1, differ in this: the magic is 89 53 56 43 0D 0A 1A 0A
  * ("\x89SVC\r\n\x1a\n"). need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] -

@@ -74,8 +74,9 @@ typedef struct svo_render_options {
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
-/** Makes the tree's BVH and waits for it; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves: 34 to
- *  53 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per triangle plus 192.
+/** Makes the tree's BVH and waits for it; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves: 51 to
+ *  55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per triangle plus 192. Where
+ *  svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more per triangle at most.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own

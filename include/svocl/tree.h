@@ -35,6 +35,13 @@ extern "C" {
 /** An octree on a device, on the host, or both. */
 typedef struct svo_tree svo_tree;
 
+/** Which mesh rays and nearest points meet. */
+typedef enum svo_positions {
+    SVO_POSITIONS_SNAPPED = 0, /**< the snapped one: the tree is from a file of version 1; or it has no rays */
+    SVO_POSITIONS_FLOAT = 1, /**< the input's, given as floats */
+    SVO_POSITIONS_DOUBLE = 2 /**< the input's, given as doubles */
+} svo_positions;
+
 /** What describes a tree besides its arrays. */
 typedef struct svo_tree_info {
     size_t struct_size; /**< sizeof(svo_tree_info) */
@@ -58,9 +65,10 @@ typedef struct svo_tree_info {
     uint64_t inner_count; /**< nodes above level depth */
     uint64_t leaf_count; /**< nodes of level depth */
     uint64_t list_count; /**< entries of all leaf lists; 0 without SVO_NEED_RAYS */
-    uint64_t vertex_count; /**< snapped vertices kept for rays */
+    uint64_t vertex_count; /**< vertices kept for rays */
     uint64_t list_triangle_count; /**< accepted triangles kept for rays */
     uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
+    uint32_t positions; /**< svo_positions: which mesh rays meet */
 } svo_tree_info;
 
 /** An empty output. */
@@ -84,6 +92,10 @@ typedef struct svo_tree_arrays {
     /** leaf_count * 6: the surface inside the leaf that faces rays along +x, -x, +y, -y, +z and -z, as they see it;
      *  4096 = a face of the leaf, 65535 = that or more. See SVO_NEED_PROJECTED_AREA. */
     const uint16_t *areas;
+    /** vertex_count * 3: the mesh's own vertices, world units, 0 where no triangle has them; what rays meet. In one of
+     *  these arrays, by svo_tree_info.positions. */
+    const float *positions;
+    const double *positions_double; /**< see positions */
 } svo_tree_arrays;
 
 /** An empty output. */
@@ -103,6 +115,8 @@ typedef enum svo_tree_buffer {
     SVO_TREE_MATERIALS, /**< "materials" */
     SVO_TREE_FILLS, /**< "fills" */
     SVO_TREE_AREAS, /**< "areas" */
+    SVO_TREE_POSITIONS, /**< "positions" */
+    SVO_TREE_POSITIONS_DOUBLE, /**< "positions_double" */
     SVO_TREE_BUFFER_COUNT /**< number of arrays */
 } svo_tree_buffer;
 
@@ -197,7 +211,7 @@ typedef enum svo_hash_scope {
  * areas that it does not hold are left out.
  * colors, normals, materials and fills have an element for every node from level_begin[payload_level] on, as on the
  * host: one that is constant, and a single element in files and on the device, is repeated for all of them. vertices,
- * indices and triangle_ids are not covered.
+ * indices, triangle_ids and positions are not covered.
  *
  * \param tree with host arrays
  * \param scope what to cover

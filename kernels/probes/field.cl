@@ -10,7 +10,7 @@
  * entries per cell. No atomics, no local memory.
  */
 #include "probes/encoding.clh"
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 
 /* What is known of a cell. */
 typedef struct svo_field_cell {

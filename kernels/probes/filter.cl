@@ -10,7 +10,7 @@
  * memory.
  */
 #include "probes/encoding.clh"
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 
 /* Cells of one probe along a side of its map. step.cell_edge: in texels. step.first: the first probe of the launch. */
 static uint svo_filter_cells(const svo_probes_params *params, const svo_probe_step *step)

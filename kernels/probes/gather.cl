@@ -6,6 +6,7 @@
  * memory.
  */
 #include "probes/diffuse.clh"
+#include "svocl/light_types.h"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_gather(SVO_PROBES_PARAMETERS, __global const svo_gather_point *points,

@@ -5,7 +5,7 @@
  * Launch: one work-item per block of 16 x 16 texels. Reads texels, writes one code per block. No atomics, no local
  * memory.
  */
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_least(__global const uint *texels, __global ushort *least, svo_probes_params params, svo_probe_step step)

@@ -12,7 +12,7 @@
  * first words, svo_k_probe_light reads radiance and writes their second words. No atomics, no local memory.
  */
 #include "probes/encoding.clh"
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 
 /* Bits 0, 2, 4 and 6. */
 static uint svo_probe_even_bits(uint bits)

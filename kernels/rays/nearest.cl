@@ -14,13 +14,13 @@
 #include "rays/rays.clh"
 
 typedef struct svo_nearest_search {
-    svo_real4 point; /* grid units */
-    float4 point_f;
+    svo_real4 point; /* in the units of svo_leaf_corners */
+    float4 point_f; /* grid units */
     float margin; /* grid units: the error bound of float */
     float limit; /* grid units: boxes beyond hold nothing nearer */
     float distance; /* world units, rounded: of the best so far, else max_distance */
     uint id; /* SVO_NO_TRIANGLE: none yet */
-    svo_real4 nearest; /* relative to the point, grid units */
+    svo_real4 nearest; /* relative to the point, in the units of svo_leaf_corners */
     uint leaves;
 } svo_nearest_search;
 
@@ -68,21 +68,21 @@ static svo_real4 svo_nearest_on_triangle(svo_real4 a, svo_real4 b, svo_real4 c)
 static void svo_nearest_try(const svo_tree *tree, __global const int4 *leaf, int4 head, uint lane,
                             svo_nearest_search *search)
 {
-    const svo_real4 x = svo_to_real4(svo_leaf_corners(leaf, head, lane, 0u)) - search->point.x;
-    const svo_real4 y = svo_to_real4(svo_leaf_corners(leaf, head, lane, 1u)) - search->point.y;
-    const svo_real4 z = svo_to_real4(svo_leaf_corners(leaf, head, lane, 2u)) - search->point.z;
+    const svo_real4 x = svo_leaf_corners(tree, leaf, head, lane, 0u) - search->point.x;
+    const svo_real4 y = svo_leaf_corners(tree, leaf, head, lane, 1u) - search->point.y;
+    const svo_real4 z = svo_leaf_corners(tree, leaf, head, lane, 2u) - search->point.z;
     const svo_real4 nearest = svo_nearest_on_triangle((svo_real4)(x.x, y.x, z.x, 0), (svo_real4)(x.y, y.y, z.y, 0),
                                                       (svo_real4)(x.z, y.z, z.z, 0));
     const svo_real away = sqrt(svo_dot3(nearest, nearest));
-    const float distance = (float)(away / svo_ray_scale(&tree->params));
-    const uint id = svo_leaf_id(leaf, head, lane);
+    const float distance = (float)(away / svo_leaf_scale(&tree->params));
+    const uint id = svo_leaf_id(tree, leaf, head, lane);
     if (!(distance <= search->distance) || (distance == search->distance && id >= search->id)) {
         return;
     }
     search->distance = distance;
     search->id = id;
     search->nearest = nearest;
-    search->limit = (float)away * (1.0f + 0x1p-20f) + search->margin;
+    search->limit = distance * tree->params.scale[0] * (1.0f + 0x1p-20f) + search->margin;
 }
 
 /* Of all children of a node: the distance from the point to the box, less the margin. */
@@ -149,8 +149,9 @@ static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, s
         return;
     }
     svo_nearest_search search;
-    search.point = svo_position_to_grid(&tree->params, point->position[0], point->position[1], point->position[2]);
-    search.point_f = convert_float4(search.point);
+    const float4 position = (float4)(point->position[0], point->position[1], point->position[2], 0.0f);
+    search.point = svo_position_to_leaf(&tree->params, position);
+    search.point_f = svo_start_in_grid(&tree->params, position);
     search.margin = max(tree->params.reach, svo_largest(fabs(search.point_f))) * 0x1p-20f * SVO_RAY_BOX_MARGIN;
     search.limit = point->max_distance * tree->params.scale[0] * (1.0f + 0x1p-20f) + search.margin;
     search.distance = point->max_distance;
@@ -162,7 +163,7 @@ static void svo_nearest_of(const svo_tree *tree, const svo_query_point *point, s
     if (search.id == SVO_NO_TRIANGLE) {
         return;
     }
-    const svo_real4 offset = search.nearest / svo_ray_scale(&tree->params);
+    const svo_real4 offset = search.nearest / svo_leaf_scale(&tree->params);
     out->distance = search.distance;
     out->triangle = search.id;
     out->position[0] = (float)(point->position[0] + offset.x);

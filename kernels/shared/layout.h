@@ -2,15 +2,13 @@
 /*
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
- * every field at a multiple of four bytes, without padding. Offsets are in bytes. The records that callers of the
- * library see are in svocl/light_types.h, svocl/probe_types.h, svocl/ray_types.h, svocl/scene_types.h and
- * svocl/tree_types.h.
+ * every field at a multiple of four bytes, without padding. Offsets are in bytes. Light and probes have files of their
+ * own, light_layout.h and probe_layout.h. The records that callers of the library see are in svocl/ray_types.h and its
+ * neighbors.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
 
-#include "svocl/light_types.h"
-#include "svocl/probe_types.h"
 #include "svocl/ray_types.h"
 #include "svocl/scene_types.h"
 #include "svocl/tree_types.h"
@@ -234,7 +232,7 @@ SVO_RECORD(svo_cast_params)
 #define SVO_VIEW_KIND_TRIANGLES 5u
 
 /* What the ray kernels know of a tree besides its arrays. World coordinates are sums of three floats each, which hold a
-   double exactly. 64 bytes. */
+   double exactly. 68 bytes. */
 SVO_RECORD(svo_ray_params)
 {
     SVO_F32 origin[9]; /* 0: of the grid: x, y, z of the first parts, then of the second and third ones */
@@ -243,7 +241,10 @@ SVO_RECORD(svo_ray_params)
     SVO_U32 snap_bits; /* 52: the grid is 2^snap_bits units wide */
     SVO_U32 inner_count; /* 56: nodes above the leaves */
     SVO_F32 reach; /* 60: no vertex has a coordinate beyond this, in grid units */
+    SVO_U32 flags; /* 64: SVO_RAY_FLAG_* */
 };
+#define SVO_RAY_FLAG_WORLD 1u /* the leaves' rows are in world units */
+#define SVO_RAY_FLAG_CLIP  2u /* triangles may reach outside the grid; hits there are none */
 
 /* The BVH that rays traverse. */
 #define SVO_RAY_LEAF           0x80000000u /* of a child: a leaf; the other bits are its offset, in units of 16 bytes */
@@ -261,13 +262,16 @@ SVO_RECORD(svo_ray_node)
     SVO_U32 child[8]; /* 96: a node, or SVO_RAY_LEAF and a leaf */
 };
 
-/* A leaf: a head, the corners, and the triangles' positions in the mesh. The head has the least coordinates, to which
-   those of the corners are relative, the number of triangles with SVO_RAY_LEAF_WIDE, the greatest coordinates, and 0.
-   The corners are rows with an entry per triangle: x of the first corner, x of the second, x of the third, y of the
-   first and so on, 16 bits each, or a word each in a wide leaf. The positions begin at the next whole word, the next
-   leaf at the next multiple of 16 bytes. */
-#define SVO_RAY_LEAF_HEAD_WORDS 8
-#define SVO_RAY_LEAF_WIDE       0x80000000u
+/* A leaf: a head, the corners, and the triangles' positions in the mesh; the next leaf begins at the next multiple of
+   16 bytes. The head has the least x, y and z of the snapped corners as integers in grid units, the number n of
+   triangles, the greatest x, y and z, and 0. The corners are the mesh's own, not the snapped ones: nine rows of n
+   floats, x of the first corner, x of the second, x of the third, y of the first and so on.
+   With SVO_RAY_FLAG_WORLD they are the mesh's floats, in world units. Else they are in grid units, rounded to float,
+   and on devices with cl_khr_fp64 the same nine rows follow as doubles in world units, from the next even word on.
+   The positions in the mesh are n words after the last row. After the last leaf come SVO_RAY_LEAF_PADDING_WORDS, since
+   kernels read eight floats where a row has fewer. */
+#define SVO_RAY_LEAF_HEAD_WORDS    8
+#define SVO_RAY_LEAF_PADDING_WORDS 8
 
 /* ---- scenes ---- */
 
@@ -374,274 +378,7 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
 };
 
-/* ---- light ---- */
-
-/* Extinctions are in units of 2^-12 octaves: 4096 halves what passes. */
-#define SVO_EXTINCTION_UNIT 4096
-/* A projected area as large as a face of its node. */
-#define SVO_AREA_UNIT 4096u
-/* Samples of a brick, and the most levels from the root to a leaf. */
-#define SVO_BRICK_SAMPLES 27
-#define SVO_LIGHT_LEVELS  17
-
-/* Of the flags below. */
-#define SVO_LIGHT_FLAG_NORMALS    1u /* the tree has normals */
-#define SVO_LIGHT_FLAG_ONE_NORMAL 2u /* one for all nodes */
-#define SVO_LIGHT_FLAG_LIT        4u /* there is radiance */
-#define SVO_LIGHT_FLAG_COLORS     8u /* the tree has colors */
-#define SVO_LIGHT_FLAG_ONE_COLOR  16u /* one for all nodes */
-
-/* What cones know of a light besides its buffers. 32 bytes. */
-SVO_RECORD(svo_light_params)
-{
-    SVO_U32 depth; /* 0 */
-    SVO_U32 flags; /* 4: SVO_LIGHT_FLAG_* */
-    SVO_F32 unit; /* 8: radiance of a unit of the radiance buffer, a power of two */
-    SVO_F32 voxel_edge; /* 12: of a leaf, world units */
-    SVO_F32 sky[3]; /* 16: radiance from outside */
-    SVO_U32 reserved; /* 28 */
-};
-
-/* How cones gather. 32 bytes. */
-SVO_RECORD(svo_gather_params)
-{
-    SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
-    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
-    SVO_F32 step; /* 8: widths of the cone */
-    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
-    SVO_F32 falloff; /* 16: lambda, per world unit */
-    SVO_U32 with_light; /* 20: 0: occlusion alone */
-    SVO_U32 reserved[2]; /* 24 */
-};
-
-/* Arguments of the kernels that make and filter light. 32 bytes. */
-SVO_RECORD(svo_light_step)
-{
-    SVO_U32 depth; /* 0 */
-    SVO_U32 leaf_begin; /* 4: the first leaf */
-    SVO_U32 first; /* 8: node of the launch */
-    SVO_U32 count; /* 12: nodes of the launch */
-    SVO_U32 level; /* 16: of those nodes */
-    SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
-    SVO_U32 reserved[2]; /* 24 */
-};
-
-/* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
-#define SVO_PHOTON_MISSED 0xffffffffu
-#define SVO_PHOTON_LOST   0xfffffffeu
-/* The slot of a leaf that has none. */
-#define SVO_SLOT_NONE 0xffffffffu
-
-/* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
-   x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six
-   directions, three channels a direction. */
-#define SVO_FLUX_SUMS          6
-#define SVO_FACE_SUMS          18
-#define SVO_FLUX_UNIT_LOG2     24 /* of a direction's component */
-#define SVO_COSINE_UNIT_LOG2   16 /* of a normal's component */
-#define SVO_WEIGHT_UNIT_LOG2   31 /* of svo_photon_weight */
-#define SVO_FLUX_TOTAL_LOG2    50 /* all photons together have less flux, so that no sum overflows */
-#define SVO_RADIANCE_MOST_LOG2 30 /* radiance from photons and emission are at most this each */
-#define SVO_TILE_PIXELS_LOG2   3 /* photons come in square tiles of pixels, in Morton order inside */
-#define SVO_ITEM_PHOTONS       4 /* of a work-item: two by two pixels */
-#define SVO_SPREAD_CELLS       8 /* that the photons of a work-item reach at most */
-#define SVO_SPREAD_PARTS       15 /* of a photon: each goes to a leaf */
-
-/* What photons count. */
-#define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
-#define SVO_PHOTON_HITS     1
-#define SVO_PHOTON_UNMET    2 /* leaves that should have met one */
-#define SVO_PHOTON_BITS     3 /* of the largest radiance, before it gets its unit */
-#define SVO_PHOTON_NO_LEAF  4 /* lost flux: red, green, blue, 64 bits each */
-#define SVO_PHOTON_IN_LEAF  10 /* the flux of the lit leaves, likewise */
-#define SVO_PHOTON_COUNTERS 16
-
-/* A photon's flux relative to that of a pixel in the middle of the view, 2^31 = 1; 0: none is shot. And 1 / length of
-   its direction, 2^31 = 1. 8 bytes. */
-SVO_RECORD(svo_photon_weight)
-{
-    SVO_U32 flux; /* 0 */
-    SVO_U32 inverse_length; /* 4 */
-};
-
-/* How the photons of a work-item spread: cells that they reach, and how many of SVO_SPREAD_PARTS each of them gets of
-   each photon. 48 bytes. */
-SVO_RECORD(svo_photon_spread)
-{
-    SVO_U32 leaves[8]; /* 0: of the cells; SVO_PHOTON_LOST: there is none, and it gets nothing */
-    SVO_U32 parts[4]; /* 32: of a photon: four bits for each cell, the first lowest */
-};
-
-/* The pixels that a source sees, and photons of them. Pixel i, j is at x = (2 i + 1 - columns) half_x and
-   y = (2 j + 1 - rows) half_y. 104 bytes. */
-SVO_RECORD(svo_light_view_params)
-{
-    SVO_F32 base[3]; /* 0: world: a point source's position; of parallel light, the middle of its plane */
-    SVO_U32 columns; /* 12: pixels */
-    SVO_F32 right[3]; /* 16: unit */
-    SVO_U32 rows; /* 28 */
-    SVO_F32 up[3]; /* 32: unit */
-    SVO_U32 tile_columns; /* 44 */
-    SVO_F32 forward[3]; /* 48: direction at x = y = 0; for parallel light everywhere, unit */
-    SVO_U32 parallel; /* 60: not 0: all photons go forward */
-    SVO_F32 half_x; /* 64: half a pixel, world units; of a point source at distance 1 */
-    SVO_F32 half_y; /* 68 */
-    SVO_U32 first; /* 72: of the launch's photons, a multiple of a tile's */
-    SVO_U32 count; /* 76: photons of the launch */
-    SVO_U32 flux[6]; /* 80: of a photon of weight 1: red, green, blue, 64 bits each */
-};
-
-/* Arguments of the kernels that bring photons to leaves. 32 bytes. */
-SVO_RECORD(svo_photon_params)
-{
-    SVO_U32 depth; /* 0 */
-    SVO_U32 snap_bits; /* 4: the grid is 2^snap_bits units wide */
-    SVO_U32 leaf_begin; /* 8: first leaf */
-    SVO_U32 leaf_count; /* 12 */
-    SVO_U32 triangle_count; /* 16: of those with ids */
-    SVO_U32 count; /* 20: photons, slots or leaves of the launch */
-    SVO_U32 spreads; /* 24: not 0: photons of a view spread, leaves get slots, and hits are counted */
-    SVO_F32 cells; /* 28: leaves along a world unit */
-};
-
-/* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
-SVO_RECORD(svo_unmet_params)
-{
-    SVO_F32 origin[3]; /* 0: of the grid, world */
-    SVO_F32 edge; /* 12: of a leaf, world units */
-    SVO_U32 inner_count; /* 16: nodes above the leaves */
-    SVO_U32 first; /* 20: of the launch's leaves */
-    SVO_U32 count; /* 24: leaves of the launch */
-    SVO_F32 reach; /* 28: so far before a leaf parallel light begins, world units */
-    SVO_F32 outer_cosine; /* 32: of a spot; else 0 */
-    SVO_U32 reserved[3]; /* 36 */
-};
-
-/* What the tree holds: svo_exchange_params.flags. */
-#define SVO_EXCHANGE_COLORS       1u
-#define SVO_EXCHANGE_ONE_COLOR    2u /* for all nodes */
-#define SVO_EXCHANGE_ONE_MATERIAL 4u
-#define SVO_EXCHANGE_FILLS        8u
-#define SVO_EXCHANGE_AREAS        16u
-#define SVO_EXCHANGE_ONE_NORMAL   32u
-
-/* Lobes of surfaces that shine: fractional bits; steps of the table of an exponential function, and its entries: an
-   exponent of 2 / (1/3) and one more. */
-#define SVO_LOBE_BITS  15
-#define SVO_LOBE_STEPS 256
-#define SVO_LOBE_TABLE (6 * SVO_LOBE_STEPS + 1)
-
-/* A material's finish. 32 bytes. */
-SVO_RECORD(svo_finish_record)
-{
-    SVO_U32 emission[3]; /* 0: in the unit of radiance */
-    SVO_U32 specular[3]; /* 12: 2^16 = 1 */
-    SVO_U32 variance; /* 24: 1 / exponent, 2^SVO_LOBE_BITS = 1 */
-    SVO_U32 reserved; /* 28 */
-};
-
-/* Arguments of the kernels that make radiance of sums. 32 bytes. */
-SVO_RECORD(svo_exchange_params)
-{
-    SVO_U32 count; /* 0: lit leaves */
-    SVO_U32 leaf_begin; /* 4: the first leaf's place in the payload */
-    SVO_U32 finish_count; /* 8: 0: none that matters */
-    SVO_U32 flags; /* 12: SVO_EXCHANGE_* */
-    SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
-    SVO_U32 factor_high; /* 20 */
-    SVO_U32 shift; /* 24 */
-    SVO_U32 reserved; /* 28 */
-};
-
-/* What a picture of a light shows: svo_light_view of light.h. */
-#define SVO_LIT_VIEW_FULL     0u
-#define SVO_LIT_VIEW_AO       1u
-#define SVO_LIT_VIEW_DIRECT   2u
-#define SVO_LIT_VIEW_INDIRECT 3u
-#define SVO_LIT_VIEW_SPECULAR 4u
-/* And for maps, which are looked at from elsewhere: full without specular light. */
-#define SVO_LIT_VIEW_MATTE 5u
-
-/* Arguments of pictures of lights, world coordinates. 96 bytes. */
-SVO_RECORD(svo_lit_picture_params)
-{
-    SVO_F32 eye[3]; /* 0 */
-    SVO_U32 view; /* 12: SVO_LIT_VIEW_* */
-    SVO_F32 corner[3]; /* 16: from the eye to the picture's upper left corner, at any distance */
-    SVO_U32 width; /* 28: pixels */
-    SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
-    SVO_U32 height; /* 44: pixels */
-    SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
-    SVO_F32 exposure; /* 60 */
-    SVO_F32 sky[3]; /* 64: radiance from outside */
-    SVO_U32 source_count; /* 76 */
-    SVO_U32 finish_count; /* 80 */
-    SVO_U32 first_tile; /* 84: of the launch */
-    SVO_U32 reserved[2]; /* 88 */
-};
-
-/* ---- probes ---- */
-
-/* Edge of a coarse texel, in texels. */
-#define SVO_PROBE_BLOCK 16u
-/* The largest code of a distance. */
-#define SVO_PROBE_CODE_MAX 65534u
-/* Probes that a cell of the field lists. */
-#define SVO_PROBE_FIELD_ENTRIES 4u
-/* Texels along a side of a probe's maps for diffuse light. */
-#define SVO_PROBE_IRRADIANCE_TEXELS 8u
-#define SVO_PROBE_MOMENT_TEXELS     16u
-
-/* Parts of a leaf edge in which moments are added up, and the most of them, so that 64 x 64 squares fit 64 bits. */
-#define SVO_PROBE_LENGTH_UNIT 256u
-#define SVO_PROBE_LENGTH_MAX  0x3ffffffu
-
-/* Of svo_probes_params.flags. */
-#define SVO_PROBES_FLAG_RADIANCE 1u /* texels have radiance */
-#define SVO_PROBES_FLAG_DIFFUSE  2u /* there are maps of irradiance and moments */
-
-/* What kernels know of probes besides their buffers. World coordinates. 112 bytes. */
-SVO_RECORD(svo_probes_params)
-{
-    SVO_F32 start[3]; /* 0: of the first probe, before it was moved */
-    SVO_U32 resolution; /* 12: texels along a side of a probe's map */
-    SVO_F32 step[3]; /* 16: between probes */
-    SVO_U32 probe_count; /* 28 */
-    SVO_U32 counts[3]; /* 32: along x, y and z */
-    SVO_U32 flags; /* 44: SVO_PROBES_FLAG_* */
-    SVO_F32 low[3]; /* 48: least corner of the field */
-    SVO_U32 field_size; /* 60: cells along an axis */
-    SVO_F32 field_scale[3]; /* 64: cells of the field per world unit */
-    SVO_F32 leaf_edge; /* 76: 1 / C */
-    SVO_F32 code_scale; /* 80: C */
-    SVO_F32 code_log2; /* 84: log2(C F + 1): the distance of a code q is (exp2(q / 65534 code_log2) - 1) / C */
-    SVO_F32 farthest; /* 88: F */
-    SVO_F32 sky[3]; /* 92: radiance of what sees nothing */
-    SVO_U32 reserved[2]; /* 104 */
-};
-
-/* Arguments of rays through probes. 8 bytes. */
-SVO_RECORD(svo_probe_trace_params)
-{
-    SVO_U32 choice; /* 0: svo_probe_choice */
-    SVO_F32 thickness; /* 4: a factor */
-};
-
-/* A launch of the kernels that make probes. 32 bytes. */
-SVO_RECORD(svo_probe_step)
-{
-    SVO_U32 first; /* 0: of the launch: a ray, a block, a cell of the field, a probe */
-    SVO_U32 count; /* 4: work-items of the launch */
-    SVO_U32 hit_words; /* 8: of a record of a hit */
-    SVO_U32 cell_edge; /* 12: of the cells that irradiance adds up, texels */
-    SVO_F32 half_cell[3]; /* 16: of the field, world units */
-    SVO_I32 scale_log2; /* 28: of world units, near 1 / leaf edge */
-};
-
 #if !defined(GL_core_profile)
-SVO_ASSERT_BYTES(svo_probe_step, 32);
-SVO_ASSERT_BYTES(svo_probes_params, 112);
-SVO_ASSERT_BYTES(svo_probe_trace_params, 8);
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
@@ -654,8 +391,7 @@ SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 96);
-SVO_ASSERT_BYTES(svo_ray_params, 64);
+SVO_ASSERT_BYTES(svo_ray_params, 68);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
@@ -663,16 +399,6 @@ SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
-SVO_ASSERT_BYTES(svo_photon_weight, 8);
-SVO_ASSERT_BYTES(svo_photon_spread, 48);
-SVO_ASSERT_BYTES(svo_light_view_params, 104);
-SVO_ASSERT_BYTES(svo_photon_params, 32);
-SVO_ASSERT_BYTES(svo_unmet_params, 48);
-SVO_ASSERT_BYTES(svo_finish_record, 32);
-SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_light_params, 32);
-SVO_ASSERT_BYTES(svo_gather_params, 32);
-SVO_ASSERT_BYTES(svo_light_step, 32);
 #endif
 
 #endif

@@ -220,20 +220,32 @@ static svo_status check_context(cl_context context, cl_device_id device, const s
     return found ? SVO_OK : svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": device does not belong to context");
 }
 
-/* The limits that builds depend on. */
-static svo_status query_limits(svo_device *handle, cl_device_id device, svo_message *message)
+/* Whether the device lists an extension. */
+static svo_status find_extension(const svo_device *handle, cl_device_id device, const char *extension, bool *found,
+                                 svo_message *message)
+{
+    char *list = NULL;
+    SVO_I_TRY(svo_i_device_text(device, CL_DEVICE_EXTENSIONS, CREATE, &handle->memory, &list, message));
+    const size_t length = strlen(extension);
+    *found = false;
+    for (const char *at = list; (at = strstr(at, extension)) != NULL && !*found; at += length) {
+        *found = (at == list || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0');
+    }
+    svo_i_free(list);
+    return SVO_OK;
+}
+
+/* The properties that builds and rays depend on. */
+static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
     cl_device_type type = 0;
-    cl_device_fp_config doubles = 0;
-    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
                                     &handle->max_allocation_bytes, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, CREATE,
                                     message));
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-    handle->has_fp64 = doubles != 0;
-    return SVO_OK;
+    return find_extension(handle, device, "cl_khr_fp64", &handle->has_fp64, message);
 }
 
 /* Takes both references of a handle, or none. */
@@ -279,7 +291,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(svo_i_device_full_name(device, CREATE, &memory, &name, message));
     SVO_I_TRY_CLEANUP(check_device(device, name, &memory, message));
     SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
-    SVO_I_TRY_CLEANUP(query_limits(handle, device, message));
+    SVO_I_TRY_CLEANUP(query_properties(handle, device, message));
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;

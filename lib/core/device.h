@@ -22,7 +22,7 @@ struct svo_device {
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
     bool is_cpu;
-    bool has_fp64;
+    bool has_fp64; /* kernels have cl_khr_fp64 */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;

@@ -90,9 +90,9 @@ svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
 
 const char *svo_tree_buffer_name(svo_tree_buffer buffer)
 {
-    static const char *const names[SVO_TREE_BUFFER_COUNT] = {"child_mask",   "first_child", "colors",   "normals",
-                                                             "list_begin",   "list",        "vertices", "indices",
-                                                             "triangle_ids", "materials",   "fills",    "areas"};
+    static const char *const names[SVO_TREE_BUFFER_COUNT] = {
+        "child_mask", "first_child",  "colors",    "normals", "list_begin", "list",      "vertices",
+        "indices",    "triangle_ids", "materials", "fills",   "areas",      "positions", "positions_double"};
     return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
 }
 
@@ -122,6 +122,10 @@ bool svo_i_tree_holds(const svo_tree_info *info, svo_tree_buffer buffer)
         return (info->need & SVO_NEED_FILL) != 0;
     case SVO_TREE_AREAS:
         return (info->need & SVO_NEED_PROJECTED_AREA) != 0;
+    case SVO_TREE_POSITIONS:
+        return info->positions == SVO_POSITIONS_FLOAT;
+    case SVO_TREE_POSITIONS_DOUBLE:
+        return info->positions == SVO_POSITIONS_DOUBLE;
     default:
         return (info->need & SVO_NEED_RAYS) != 0;
     }
@@ -164,6 +168,8 @@ uint64_t svo_i_tree_element_count(const svo_tree_info *info, svo_tree_buffer buf
     case SVO_TREE_LIST:
         return info->list_count;
     case SVO_TREE_VERTICES:
+    case SVO_TREE_POSITIONS:
+    case SVO_TREE_POSITIONS_DOUBLE:
         return info->vertex_count;
     default:
         return info->list_triangle_count;
@@ -183,7 +189,10 @@ size_t svo_i_tree_element_bytes(svo_tree_buffer buffer)
     case SVO_TREE_VERTICES:
     case SVO_TREE_INDICES:
     case SVO_TREE_AREAS:
+    case SVO_TREE_POSITIONS:
         return 12;
+    case SVO_TREE_POSITIONS_DOUBLE:
+        return 24;
     default:
         return 4;
     }
@@ -213,7 +222,9 @@ svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)
                                   .triangle_ids = tree->host[SVO_TREE_TRIANGLE_IDS],
                                   .materials = tree->host[SVO_TREE_MATERIALS],
                                   .fills = tree->host[SVO_TREE_FILLS],
-                                  .areas = tree->host[SVO_TREE_AREAS]};
+                                  .areas = tree->host[SVO_TREE_AREAS],
+                                  .positions = tree->host[SVO_TREE_POSITIONS],
+                                  .positions_double = tree->host[SVO_TREE_POSITIONS_DOUBLE]};
     return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_arrays", "arrays", &held, arrays,
                               SVO_I_STRUCT_SIZES(svo_tree_arrays, first_child));
 }

@@ -236,7 +236,7 @@ static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo
 static svo_status load(svo_i_file_load *state, svo_compact **out)
 {
     static const svo_i_file_kind kind = {"compact tree's", FILE_COMPACT_MAGIC, FILE_COMPACT_VERSION,
-                                         1 + SVO_COMPACT_BUFFER_COUNT};
+                                         FILE_COMPACT_VERSION, 1 + SVO_COMPACT_BUFFER_COUNT};
     file_counts counts = {.form = 0};
     uint64_t offset = 0;
     svo_status status = SVO_OK;

@@ -3,6 +3,7 @@
 #include "io/file_check.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 #include "core/message.h"
 #include "core/tree.h"
@@ -94,6 +95,20 @@ static svo_status check_lists(const check *job)
     return SVO_OK;
 }
 
+/* The mesh's own coordinate must be one that the build snapped to that of the vertex. at: in both arrays. */
+static svo_status check_position(const check *job, uint64_t at)
+{
+    const svo_tree_info *info = job->info;
+    const int32_t snapped = job->arrays.vertices[at];
+    const double position =
+        job->arrays.positions != NULL ? (double)job->arrays.positions[at] : job->arrays.positions_double[at];
+    return rint((position - info->origin[at % 3]) * info->scale) == snapped
+               ? SVO_OK
+               : svo_i_fail(job->message, SVO_FILE_DAMAGED,
+                            "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
+                            job->name, at / 3, position, snapped);
+}
+
 /* Only vertices that a triangle uses must be in range; no hit depends on the others. */
 static svo_status check_corner(const check *job, uint64_t corner)
 {
@@ -109,6 +124,9 @@ static svo_status check_corner(const check *job, uint64_t corner)
             return svo_i_fail(job->message, SVO_FILE_DAMAGED,
                               "%s: vertex %" PRIu32 ": coordinate %" PRId32 " is not within 2^29", job->name, vertex,
                               coordinate);
+        }
+        if (job->info->positions != SVO_POSITIONS_SNAPPED) {
+            SVO_I_TRY(check_position(job, 3 * (uint64_t)vertex + axis));
         }
     }
     return SVO_OK;

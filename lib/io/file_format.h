@@ -18,7 +18,8 @@
 
 #define FILE_MAGIC       "\x89SVO\r\n\x1a\n"
 #define FILE_MAGIC_BYTES 8
-#define FILE_VERSION     1
+#define FILE_VERSION     2
+#define FILE_OLDEST      1 /* version that is still read: without the mesh's own positions */
 #define FILE_HASH_BEGIN  32 /* the header's checksum covers everything from here to the end of the chunk table */
 
 /* Files of compact trees. The header has the same fields; its levels are those of the inner nodes. */

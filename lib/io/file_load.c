@@ -81,9 +81,9 @@ static svo_status read_identity(svo_i_file_load *state, const svo_i_file_kind *k
         return svo_i_file_damaged(state, "truncated: %zu bytes expected at least, %" PRIu64 " there", sizeof *header,
                                   state->file_bytes);
     }
-    if (header->version != kind->version) {
-        return svo_i_file_damaged(state, "version %" PRIu32 " is not known, only %" PRIu32, header->version,
-                                  kind->version);
+    if (header->version < kind->oldest_version || header->version > kind->version) {
+        return svo_i_file_damaged(state, "version %" PRIu32 " is not known, only %" PRIu32 " to %" PRIu32,
+                                  header->version, kind->oldest_version, kind->version);
     }
     if (header->file_bytes > state->file_bytes) {
         return svo_i_file_damaged(state, "truncated: %" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
@@ -351,6 +351,22 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->leaf_count = info->node_count - info->inner_count;
 }
 
+/* The mesh's positions are there as floats, as doubles, or, in version 1 and in what was made of its files, not at
+   all. */
+static uint32_t find_positions(const file_head *head)
+{
+    const bool has_rays = (head->header.need & SVO_NEED_RAYS) != 0 && head->header.coverage != SVO_COVERAGE_THIN;
+    for (uint32_t i = 0; i < head->header.chunk_count && head->header.version > 1 && has_rays; ++i) {
+        if (head->chunks[i].kind == SVO_TREE_POSITIONS) {
+            return SVO_POSITIONS_FLOAT;
+        }
+        if (head->chunks[i].kind == SVO_TREE_POSITIONS_DOUBLE) {
+            return SVO_POSITIONS_DOUBLE;
+        }
+    }
+    return SVO_POSITIONS_SNAPPED;
+}
+
 /* Three counts are not in the header but follow from their chunk's length. */
 static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
 {
@@ -424,7 +440,7 @@ static svo_status load_chunks(svo_i_file_load *state, svo_tree *tree)
 
 static svo_status load(svo_i_file_load *state, svo_tree **out)
 {
-    static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_VERSION, SVO_TREE_BUFFER_COUNT};
+    static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_OLDEST, FILE_VERSION, SVO_TREE_BUFFER_COUNT};
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_file_read_head(state, &kind));
     svo_tree *tree = svo_i_tree_new(&state->host_memory);
@@ -432,6 +448,7 @@ static svo_status load(svo_i_file_load *state, svo_tree **out)
         return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
     }
     fill_info(&tree->info, &state->head.header);
+    tree->info.positions = find_positions(&state->head);
     SVO_I_TRY_CLEANUP(load_chunks(state, tree));
     *out = tree;
     tree = NULL;

@@ -21,7 +21,7 @@ typedef struct svo_i_file_load {
 typedef struct svo_i_file_kind {
     const char *name; /* ".svo" */
     const char *magic; /* FILE_MAGIC_BYTES */
-    uint32_t version;
+    uint32_t oldest_version, version; /* that are read */
     uint32_t chunks_max; /* at most FILE_CHUNKS_MAX */
 } svo_i_file_kind;
 

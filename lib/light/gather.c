@@ -118,29 +118,33 @@ static svo_i_batch batch_of(svo_light *light, const char *function, size_t point
                          .last_argument = {sizeof *params, params, false}};
 }
 
+/* Checks the options and fills the batch, which refers to params. */
+static svo_status prepare(svo_light *light, const char *function, size_t point_count, const svo_gather_options *options,
+                          svo_gather_params *params, svo_i_batch *out)
+{
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(svo_i_gather_params(light, function, options, params));
+    *out = batch_of(light, function, point_count, params);
+    return SVO_OK;
+}
+
 svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, size_t point_count,
                               const svo_gather_options *options, cl_command_queue queue, cl_uint num_wait,
                               const cl_event *wait, cl_event *event)
 {
-    static const char function[] = "svo_gather_enqueue";
     svo_gather_params params;
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(svo_i_gather_params(light, function, options, &params));
-    const svo_i_batch asked = batch_of(light, function, point_count, &params);
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(light, "svo_gather_enqueue", point_count, options, &params, &asked));
     return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
 }
 
 svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gather_result *results, size_t point_count,
                       const svo_gather_options *options, cl_command_queue queue)
 {
-    static const char function[] = "svo_gather";
     svo_gather_params params;
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(svo_i_gather_params(light, function, options, &params));
-    const svo_i_batch asked = batch_of(light, function, point_count, &params);
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(light, "svo_gather", point_count, options, &params, &asked));
     return svo_i_batch_run(&asked, points, results, queue);
 }

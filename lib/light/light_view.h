@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "shared/layout.h"
+#include "shared/light_layout.h"
 #include "svocl/light_types.h"
 
 #define SVO_I_VIEW_PIXELS_MAX  16384u /* along a side */

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 #include "compact/work.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
 
 /* A cell of the pyramid: the ancestor of its leaves. */
 typedef struct svo_i_map_cell {

@@ -5,7 +5,7 @@
 #include "core/compact.h"
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
 #include "svocl/plan.h"
 
 static svo_status read_options(const svo_tree *tree, const char *function, const svo_light_options *options,

@@ -5,7 +5,7 @@
 
 #include "compact/work.h"
 #include "core/tree.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
 #include "svocl/light.h"
 
 struct svo_i_light_viewer;

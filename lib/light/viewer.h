@@ -4,7 +4,7 @@
 #define SVO_LIB_LIGHT_VIEWER_H
 
 #include "core/memory.h"
-#include "shared/layout.h"
+#include "shared/light_layout.h"
 #include "svocl/light.h"
 
 typedef struct svo_i_light_viewer {

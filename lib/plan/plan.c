@@ -9,6 +9,7 @@
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/positions.h"
 #include "plan/progress.h"
 #include "svocl/nodes.h"
 
@@ -179,6 +180,7 @@ static svo_status make_plan(svo_plan *plan, const svo_mesh *mesh)
     SVO_I_TRY(svo_i_progress_begin(plan, "svo_plan_create", SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
     SVO_I_TRY(svo_i_plan_grid(plan, mesh));
     SVO_I_TRY(svo_i_plan_attributes(plan, mesh));
+    SVO_I_TRY(svo_i_plan_positions(plan, mesh));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     SVO_I_TRY(svo_i_plan_configure(plan));
     plan->info.grid_ms = svo_i_now_ms() - start_ms;
@@ -231,6 +233,8 @@ void svo_plan_destroy(svo_plan **plan)
     svo_i_free(p->vertices);
     svo_i_free(p->indices);
     svo_i_free(p->triangle_ids);
+    svo_i_free(p->positions);
+    svo_i_free(p->positions_double);
     svo_i_free(p->items);
     svo_i_free(p->item_fragments);
     svo_i_free(p->records);

@@ -174,6 +174,9 @@ struct svo_plan {
     uint32_t *indices; /* triangle_count * 3 */
     uint32_t *triangle_ids; /* mesh indices of the kept triangles: accepted and not outside the grid */
     uint32_t triangle_count;
+    /* The same vertices as the mesh has them, in one of these arrays; both NULL where no ray meets triangles. */
+    float *positions; /* vertex_count * 3 */
+    double *positions_double;
 
     /* The draw items: kept triangles, sorted by class. */
     svo_draw_item *items;

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 #include "svocl/probes.h"
 
 /* ---- distances ---- */

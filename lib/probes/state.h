@@ -4,7 +4,7 @@
 #define SVO_LIB_PROBES_STATE_H
 
 #include "core/tree.h"
-#include "shared/layout.h"
+#include "shared/probe_layout.h"
 #include "svocl/probes.h"
 
 struct svo_probes {

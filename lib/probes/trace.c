@@ -51,29 +51,33 @@ static svo_i_batch batch_of(svo_probes *probes, const char *function, size_t ray
                          .last_argument = {sizeof *params, params, false}};
 }
 
+/* Checks the options and fills the batch, which refers to params. */
+static svo_status prepare(svo_probes *probes, const char *function, size_t ray_count,
+                          const svo_probe_trace_options *options, svo_probe_trace_params *params, svo_i_batch *out)
+{
+    if (probes == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(read_options(probes, function, options, params));
+    *out = batch_of(probes, function, ray_count, params);
+    return SVO_OK;
+}
+
 svo_status svo_probes_trace_enqueue(svo_probes *probes, cl_mem rays, cl_mem hits, size_t ray_count,
                                     const svo_probe_trace_options *options, cl_command_queue queue, cl_uint num_wait,
                                     const cl_event *wait, cl_event *event)
 {
-    static const char function[] = "svo_probes_trace_enqueue";
     svo_probe_trace_params params;
-    if (probes == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(read_options(probes, function, options, &params));
-    const svo_i_batch asked = batch_of(probes, function, ray_count, &params);
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(probes, "svo_probes_trace_enqueue", ray_count, options, &params, &asked));
     return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
 }
 
 svo_status svo_probes_trace(svo_probes *probes, const svo_ray *rays, svo_probe_hit *hits, size_t ray_count,
                             const svo_probe_trace_options *options, cl_command_queue queue)
 {
-    static const char function[] = "svo_probes_trace";
     svo_probe_trace_params params;
-    if (probes == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(read_options(probes, function, options, &params));
-    const svo_i_batch asked = batch_of(probes, function, ray_count, &params);
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(probes, "svo_probes_trace", ray_count, options, &params, &asked));
     return svo_i_batch_run(&asked, rays, hits, queue);
 }

@@ -18,8 +18,6 @@
    them. */
 #define BINS      16
 #define FEW_ITEMS 64
-/* Words after the last leaf: kernels read eight numbers where fewer are left. */
-#define PADDING_WORDS 8
 
 /* Least x, y, z, and the greatest ones negated, so that one minimum over all components joins two boxes. */
 typedef struct box {
@@ -273,13 +271,13 @@ static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, 
     return true;
 }
 
-/* Least and greatest coordinates of whole triangles. Returns whether their difference takes more than 16 bits. */
-static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
+/* Least and greatest snapped coordinates of whole triangles. */
+static void find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
                              int32_t high[3])
 {
     for (size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = INT32_MAX;
-        high[axis] = INT32_MIN;
+        low[axis] = count > 0 ? INT32_MAX : 0;
+        high[axis] = count > 0 ? INT32_MIN : 0;
     }
     for (uint32_t i = 0; i < count * 3; ++i) {
         const uint32_t vertex = source->indices[(size_t)items[i / 3].triangle * 3 + i % 3];
@@ -289,31 +287,56 @@ static bool find_leaf_bounds(const svo_i_bvh_source *source, const item *items, 
             high[axis] = at > high[axis] ? at : high[axis];
         }
     }
-    bool wide = false;
-    for (size_t axis = 0; axis < 3; ++axis) {
-        wide = wide || high[axis] - low[axis] > UINT16_MAX;
-    }
-    return wide;
 }
 
-/* Writes nine rows: one coordinate of one corner each, relative to the origin. */
-static void write_corners(const svo_i_bvh_source *source, const item *items, uint32_t count, const int32_t origin[3],
-                          bool wide, uint32_t *words)
+/* A coordinate of a vertex, world units. at: of the coordinate in its array. */
+static double world_coordinate(const svo_i_bvh_source *source, size_t at)
 {
-    uint16_t *halves = (uint16_t *)words;
-    size_t at = 0;
+    if (source->positions != NULL) {
+        return (double)source->positions[at];
+    }
+    return source->positions_double != NULL ? source->positions_double[at]
+                                            : source->origin[at % 3] + (double)source->vertices[at] / source->scale;
+}
+
+/* The coordinate as floats have it. */
+static float row_coordinate(const svo_i_bvh_source *source, size_t at)
+{
+    return source->rows == SVO_I_ROWS_WORLD
+               ? source->positions[at]
+               : (float)((world_coordinate(source, at) - source->origin[at % 3]) * source->scale);
+}
+
+/* Where the rows of doubles begin, in words after the head, and where the positions in the mesh do. */
+static size_t doubles_begin(uint32_t count)
+{
+    return (9 * (size_t)count + 1) & ~(size_t)1;
+}
+
+static size_t ids_begin(svo_i_leaf_rows rows, uint32_t count)
+{
+    return rows == SVO_I_ROWS_DOUBLE ? doubles_begin(count) + 18 * (size_t)count : 9 * (size_t)count;
+}
+
+/* Writes what follows the head: nine rows, nine of doubles where there are any, and the positions in the mesh. */
+static void write_triangles(const svo_i_bvh_source *source, const item *items, uint32_t count, uint32_t *words)
+{
+    float *floats = (float *)words;
+    double *doubles = (double *)(words + doubles_begin(count));
+    size_t entry = 0;
     for (size_t axis = 0; axis < 3; ++axis) {
         for (size_t corner = 0; corner < 3; ++corner) {
-            for (uint32_t i = 0; i < count; ++i, ++at) {
-                const uint32_t vertex = source->indices[(size_t)items[i].triangle * 3 + corner];
-                const uint32_t relative = (uint32_t)(source->vertices[(size_t)vertex * 3 + axis] - origin[axis]);
-                if (wide) {
-                    words[at] = relative;
-                } else {
-                    halves[at] = (uint16_t)relative;
+            for (uint32_t i = 0; i < count; ++i, ++entry) {
+                const size_t at = (size_t)source->indices[(size_t)items[i].triangle * 3 + corner] * 3 + axis;
+                floats[entry] = row_coordinate(source, at);
+                if (source->rows == SVO_I_ROWS_DOUBLE) {
+                    doubles[entry] = world_coordinate(source, at);
                 }
             }
         }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        words[ids_begin(source->rows, count) + i] = source->triangle_ids[items[i].triangle];
     }
 }
 
@@ -321,27 +344,24 @@ static void write_corners(const svo_i_bvh_source *source, const item *items, uin
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
     svo_i_bvh *out = m->out;
-    int32_t low[3] = {0, 0, 0};
-    int32_t high[3] = {0, 0, 0};
-    const bool wide = count > 0 && find_leaf_bounds(m->source, items, count, low, high);
-    const size_t corner_words = wide ? 9 * (size_t)count : (9 * (size_t)count + 1) / 2;
-    const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + corner_words + count + 3) / 4 * 4;
+    int32_t low[3];
+    int32_t high[3];
+    const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + ids_begin(m->source->rows, count) + count + 3) / 4 * 4;
     const size_t position = out->leaf_words / 4;
-    if (position >= SVO_RAY_LEAF || !reserve(m->memory, (void **)&out->leaves, &out->leaf_capacity,
-                                             out->leaf_words + words + PADDING_WORDS, sizeof *out->leaves)) {
+    if (position >= SVO_RAY_LEAF ||
+        !reserve(m->memory, (void **)&out->leaves, &out->leaf_capacity,
+                 out->leaf_words + words + SVO_RAY_LEAF_PADDING_WORDS, sizeof *out->leaves)) {
         return false;
     }
     uint32_t *record = out->leaves + out->leaf_words;
-    memset(record, 0, (words + PADDING_WORDS) * sizeof *record);
+    memset(record, 0, (words + SVO_RAY_LEAF_PADDING_WORDS) * sizeof *record);
+    find_leaf_bounds(m->source, items, count, low, high);
     for (int axis = 0; axis < 3; ++axis) {
         record[axis] = (uint32_t)low[axis];
         record[4 + axis] = (uint32_t)high[axis];
     }
-    record[3] = count | (wide ? SVO_RAY_LEAF_WIDE : 0);
-    write_corners(m->source, items, count, low, wide, record + SVO_RAY_LEAF_HEAD_WORDS);
-    for (uint32_t i = 0; i < count; ++i) {
-        record[SVO_RAY_LEAF_HEAD_WORDS + corner_words + i] = m->source->triangle_ids[items[i].triangle];
-    }
+    record[3] = count;
+    write_triangles(m->source, items, count, record + SVO_RAY_LEAF_HEAD_WORDS);
     out->leaf_words += words;
     *reference = SVO_RAY_LEAF | (uint32_t)position;
     return true;
@@ -467,7 +487,7 @@ bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, 
         const range all = {.bounds = bounds_of(m.items, m.item_count), .first = 0, .count = m.item_count};
         made = make_node(&m, &all, &unread);
     }
-    out->leaf_words += made ? PADDING_WORDS : 0;
+    out->leaf_words += made ? SVO_RAY_LEAF_PADDING_WORDS : 0;
     svo_i_free(m.items);
     return made;
 }

@@ -10,9 +10,22 @@
 #include "core/memory.h"
 #include "shared/layout.h"
 
+/* What the corners of leaves hold: layout.h describes them. */
+typedef enum svo_i_leaf_rows {
+    SVO_I_ROWS_WORLD, /* the mesh's floats: with SVO_RAY_FLAG_WORLD */
+    SVO_I_ROWS_GRID, /* grid units, for devices without fp64 */
+    SVO_I_ROWS_DOUBLE /* grid units, and doubles in world units */
+} svo_i_leaf_rows;
+
 /* The geometry, as the octree holds it. */
 typedef struct svo_i_bvh_source {
-    const int32_t *vertices; /* three coordinates each, grid units */
+    const int32_t *vertices; /* three coordinates each, grid units; boxes are made from these */
+    /* The mesh's vertices, in world units: three coordinates each in one of these arrays; both NULL: the snapped ones
+       stand for them. */
+    const float *positions;
+    const double *positions_double;
+    svo_i_leaf_rows rows;
+    double origin[3], scale; /* of the grid: world units, and grid units per world unit */
     const uint32_t *indices; /* three per triangle */
     const uint32_t *triangle_ids;
     const uint32_t *list; /* the triangles to include, any number of times each; NULL: all */

@@ -12,6 +12,10 @@
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 
+/* Widths of grids, world units, in which the products of the float stage are within the range of floats. */
+#define WORLD_WIDTH_MIN 0x1p-40
+#define WORLD_WIDTH_MAX 0x1p50
+
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_rays[];
 
@@ -23,6 +27,7 @@ typedef struct device_bvh {
     cl_mem nodes, leaves;
     uint64_t node_bytes, leaf_bytes;
     float reach; /* the largest coordinate of a vertex */
+    uint32_t flags; /* SVO_RAY_FLAG_* */
 } device_bvh;
 
 static void release_bvh(svo_i_attachment *attachment)
@@ -117,6 +122,8 @@ static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queu
     to->node_bytes = node_bytes;
     to->leaf_bytes = leaf_bytes;
     to->reach = find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
+    to->flags =
+        (source->rows == SVO_I_ROWS_WORLD ? SVO_RAY_FLAG_WORLD : 0) | (source->list != NULL ? SVO_RAY_FLAG_CLIP : 0);
     svo_i_attachment_add(&tree->derived, &to->attachment);
     to = NULL;
 
@@ -128,35 +135,55 @@ cleanup:
     return status;
 }
 
+/* What leaves hold: the mesh's floats as they are, if double can tell apart what the float stage computes of them. */
+static svo_i_leaf_rows find_rows(const svo_tree *tree)
+{
+    const double width = ldexp(1.0, (int)tree->info.snap_bits) / tree->info.scale;
+    if (!tree->device->has_fp64) {
+        return SVO_I_ROWS_GRID;
+    }
+    return tree->info.positions == SVO_POSITIONS_FLOAT && width >= WORLD_WIDTH_MIN && width <= WORLD_WIDTH_MAX
+               ? SVO_I_ROWS_WORLD
+               : SVO_I_ROWS_DOUBLE;
+}
+
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    static const svo_tree_buffer buffers[4] = {SVO_TREE_VERTICES, SVO_TREE_INDICES, SVO_TREE_TRIANGLE_IDS,
-                                               SVO_TREE_LIST};
+    static const svo_tree_buffer buffers[] = {SVO_TREE_VERTICES,  SVO_TREE_INDICES,          SVO_TREE_TRIANGLE_IDS,
+                                              SVO_TREE_POSITIONS, SVO_TREE_POSITIONS_DOUBLE, SVO_TREE_LIST};
+    enum { COUNT = sizeof buffers / sizeof buffers[0], LIST = COUNT - 1 };
     const svo_tree_info *info = &tree->info;
-    const void *arrays[4] = {NULL};
-    void *copies[4] = {NULL};
+    const void *arrays[COUNT] = {NULL};
+    void *copies[COUNT] = {NULL};
     svo_status status = SVO_OK;
     if (find_bvh(tree).leaves != NULL) {
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
-    for (int i = 0; i < 3; ++i) {
-        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]));
+    for (int i = 0; i < LIST; ++i) {
+        if (svo_i_tree_holds(info, buffers[i])) {
+            SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]));
+        }
     }
     if (reaches_outside(arrays[0], info->vertex_count, info->snap_bits)) {
-        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[3], &arrays[3], &copies[3]));
+        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[LIST], &arrays[LIST], &copies[LIST]));
     }
     const svo_i_bvh_source source = {.vertices = arrays[0],
                                      .indices = arrays[1],
                                      .triangle_ids = arrays[2],
-                                     .list = arrays[3],
+                                     .positions = arrays[3],
+                                     .positions_double = arrays[4],
+                                     .rows = find_rows(tree),
+                                     .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                                     .scale = info->scale,
+                                     .list = arrays[LIST],
                                      .list_count = info->list_count,
                                      .triangle_count = (uint32_t)info->list_triangle_count,
                                      .snap_bits = info->snap_bits};
     SVO_I_TRY_CLEANUP(make_bvh(tree, function, queue, &source));
 
 cleanup:
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < COUNT; ++i) {
         svo_i_free(copies[i]);
     }
     return status;
@@ -228,6 +255,7 @@ svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, sv
     SVO_I_TRY(svo_i_rays_params(tree->device, function, &grid, tree->info.edge, params));
     params->inner_count = (cl_uint)tree->info.inner_count;
     params->reach = find_bvh(tree).reach;
+    params->flags = find_bvh(tree).flags;
     return SVO_OK;
 }
 

@@ -3,7 +3,8 @@
  * Stores the snapped mesh in the tree, for rays. Kernels: none.
  *
  * Reads: the plan's snapped mesh.
- * Writes: SVO_TREE_VERTICES, _INDICES and _TRIANGLE_IDS, and their counts in the tree's info.
+ * Writes: SVO_TREE_VERTICES, _INDICES and _TRIANGLE_IDS, SVO_TREE_POSITIONS or _POSITIONS_DOUBLE where rays meet
+ *         triangles, and their counts and kind in the tree's info.
  * Needs: nothing.
  */
 #ifndef SVO_LIB_STAGES_GEOMETRY_H

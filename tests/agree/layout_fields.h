@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every record of shared/layout.h and every field, in order, for a file that defines these macros first:
+ * Every record of shared/layout.h, light_layout.h and probe_layout.h and every field, in order, for a file that defines
+ * these macros first:
  *
  *   RECORD(record, items, first)   begins a record; first: its first word
  *   SCALAR(record, items, field)   one number
@@ -157,6 +158,7 @@ SCALAR(svo_ray_params, ray_params_items, depth)
 SCALAR(svo_ray_params, ray_params_items, snap_bits)
 SCALAR(svo_ray_params, ray_params_items, inner_count)
 SCALAR(svo_ray_params, ray_params_items, reach)
+SCALAR(svo_ray_params, ray_params_items, flags)
 RECORD(svo_ray_node, ray_node_items, low[0])
 ARRAY(svo_ray_node, ray_node_items, low)
 ARRAY(svo_ray_node, ray_node_items, high)

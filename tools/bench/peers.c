@@ -19,12 +19,22 @@ static const char openvdb_id[] = "peer-openvdb";
 /* What is compared with Embree: the build and the BVH. */
 #define BUILD_FOR_RAYS (SERIES_BUILD | SERIES_BIT(SERIES_RAYS))
 
+/* Embree's builds beside the medium one. */
+static const struct {
+    const char *column;
+    embree_options options;
+} embree_builds[] = {{"Embree low", {.quality = EMBREE_LOW}},
+                     {"Embree high", {.quality = EMBREE_HIGH}},
+                     {"Embree robust", {.robust = true}}};
+#define EMBREE_BUILDS (sizeof embree_builds / sizeof embree_builds[0])
+
 /* The runs of a peer, and its results. */
 typedef struct peer_runs {
     double *times, *ratios; /* after the warm-up run */
     size_t count;
     double first_ms;
     uint64_t active_voxels, memory_bytes;
+    double *build_times[EMBREE_BUILDS]; /* of each of embree_builds */
 } peer_runs;
 
 /* The triangles as floats in units of voxels, for both peers. */
@@ -66,10 +76,11 @@ static bool make_peer_mesh(const svo_mesh *mesh, unsigned depth, peer_mesh *out)
 
 /* ---- the runs ---- */
 
-static double run_embree(const peer_mesh *made)
+static double run_embree(const suite *all, const peer_mesh *made, embree_options asked)
 {
+    asked.isa = all->state->options.isa;
     embree *made_bvh =
-        embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count, false);
+        embree_create(made->points, made->mesh->vertex_count, made->indices, made->mesh->triangle_count, &asked);
     const double ms = made_bvh != NULL ? embree_build_ms(made_bvh) : -1.0;
     embree_destroy(&made_bvh);
     return ms;
@@ -81,21 +92,55 @@ static double run_openvdb(const peer_mesh *made, peer_runs *runs)
                             &runs->active_voxels, &runs->memory_bytes);
 }
 
+/* The other builds of a round; round: 0 is the warm-up. */
+static void run_embree_builds(const suite *all, const peer_mesh *made, peer_runs *runs, size_t round)
+{
+    for (size_t i = 0; i < EMBREE_BUILDS; ++i) {
+        const double ms = run_embree(all, made, embree_builds[i].options);
+        if (round > 0) {
+            runs->build_times[i][round - 1] = ms;
+        }
+    }
+}
+
+static bool make_times(peer_runs *runs, size_t repeats)
+{
+    runs->times = calloc(repeats + 1, sizeof *runs->times);
+    runs->ratios = calloc(repeats + 1, sizeof *runs->ratios);
+    bool made = runs->times != NULL && runs->ratios != NULL;
+    for (size_t i = 0; i < EMBREE_BUILDS; ++i) {
+        runs->build_times[i] = calloc(repeats + 1, sizeof *runs->build_times[i]);
+        made = made && runs->build_times[i] != NULL;
+    }
+    return made;
+}
+
+static void free_times(peer_runs *runs)
+{
+    free(runs->times);
+    free(runs->ratios);
+    for (size_t i = 0; i < EMBREE_BUILDS; ++i) {
+        free(runs->build_times[i]);
+    }
+}
+
 /* Interleaves svocl with a peer; one round of svocl is a series of one build. */
 static int run_rounds(suite *all, const peer_mesh *made, unsigned depth, series_method *method, peer_runs *runs,
                       bool with_embree)
 {
-    runs->times = calloc(all->repeats + 1, sizeof *runs->times);
-    runs->ratios = calloc(all->repeats + 1, sizeof *runs->ratios);
-    int exit_code = runs->times != NULL && runs->ratios != NULL && series_begin(all, method, 1)
+    int exit_code = make_times(runs, all->repeats) && series_begin(all, method, 1)
                         ? PROGRAM_DONE
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory");
     for (size_t round = 0; round <= all->repeats && exit_code == PROGRAM_DONE; ++round) {
         exit_code = series_run_round(all, made->mesh, depth, method, round);
-        const double ms = with_embree ? run_embree(made) : run_openvdb(made, runs);
+        const double ms =
+            with_embree ? run_embree(all, made, (embree_options){.robust = false}) : run_openvdb(made, runs);
         if (ms < 0.0 && exit_code == PROGRAM_DONE) {
             return program_fail(all->state, PROGRAM_FAILED, "%s cannot take the triangles",
                                 with_embree ? "Embree" : "OpenVDB");
+        }
+        if (with_embree) {
+            run_embree_builds(all, made, runs, round);
         }
         if (round == 0) {
             runs->first_ms = ms;
@@ -113,7 +158,9 @@ static int run_rounds(suite *all, const peer_mesh *made, unsigned depth, series_
 static const char embree_note[] =
     "Methods run interleaved. svocl: grid, voxelize, transfer, subdivide and pack at the ray depth, and the BVH, which "
     "one host thread builds. BVH: that part by itself. Embree: committing geometry and scene on all cores, without "
-    "copying the triangles. Ratio: svocl's time to Embree's, within each round.";
+    "copying the triangles: its medium build, then low, high and robust. Ratio: svocl's time to that of Embree's "
+    "medium "
+    "build, within each round; above 1 Embree leads.";
 
 static int begin_embree(suite *all)
 {
@@ -131,6 +178,9 @@ static int begin_embree(suite *all)
     spread_add_columns(table, "BVH time", "ms");
     spread_add_columns(table, "Embree", "ms");
     spread_add_columns(table, "ratio", "");
+    for (size_t i = 0; i < EMBREE_BUILDS; ++i) {
+        spread_add_columns(table, embree_builds[i].column, "ms");
+    }
     return PROGRAM_DONE;
 }
 
@@ -190,6 +240,9 @@ static void add_embree(suite *all, const input *source, unsigned depth, const se
     spread_add(table, series_ms(method, BUILD_FOR_RAYS));
     spread_add(table, series_ms(method, SERIES_BIT(SERIES_RAYS)));
     add_runs(table, runs);
+    for (size_t i = 0; i < EMBREE_BUILDS; ++i) {
+        spread_add(table, spread_of(runs->build_times[i], runs->count));
+    }
 }
 
 static void add_openvdb(suite *all, const input *source, unsigned depth, const series_method *method, peer_runs *runs)
@@ -223,8 +276,7 @@ static int compare(suite *all, const input *source, unsigned depth, bool with_em
         (with_embree ? add_embree : add_openvdb)(all, source, depth, &method, &runs);
     }
 cleanup:
-    free(runs.times);
-    free(runs.ratios);
+    free_times(&runs);
     series_release(&method, 1);
     free(made.points);
     free(made.indices);

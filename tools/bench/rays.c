@@ -1,26 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench rays: millions of rays per second against the triangles of a tree, interleaved with Embree's
- * rtcIntersect1 on as many threads, for the same rays and the same snapped triangles; or with a grid of the tree's leaf
- * lists on the same device.
- *
- * The mesh is snapped to integers before the build, so that grid units are world units and both libraries get the same
- * bits for every vertex and every ray.
+ * svocl bench rays: millions of rays per second against the triangles of a tree, interleaved with Embree at its best,
+ * or with a grid of the tree's leaf lists. ray_run.c measures; this shows one input by itself, or the rows of a suite.
  */
 #include "bench/rays.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-#include "bench/grid_rays.h"
-#include "measure/embree.h"
-#include "measure/quantization.h"
-#include "measure/ray_judge.h"
-#include "measure/ray_sets.h"
-#include "measure/spread.h"
-#include "support/job.h"
+#include "bench/child.h"
+#include "bench/ray_run.h"
+#include "measure/instruction_set.h"
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/table.h"
@@ -29,326 +22,190 @@
 #define QUICK_INPUT     "scene:knot:8000"
 #define DEFAULT_REPEATS 7u
 #define QUICK_REPEATS   3u
+#define CALL_BYTES      32
 
-/* One set of rays, and its results. */
-typedef struct ray_set {
-    const char *name;
-    svo_ray *rays;
-    spread ours_ms, theirs_ms, ratio; /* ratio: the other's time to svocl's, within each round; none without it */
-    ray_verdict verdict;
-} ray_set;
-
-#define SET_COUNT 2
-
-typedef struct ray_bench {
-    program *state;
-    job work;
-    svo_mesh snapped; /* the input with integer coordinates */
-    float *positions;
-    embree *peer; /* NULL: not asked for */
-    grid_rays *grid; /* the same */
-    unsigned threads;
-    size_t ray_count, repeats;
-    svo_hit *ours, *theirs;
-    cl_mem device_rays, device_hits, grid_hits;
-    ray_set sets[SET_COUNT];
-} ray_bench;
-
-/* ---- the scene ---- */
-
-/* Quantizes coordinates to integers 0 .. 2^20 - 1. Coordinates that are not finite stay so, and the build refuses their
-   triangles. */
-static int snap_mesh(ray_bench *bench)
-{
-    const svo_mesh *mesh = bench->work.source.mesh;
-    bench->positions = quantization_positions(mesh);
-    if (bench->positions == NULL) {
-        return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu vertices", mesh->vertex_count);
-    }
-    bench->snapped = quantization_mesh(mesh, bench->positions);
-    bench->work.source.mesh = &bench->snapped;
-    return PROGRAM_DONE;
-}
-
-static cl_mem make_buffer(const ray_bench *bench, size_t bytes)
-{
-    cl_int error = CL_SUCCESS;
-    return clCreateBuffer(svo_device_cl_context(bench->work.opened.device), CL_MEM_READ_WRITE, bytes, NULL, &error);
-}
-
-/* Embree's copy of the triangles that the tree holds. */
-static int open_peer(ray_bench *bench)
-{
-    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
-    const svo_tree_info *info = &bench->work.result.info;
-    svo_tree_get_arrays(bench->work.result.tree, &arrays);
-    float *vertices = calloc((size_t)info->vertex_count * 3 + 1, sizeof *vertices);
-    if (vertices != NULL) {
-        for (size_t i = 0; i < (size_t)info->vertex_count * 3; ++i) {
-            vertices[i] = (float)arrays.vertices[i];
-        }
-        bench->peer = embree_create(vertices, (size_t)info->vertex_count, arrays.indices,
-                                    (size_t)info->list_triangle_count, false);
-    }
-    free(vertices);
-    return bench->peer != NULL ? PROGRAM_DONE
-                               : program_fail(bench->state, PROGRAM_FAILED, "Embree cannot take the triangles");
-}
-
-static int open_grid(ray_bench *bench)
-{
-    const uint32_t depth = bench->work.result.info.depth;
-    if (depth > GRID_RAYS_DEPTH_MAX) {
-        return program_fail(bench->state, PROGRAM_WRONG_USAGE, "--vs grid takes depths up to %d, not %u",
-                            GRID_RAYS_DEPTH_MAX, depth);
-    }
-    bench->grid = grid_rays_create(&bench->work.opened, bench->work.result.tree);
-    bench->grid_hits = make_buffer(bench, bench->ray_count * sizeof(svo_hit));
-    return bench->grid != NULL && bench->grid_hits != NULL
-               ? PROGRAM_DONE
-               : program_fail(bench->state, PROGRAM_FAILED, "the grid cannot be made: no memory, or no kernel");
-}
-
-/* Opens what --vs asks for. */
-static int open_rival(ray_bench *bench)
-{
-    const int versus = bench->state->options.versus;
-    return versus == OPTION_VERSUS_EMBREE ? open_peer(bench)
-           : versus == OPTION_VERSUS_GRID ? open_grid(bench)
-                                          : PROGRAM_DONE;
-}
-
-static bool is_compared(const ray_bench *bench)
-{
-    return bench->peer != NULL || bench->grid != NULL;
-}
-
-/* ---- rays ---- */
-
-static int make_rays(ray_bench *bench)
-{
-    static const char *const names[SET_COUNT] = {"primary", "incoherent"};
-    const size_t count = bench->ray_count;
-    const svo_tree *tree = bench->work.result.tree;
-    svo_camera camera;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    double high[3] = {0, 0, 0};
-    for (size_t i = 0; i < bench->snapped.vertex_count * 3; ++i) {
-        const double at = (double)bench->positions[i];
-        low[i % 3] = isfinite(at) ? fmin(low[i % 3], at) : low[i % 3];
-        high[i % 3] = isfinite(at) ? fmax(high[i % 3], at) : high[i % 3];
-    }
-    bool there = true;
-    for (int k = 0; k < SET_COUNT; ++k) {
-        bench->sets[k].name = names[k];
-        bench->sets[k].rays = calloc(count, sizeof(svo_ray));
-        there = there && bench->sets[k].rays != NULL;
-    }
-    bench->ours = calloc(count, sizeof(svo_hit));
-    bench->theirs = calloc(count, sizeof(svo_hit));
-    bench->device_rays = make_buffer(bench, count * sizeof(svo_ray));
-    bench->device_hits = make_buffer(bench, count * sizeof(svo_hit));
-    if (!there || bench->ours == NULL || bench->theirs == NULL || bench->device_rays == NULL ||
-        bench->device_hits == NULL) {
-        return program_fail(bench->state, PROGRAM_FAILED, "out of memory for %zu rays", count);
-    }
-    svo_camera_frame(tree, 1.0f, &camera);
-    ray_set_primary(&camera, count, bench->sets[0].rays);
-    ray_set_incoherent(low, high, count, bench->sets[1].rays);
-    return PROGRAM_DONE;
-}
-
-/* ---- measuring ---- */
-
-/* One pass of svocl, from the call to completion; below 0 on failure. */
-static double trace_ours(ray_bench *bench)
-{
-    const session *opened = &bench->work.opened;
-    cl_event event = NULL;
-    const double start_ms = input_now_ms();
-    if (svo_tree_trace_enqueue(bench->work.result.tree, bench->device_rays, bench->device_hits, bench->ray_count,
-                               SVO_TRACE_CLOSEST, opened->queue, 0, NULL, &event) != SVO_OK) {
-        return -1.0;
-    }
-    const cl_int error = clWaitForEvents(1, &event);
-    const double ms = input_now_ms() - start_ms;
-    clReleaseEvent(event);
-    return error == CL_SUCCESS ? ms : -1.0;
-}
-
-/* The same of the other tracer; 0 without one. */
-static double trace_theirs(ray_bench *bench, const ray_set *set)
-{
-    return bench->peer != NULL   ? embree_trace(bench->peer, set->rays, bench->theirs, bench->ray_count, bench->threads)
-           : bench->grid != NULL ? grid_rays_trace(bench->grid, bench->device_rays, bench->grid_hits, bench->ray_count)
-                                 : 0.0;
-}
-
-/* Reads back the hits of what ran on the device. */
-static bool read_hits(ray_bench *bench)
-{
-    const size_t bytes = bench->ray_count * sizeof(svo_hit);
-    cl_command_queue queue = bench->work.opened.queue;
-    return clEnqueueReadBuffer(queue, bench->device_hits, CL_TRUE, 0, bytes, bench->ours, 0, NULL, NULL) ==
-               CL_SUCCESS &&
-           (bench->grid == NULL || clEnqueueReadBuffer(queue, bench->grid_hits, CL_TRUE, 0, bytes, bench->theirs, 0,
-                                                       NULL, NULL) == CL_SUCCESS);
-}
-
-/* Interleaves both; the first round warms up and does not count. */
-static int measure_set(ray_bench *bench, ray_set *set)
-{
-    const size_t bytes = bench->ray_count * sizeof(svo_ray);
-    cl_command_queue queue = bench->work.opened.queue;
-    double *times = calloc(3 * bench->repeats, sizeof *times);
-    bool worked = times != NULL && clEnqueueWriteBuffer(queue, bench->device_rays, CL_TRUE, 0, bytes, set->rays, 0,
-                                                        NULL, NULL) == CL_SUCCESS;
-    for (size_t round = 0; round <= bench->repeats && worked; ++round) {
-        const double ours = trace_ours(bench);
-        const double theirs = trace_theirs(bench, set);
-        worked = ours >= 0 && theirs >= 0;
-        if (round > 0) {
-            times[round - 1] = ours;
-            times[bench->repeats + round - 1] = theirs;
-            times[2 * bench->repeats + round - 1] = theirs / ours;
-        }
-    }
-    worked = worked && read_hits(bench);
-    if (worked) {
-        const bool compared = is_compared(bench);
-        set->ours_ms = spread_of(times, bench->repeats);
-        set->theirs_ms = compared ? spread_of(times + bench->repeats, bench->repeats) : spread_none();
-        set->ratio = compared ? spread_of(times + 2 * bench->repeats, bench->repeats) : spread_none();
-    }
-    free(times);
-    return worked ? PROGRAM_DONE : program_fail_library(bench->state, svo_device_message(bench->work.opened.device));
-}
-
-static void judge_set(ray_bench *bench, ray_set *set)
-{
-    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
-    const svo_tree_info *info = &bench->work.result.info;
-    svo_tree_get_arrays(bench->work.result.tree, &arrays);
-    const oracle_ray_scene snapped = {.vertices = arrays.vertices,
-                                      .indices = arrays.indices,
-                                      .triangle_count = (size_t)info->list_triangle_count,
-                                      .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                                      .scale = info->scale};
-    if (is_compared(bench)) { /* its indices do not count refused triangles */
-        for (size_t i = 0; i < bench->ray_count; ++i) {
-            const uint32_t triangle = bench->theirs[i].triangle;
-            bench->theirs[i].triangle = triangle != SVO_NO_TRIANGLE ? arrays.triangle_ids[triangle] : triangle;
-        }
-    }
-    set->verdict = ray_judge(&snapped, arrays.triangle_ids, set->rays, bench->ours,
-                             is_compared(bench) ? bench->theirs : NULL, bench->ray_count);
-}
-
-/* ---- reporting ---- */
-
-static double mrays(const ray_bench *bench, double ms)
-{
-    return ms > 0 ? (double)bench->ray_count / ms * 1e-3 : 0.0;
-}
+/* ---- one input: JSON ---- */
 
 /* What --vs names. */
-static const char *rival_name(const ray_bench *bench)
+static const char *rival_name(const ray_run *run)
 {
-    return bench->peer != NULL ? "embree" : bench->grid != NULL ? "grid" : NULL;
+    return run->peers[0] != NULL ? "embree" : run->grid != NULL ? "grid" : NULL;
 }
 
-static void add_rival_number(cJSON *to, const ray_bench *bench, const char *name, double number)
+static void add_rival_number(cJSON *to, const ray_run *run, const char *name, double number)
 {
     char key[32];
-    (void)snprintf(key, sizeof key, "%s_%s", rival_name(bench), name);
+    (void)snprintf(key, sizeof key, "%s_%s", rival_name(run), name);
     cJSON_AddNumberToObject(to, key, number);
 }
 
-static cJSON *set_to_json(const ray_bench *bench, const ray_set *set)
+static cJSON *rival_to_json(const ray_run *run, const ray_rival *rival)
+{
+    char call[CALL_BYTES];
+    cJSON *one = cJSON_CreateObject();
+    ray_rival_call(rival, call, sizeof call);
+    json_add_text(one, "build", rival->build);
+    json_add_text(one, "call", call);
+    cJSON_AddBoolToObject(one, "coherent", rival->call.coherent);
+    cJSON_AddNumberToObject(one, "mrays", ray_run_rate(run, rival->ms.median));
+    cJSON_AddNumberToObject(one, "ratio", rival->ratio.median);
+    return one;
+}
+
+static cJSON *set_to_json(const ray_run *run, const ray_set *set)
 {
     cJSON *one = cJSON_CreateObject();
     json_add_text(one, "name", set->name);
-    json_add_count(one, "rays", bench->ray_count);
+    json_add_count(one, "rays", run->ray_count);
     json_add_count(one, "hits", set->verdict.hits);
     cJSON_AddNumberToObject(one, "leaves_per_ray", set->verdict.leaves);
-    cJSON_AddNumberToObject(one, "ours_mrays", mrays(bench, set->ours_ms.median));
-    if (is_compared(bench)) {
-        add_rival_number(one, bench, "mrays", mrays(bench, set->theirs_ms.median));
-        cJSON_AddNumberToObject(one, "ratio", set->ratio.median);
+    cJSON_AddNumberToObject(one, "ours_mrays", ray_run_rate(run, set->ours_ms.median));
+    if (ray_run_has_rivals(run)) {
+        const ray_rival *best = &set->rivals[set->best];
+        add_rival_number(one, run, "mrays", ray_run_rate(run, best->ms.median));
+        cJSON_AddNumberToObject(one, "ratio", best->ratio.median);
         json_add_count(one, "wrong_ids", set->verdict.wrong_ids);
         json_add_count(one, "missed", set->verdict.missed);
         json_add_count(one, "differing", set->verdict.differing);
         json_add_count(one, "tied", set->verdict.tied);
-        add_rival_number(one, bench, "wrong_ids", (double)set->verdict.their_wrong_ids);
-        add_rival_number(one, bench, "missed", (double)set->verdict.their_missed);
+        add_rival_number(one, run, "wrong_ids", (double)set->verdict.their_wrong_ids);
+        add_rival_number(one, run, "missed", (double)set->verdict.their_missed);
+        cJSON *rivals = cJSON_AddArrayToObject(one, "calls");
+        for (size_t i = 0; i < set->rival_count; ++i) {
+            cJSON_AddItemToArray(rivals, rival_to_json(run, &set->rivals[i]));
+        }
     }
     return one;
 }
 
-static cJSON *to_json(const ray_bench *bench)
+/* "1, 4, 8, 16" */
+static void list_native_widths(const embree *peer, char *text, size_t text_bytes)
+{
+    static const unsigned widths[] = {1, 4, 8, 16};
+    int used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < sizeof widths / sizeof widths[0]; ++i) {
+        if (embree_is_native(peer, widths[i]) && used >= 0 && (size_t)used < text_bytes) {
+            used += snprintf(text + used, text_bytes - (size_t)used, "%s%u", used > 0 ? ", " : "", widths[i]);
+        }
+    }
+}
+
+static cJSON *to_json(const ray_run *run)
 {
     cJSON *document = json_document();
-    json_add_text(document, "input", bench->work.source.name);
-    job_add_what_ran(document, &bench->work);
-    json_add_count(document, "triangles", bench->work.result.info.list_triangle_count);
-    json_add_count(document, "threads", bench->threads);
-    json_add_count(document, "repeats", bench->repeats);
-    json_add_text(document, "vs", rival_name(bench));
-    json_add_text(document, "embree_version", bench->peer != NULL ? embree_version(bench->peer) : NULL);
-    json_add_count(document, "ours_bytes", svo_tree_ray_bytes(bench->work.result.tree));
-    if (bench->grid != NULL) {
-        json_add_count(document, "grid_bytes", grid_rays_bytes(bench->grid));
-        json_add_count(document, "grid_cell_bytes", grid_rays_cell_bytes(bench->grid));
+    json_add_text(document, "input", run->work.source.name);
+    job_add_what_ran(document, &run->work);
+    json_add_count(document, "triangles", run->work.result.info.list_triangle_count);
+    json_add_count(document, "threads", run->threads);
+    json_add_count(document, "repeats", run->repeats);
+    json_add_text(document, "instruction_set", instruction_set_name(run->state->options.isa));
+    json_add_text(document, "vs", rival_name(run));
+    json_add_text(document, "embree_version", run->peers[0] != NULL ? embree_version(run->peers[0]) : NULL);
+    if (run->peers[0] != NULL) {
+        char native[CALL_BYTES];
+        list_native_widths(run->peers[0], native, sizeof native);
+        json_add_text(document, "embree_native_widths", native);
+    }
+    json_add_count(document, "ours_bytes", svo_tree_ray_bytes(run->work.result.tree));
+    if (run->grid != NULL) {
+        json_add_count(document, "grid_bytes", grid_rays_bytes(run->grid));
+        json_add_count(document, "grid_cell_bytes", grid_rays_cell_bytes(run->grid));
     }
     cJSON *sets = cJSON_AddArrayToObject(document, "sets");
-    for (int k = 0; k < SET_COUNT; ++k) {
-        cJSON_AddItemToArray(sets, set_to_json(bench, &bench->sets[k]));
+    for (int k = 0; k < RAY_SETS; ++k) {
+        if (run->sets[k].is_measured) {
+            cJSON_AddItemToArray(sets, set_to_json(run, &run->sets[k]));
+        }
     }
     return document;
 }
 
-static void print_table(const ray_bench *bench)
+/* ---- one input: tables ---- */
+
+/* Rates of all rivals, and svocl's over the best one's. */
+static void print_rates(const ray_run *run)
 {
-    progress_hide(bench->state->progress);
-    table_line("%s: %s triangles at depth %u, %s rays per set, medians of %zu rounds", bench->work.source.name,
-               figure_count(bench->work.result.info.list_triangle_count).text, bench->work.result.info.depth,
-               figure_count(bench->ray_count).text, bench->repeats);
-    if (bench->grid != NULL) {
-        table_line("svocl's BVH %s; grid %s, of which bricks and cells %s",
-                   figure_bytes(svo_tree_ray_bytes(bench->work.result.tree)).text,
-                   figure_bytes(grid_rays_bytes(bench->grid)).text,
-                   figure_bytes(grid_rays_cell_bytes(bench->grid)).text);
+    table *rows = table_create("lrrrrrrrr");
+    table_cell(rows, "rays");
+    table_cell(rows, "svocl");
+    const ray_set *first = &run->sets[RAY_SET_PRIMARY];
+    for (size_t i = 0; i < RAY_RIVALS_MAX; ++i) {
+        const ray_rival *rival = &first->rivals[i];
+        if (i >= first->rival_count) {
+            table_cell(rows, "%s", "");
+        } else if (rival->peer == NULL) {
+            table_cell(rows, "grid");
+        } else if (rival->width != 0) {
+            table_cell(rows, "Embree, %u", rival->width);
+        } else {
+            table_cell(rows, "%s", rival->build);
+        }
     }
-    table *rows = table_create("lrrrrrrr");
-    const bool has_grid = bench->grid != NULL;
-    const char *const heads[] = {"rays",
-                                 "svocl",
-                                 has_grid ? "grid" : "Embree",
-                                 "ratio",
-                                 "differing",
-                                 "tied",
-                                 "wrong",
-                                 has_grid ? "grid wrong" : "Embree wrong"};
-    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i) {
-        table_cell(rows, "%s", heads[i]);
-    }
-    for (int k = 0; k < SET_COUNT; ++k) {
-        const ray_set *set = &bench->sets[k];
-        const bool compared = is_compared(bench);
+    table_cell(rows, ray_run_has_rivals(run) ? "ratio" : "");
+    for (int k = 0; k < RAY_SETS; ++k) {
+        const ray_set *set = &run->sets[k];
+        if (!set->is_measured) {
+            continue;
+        }
         table_cell(rows, "%s", set->name);
-        table_cell(rows, "%s", figure_rate(mrays(bench, set->ours_ms.median) * 1e6).text);
-        table_cell(rows, "%s", compared ? figure_rate(mrays(bench, set->theirs_ms.median) * 1e6).text : "");
-        if (compared) {
-            table_cell(rows, "%.2f", set->ratio.median);
+        table_cell(rows, "%s", figure_rate(ray_run_rate(run, set->ours_ms.median) * 1e6).text);
+        for (size_t i = 0; i < RAY_RIVALS_MAX; ++i) {
+            const bool there = i < set->rival_count;
+            table_cell(rows, "%s", there ? figure_rate(ray_run_rate(run, set->rivals[i].ms.median) * 1e6).text : "");
+        }
+        if (set->rival_count > 0) {
+            table_cell(rows, "%.2f", set->rivals[set->best].ratio.median);
         } else {
             table_cell(rows, "%s", "");
         }
-        table_cell(rows, "%zu", set->verdict.differing);
-        table_cell(rows, "%zu", set->verdict.tied);
-        table_cell(rows, "%zu", set->verdict.wrong_ids + set->verdict.missed);
-        table_cell(rows, "%zu", set->verdict.their_wrong_ids + set->verdict.their_missed);
     }
     table_print(rows);
+}
+
+static void print_verdicts(const ray_run *run)
+{
+    table *rows = table_create("lrrrr");
+    table_cell(rows, "rays");
+    table_cell(rows, "differing");
+    table_cell(rows, "tied");
+    table_cell(rows, "wrong");
+    table_cell(rows, "%s wrong", run->grid != NULL ? "grid" : "Embree");
+    for (int k = 0; k < RAY_SETS; ++k) {
+        const ray_verdict *verdict = &run->sets[k].verdict;
+        if (run->sets[k].is_measured) {
+            table_cell(rows, "%s", run->sets[k].name);
+            table_cell(rows, "%zu", verdict->differing);
+            table_cell(rows, "%zu", verdict->tied);
+            table_cell(rows, "%zu", verdict->wrong_ids + verdict->missed);
+            table_cell(rows, "%zu", verdict->their_wrong_ids + verdict->their_missed);
+        }
+    }
+    table_print(rows);
+}
+
+static void print_tables(const ray_run *run)
+{
+    progress_hide(run->state->progress);
+    table_line("%s: %s triangles at depth %u, %s rays per set, medians of %zu rounds, %s", run->work.source.name,
+               figure_count(run->work.result.info.list_triangle_count).text, run->work.result.info.depth,
+               figure_count(run->ray_count).text, run->repeats, instruction_set_name(run->state->options.isa));
+    if (run->grid != NULL) {
+        table_line("svocl's BVH %s; grid %s, of which bricks and cells %s",
+                   figure_bytes(svo_tree_ray_bytes(run->work.result.tree)).text,
+                   figure_bytes(grid_rays_bytes(run->grid)).text, figure_bytes(grid_rays_cell_bytes(run->grid)).text);
+    }
+    if (run->peers[0] != NULL) {
+        char native[CALL_BYTES];
+        list_native_widths(run->peers[0], native, sizeof native);
+        table_line("Embree %s, native widths %s: calls with its medium build, then other builds by their fastest call",
+                   embree_version(run->peers[0]), native);
+    }
+    print_rates(run);
+    if (ray_run_has_rivals(run)) {
+        table_gap();
+        print_verdicts(run);
+    }
 }
 
 /* ---- the command ---- */
@@ -359,83 +216,24 @@ static unsigned count_threads(const options *given)
     return given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
-/* What the bench owns by then is released by release(). */
-static int prepare(ray_bench *bench)
+/* Saves, and prints as JSON or as tables. */
+static int show(const ray_run *run)
 {
-    program *state = bench->state;
-    int exit_code = input_open(state, &bench->work.source);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = session_open(state, &bench->work.opened);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = snap_mesh(bench);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = job_build(state, SVO_NEED_RAYS, &bench->work);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    exit_code = open_rival(bench);
-    return exit_code != PROGRAM_DONE ? exit_code : make_rays(bench);
-}
-
-static int run_bench(ray_bench *bench)
-{
-    int exit_code = prepare(bench);
-    for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
-        progress_step(bench->state->progress, "tracing rays");
-        exit_code = measure_set(bench, &bench->sets[k]);
-        if (exit_code == PROGRAM_DONE) {
-            judge_set(bench, &bench->sets[k]);
-        }
-    }
-    return exit_code;
-}
-
-static void release(ray_bench *bench)
-{
-    for (int k = 0; k < SET_COUNT; ++k) {
-        free(bench->sets[k].rays);
-    }
-    if (bench->device_rays != NULL) {
-        clReleaseMemObject(bench->device_rays);
-    }
-    if (bench->device_hits != NULL) {
-        clReleaseMemObject(bench->device_hits);
-    }
-    if (bench->grid_hits != NULL) {
-        clReleaseMemObject(bench->grid_hits);
-    }
-    free(bench->ours);
-    free(bench->theirs);
-    grid_rays_destroy(&bench->grid);
-    embree_destroy(&bench->peer);
-    job_release(&bench->work);
-    free(bench->positions);
-}
-
-/* Saves, and prints as JSON or as a table. */
-static int show(const ray_bench *bench)
-{
-    const options *given = &bench->state->options;
-    cJSON *document = to_json(bench);
+    const options *given = &run->state->options;
+    cJSON *document = to_json(run);
     if (given->output_path != NULL) {
-        const int exit_code = json_save(bench->state, given->output_path, document);
+        const int exit_code = json_save(run->state, given->output_path, document);
         if (exit_code != PROGRAM_DONE) {
             cJSON_Delete(document);
             return exit_code;
         }
     }
     if (given->json) {
-        return json_print(bench->state, document);
+        return json_print(run->state, document);
     }
     cJSON_Delete(document);
     if (given->output_path == NULL || !given->quiet) {
-        print_table(bench);
+        print_tables(run);
     }
     return PROGRAM_DONE;
 }
@@ -450,34 +248,64 @@ int bench_rays_alone(program *state)
         return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
     }
     given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
-    ray_bench bench = {.state = state,
-                       .threads = count_threads(given),
-                       .ray_count = (size_t)given->ray_count,
-                       .repeats = given->has_repeat ? (size_t)given->repeat
-                                  : given->quick    ? QUICK_REPEATS
-                                                    : DEFAULT_REPEATS};
+    ray_run run = {.state = state,
+                   .threads = count_threads(given),
+                   .ray_count = (size_t)given->ray_count,
+                   .repeats = given->has_repeat ? (size_t)given->repeat
+                              : given->quick    ? QUICK_REPEATS
+                                                : DEFAULT_REPEATS};
     given->repeat = 1; /* builds */
     given->depth_for_rays = !given->has_depth;
-    program_begin_progress(state, 3 + SET_COUNT);
-    int exit_code = run_bench(&bench);
+    program_begin_progress(state, 3 + RAY_SETS);
+    int exit_code = ray_run_all(&run);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = show(&bench);
+        exit_code = show(&run);
     }
-    release(&bench);
+    ray_run_release(&run);
     return exit_code;
 }
 
 /* ---- the subject ---- */
 
 static const char table_id[] = "rays";
+static const char calls_id[] = "ray-calls";
 
 static const char note[] =
-    "Wall clock, on the snapped mesh. Embree: rtcIntersect1, interleaved with svocl, on as many threads. Ratio: "
-    "svocl's rays per second to Embree's, within each round. Wrong: another triangle than the reference, or none.";
+    "Wall clock, on the snapped mesh, interleaved, on as many threads. Shadow: any hit; misses: rays away from the "
+    "mesh. Embree: the fastest of rtcIntersect1, 8 and 16, or of rtcOccluded, with its medium build and packets laid "
+    "out beforehand. Ratio: svocl's rays per second to Embree's, within each round; below 1 Embree leads. Wrong: "
+    "another triangle than the reference, or none.";
+
+static const char calls_note[] =
+    "The same runs, call by call: Embree's medium build with rtcIntersect1, 8 and 16 (for shadow rays rtcOccluded), "
+    "each with the faster of its flags for coherent and for incoherent rays; low, high and robust: its other builds "
+    "by their fastest call. Native widths: packets that Embree does not divide. Best: the fastest of all of these, and "
+    "svocl's rays per second to its.";
+
+static void add_calls_table(suite *all)
+{
+    result_table *calls = suite_add_table(all, calls_id, "Rays against triangles, Embree call by call", calls_note);
+    result_add_column(calls, "scene", "");
+    result_add_column(calls, "instruction set", "");
+    result_add_column(calls, "native widths", "");
+    result_add_column(calls, "rays", "");
+    result_add_column(calls, "svocl", "M/s");
+    result_add_column(calls, "1 ray", "M/s");
+    result_add_column(calls, "8 rays", "M/s");
+    result_add_column(calls, "16 rays", "M/s");
+    result_add_column(calls, "low", "M/s");
+    result_add_column(calls, "high", "M/s");
+    result_add_column(calls, "robust", "M/s");
+    result_add_column(calls, "best", "");
+    spread_add_columns(calls, "ratio", "");
+    if (!embree_is_there()) {
+        result_extend_note(calls, "Empty: this program was built without libembree-dev.");
+    }
+}
 
 static int begin(suite *all)
 {
-    result_table *results = suite_add_table(all, table_id, "Rays against triangles, closest hit", note);
+    result_table *results = suite_add_table(all, table_id, "Rays against triangles", note);
     if (!embree_is_there()) {
         result_extend_note(results, "Without Embree: this program was built without libembree-dev.");
     }
@@ -494,26 +322,132 @@ static int begin(suite *all)
     spread_add_columns(results, "ratio", "");
     result_add_column(results, "wrong", "");
     result_add_column(results, "Embree wrong", "");
+    result_add_column(results, "Embree call", "");
+    result_add_column(results, "instruction set", "");
+    add_calls_table(all);
     return PROGRAM_DONE;
 }
 
-static void add_row(result_table *results, const ray_bench *bench, const ray_set *set)
+static void add_row(result_table *results, const ray_run *run, const ray_set *set)
 {
-    const bool compared = bench->peer != NULL;
-    result_add_text(results, "%s", suite_scene_name(&bench->work.source));
-    result_add_number(results, (double)bench->work.result.info.list_triangle_count);
-    result_add_number(results, bench->work.result.info.depth);
+    const bool compared = set->rival_count > 0;
+    const ray_rival *best = &set->rivals[set->best];
+    char call[CALL_BYTES] = "";
+    if (compared) {
+        ray_rival_call(best, call, sizeof call);
+    }
+    result_add_text(results, "%s", suite_scene_name(&run->work.source));
+    result_add_number(results, (double)run->work.result.info.list_triangle_count);
+    result_add_number(results, run->work.result.info.depth);
     result_add_text(results, "%s", set->name);
-    result_add_number(results, (double)bench->ray_count);
+    result_add_number(results, (double)run->ray_count);
     result_add_number(results, (double)set->verdict.hits);
     spread_add(results, set->ours_ms);
-    result_add_number(results, mrays(bench, set->ours_ms.median));
-    spread_add(results, set->theirs_ms);
-    result_add_number(results, compared ? mrays(bench, set->theirs_ms.median) : (double)NAN);
-    spread_add(results, set->ratio);
+    result_add_number(results, ray_run_rate(run, set->ours_ms.median));
+    spread_add(results, compared ? best->ms : spread_none());
+    result_add_number(results, compared ? ray_run_rate(run, best->ms.median) : (double)NAN);
+    spread_add(results, compared ? best->ratio : spread_none());
     result_add_number(results, compared ? (double)(set->verdict.wrong_ids + set->verdict.missed) : (double)NAN);
     result_add_number(results,
                       compared ? (double)(set->verdict.their_wrong_ids + set->verdict.their_missed) : (double)NAN);
+    result_add_text(results, "%s", call);
+    result_add_text(results, "%s", instruction_set_name(run->state->options.isa));
+}
+
+static void add_calls_row(result_table *results, const ray_run *run, const ray_set *set)
+{
+    const ray_rival *best = &set->rivals[0];
+    char call[CALL_BYTES];
+    char native[CALL_BYTES];
+    list_native_widths(run->peers[0], native, sizeof native);
+    result_add_text(results, "%s", suite_scene_name(&run->work.source));
+    result_add_text(results, "%s", instruction_set_name(run->state->options.isa));
+    result_add_text(results, "%s", native);
+    result_add_text(results, "%s", set->name);
+    result_add_number(results, ray_run_rate(run, set->ours_ms.median));
+    for (size_t i = 0; i < set->rival_count; ++i) {
+        result_add_number(results, ray_run_rate(run, set->rivals[i].ms.median));
+        best = set->rivals[i].ms.median < best->ms.median ? &set->rivals[i] : best;
+    }
+    ray_rival_call(best, call, sizeof call);
+    result_add_text(results, "%s, %s", call, best->build);
+    spread_add(results, best->ratio);
+}
+
+static void add_rows(suite *all, const ray_run *run)
+{
+    for (int k = 0; k < RAY_SETS; ++k) {
+        if (run->sets[k].is_measured) {
+            add_row(result_find(all->results, table_id), run, &run->sets[k]);
+        }
+        if (run->sets[k].is_measured && run->sets[k].rival_count > 0) {
+            add_calls_row(result_find(all->results, calls_id), run, &run->sets[k]);
+        }
+    }
+}
+
+/* Appends the rows of the calls' table from the document of a child process. */
+static bool take_calls(suite *all, const cJSON *document)
+{
+    result_table *into = result_find(all->results, calls_id);
+    const cJSON *from = NULL;
+    cJSON_ArrayForEach(from, cJSON_GetObjectItemCaseSensitive(document, "tables"))
+    {
+        const cJSON *id = cJSON_GetObjectItemCaseSensitive(from, "id");
+        if (!cJSON_IsString(id) || strcmp(id->valuestring, calls_id) != 0) {
+            continue;
+        }
+        const cJSON *row = NULL;
+        cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(from, "rows"))
+        {
+            const cJSON *cell = NULL;
+            cJSON_ArrayForEach(cell, row)
+            {
+                if (cJSON_IsString(cell)) {
+                    result_add_text(into, "%s", cell->valuestring);
+                } else {
+                    result_add_number(into, cJSON_IsNumber(cell) ? cell->valuedouble : (double)NAN);
+                }
+            }
+        }
+        return true;
+    }
+    return false;
+}
+
+/* Whether a full run on AVX-512 adds rows for AVX2. */
+static bool wants_narrower(const suite *all)
+{
+    const options *given = &all->state->options;
+    return given->isa == NULL && !all->quick && embree_is_there() && instruction_set_is_there("avx512");
+}
+
+/* The calls with AVX2: PoCL and Embree choose their instruction set when they start, so a child process measures. */
+static int run_narrower(suite *all, const input *source, unsigned depth)
+{
+    const options *given = &all->state->options;
+    char ray_count[24];
+    char repeats[24];
+    char depth_text[24];
+    snprintf(ray_count, sizeof ray_count, "%zu", (size_t)given->ray_count);
+    snprintf(repeats, sizeof repeats, "%zu", all->repeats);
+    snprintf(depth_text, sizeof depth_text, "%u", depth);
+    const char *arguments[] = {"bench", "rays", "--isa", "avx2", "--json", "--scenes", source->name, "--ray-count",
+                               ray_count, "--repeat", repeats,
+                               /* ends here for the recommended depth */
+                               depth == SUITE_DEPTH_FOR_RAYS ? NULL : "--depths", depth_text, NULL};
+    child_cache cache;
+    cJSON *document = NULL;
+    if (!child_cache_create(&cache)) {
+        return program_fail(all->state, PROGRAM_FAILED, "bench rays: no folder for compiled kernels");
+    }
+    const bool taken = child_run(arguments, &cache, &document) >= 0 && take_calls(all, document);
+    cJSON_Delete(document);
+    child_cache_remove(&cache);
+    if (!taken) {
+        result_extend_note(result_find(all->results, calls_id), "AVX2 could not be measured.");
+    }
+    return PROGRAM_DONE;
 }
 
 /* Opens a device handle of its own and reads the input again, because the mesh is snapped. */
@@ -527,26 +461,26 @@ static int run(suite *all, const input *source, unsigned depth)
     given->depth_for_rays = depth == SUITE_DEPTH_FOR_RAYS;
     given->depth = given->depth_for_rays ? OPTION_DEFAULT_DEPTH : depth;
     given->versus = embree_is_there() ? OPTION_VERSUS_EMBREE : 0;
-    ray_bench bench = {.state = all->state,
-                       .threads = count_threads(given),
-                       .ray_count = (size_t)given->ray_count,
-                       .repeats = all->repeats};
+    ray_run made = {.state = all->state,
+                    .threads = count_threads(given),
+                    .ray_count = (size_t)given->ray_count,
+                    .repeats = all->repeats};
     progress_hold(all->state->progress, true);
-    const int exit_code = run_bench(&bench);
+    const int exit_code = ray_run_all(&made);
     progress_hold(all->state->progress, false);
-    for (int k = 0; k < SET_COUNT && exit_code == PROGRAM_DONE; ++k) {
-        add_row(result_find(all->results, table_id), &bench, &bench.sets[k]);
+    if (exit_code == PROGRAM_DONE) {
+        add_rows(all, &made);
     }
-    release(&bench);
+    ray_run_release(&made);
     *given = before;
-    return exit_code;
+    return exit_code == PROGRAM_DONE && wants_narrower(all) ? run_narrower(all, source, depth) : exit_code;
 }
 
 const suite_subject bench_rays = {
     .name = "rays",
     .group = "all",
     .summary = "rays against triangles, compared with Embree",
-    .full = {.scenes = {"statue:120000", "atrium"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
+    .full = {.scenes = {"statue:120000", "atrium", "terrain"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin,
     .run = run,

@@ -192,7 +192,8 @@ static double trace_merged(void *user)
 static double trace_embree(void *user)
 {
     const scene_bench *bench = user;
-    return embree_trace(bench->peer, bench->rays, bench->peer_hits, bench->ray_count, bench->threads);
+    return embree_trace(bench->peer, EMBREE_INTERSECT1, bench->rays, bench->peer_hits, bench->ray_count,
+                        bench->threads);
 }
 
 static void make_rays(scene_bench *bench, int set)

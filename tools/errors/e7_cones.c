@@ -203,7 +203,7 @@ static bool make_rays(cone_run *work)
 {
     const svo_mesh *mesh = scene_mesh(work->truth.made);
     work->peer = embree_is_there()
-                     ? embree_create(mesh->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count, false)
+                     ? embree_create(mesh->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count, NULL)
                      : NULL;
     for (unsigned per_point = 1; per_point <= 256; per_point *= 4) {
         for (int peer = 0; peer < (work->peer != NULL ? 2 : 1); ++peer) {

@@ -45,7 +45,7 @@ double occlusion_rays_trace(void *user)
     const occlusion_rays *work = user;
     const size_t count = work->truth->count * work->per_point;
     if (work->peer != NULL) {
-        return embree_occluded(work->peer, work->rays, work->hits, count, work->run->threads);
+        return embree_trace(work->peer, EMBREE_OCCLUDED1, work->rays, work->hits, count, work->run->threads);
     }
     const double started_ms = input_now_ms();
     const svo_status status =

@@ -79,8 +79,8 @@ static double run_bvh(void *user)
 static double run_embree(void *user)
 {
     const ray_method *method = user;
-    return embree_trace(method->embree_scene, method->bench->given->rays, method->hits, method->bench->given->ray_count,
-                        method->bench->run->threads);
+    return embree_trace(method->embree_scene, EMBREE_INTERSECT1, method->bench->given->rays, method->hits,
+                        method->bench->given->ray_count, method->bench->run->threads);
 }
 
 static ray_method *add_method(ray_bench *bench, const char *name, double (*work_ms)(void *))
@@ -100,7 +100,7 @@ static bool add_embree(ray_bench *bench, const char *name, bool robust)
     }
     ray_method *method = add_method(bench, name, run_embree);
     method->embree_scene = embree_create(bench->vertices, (size_t)bench->info.vertex_count, bench->arrays.indices,
-                                         (size_t)bench->info.list_triangle_count, robust);
+                                         (size_t)bench->info.list_triangle_count, &(embree_options){.robust = robust});
     return method->embree_scene != NULL;
 }
 

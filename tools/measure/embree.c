@@ -10,11 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
 #include "measure/threads.h"
 #include "support/input.h"
 
 #define RAYS_PER_CHUNK 4096u
 #define VERSION_BYTES  32
+#define CONFIG_BYTES   32
+#define GREATEST       0x1p60f /* of a ray's numbers; Embree refuses more than 1.8e18 */
 
 struct embree {
     RTCDevice device;
@@ -23,6 +29,31 @@ struct embree {
     double build_ms;
     char version[VERSION_BYTES];
 };
+
+/* ---- subnormal numbers ---- */
+
+/* Embree asks its callers to flush them to zero, for speed. Returns what restore_subnormals takes. */
+static uint32_t flush_subnormals(void)
+{
+#if defined(__SSE__)
+    const uint32_t state = _mm_getcsr();
+    _mm_setcsr(state | 0x8040u); /* flush to zero, subnormals are zero */
+    return state;
+#else
+    return 0;
+#endif
+}
+
+static void restore_subnormals(uint32_t state)
+{
+#if defined(__SSE__)
+    _mm_setcsr(state);
+#else
+    (void)state;
+#endif
+}
+
+/* ---- scenes ---- */
 
 bool embree_is_there(void)
 {
@@ -52,20 +83,28 @@ static bool add_mesh(embree *made, RTCScene into, const float *vertices, size_t 
 }
 
 /* A device and an empty scene; NULL on failure. */
-static embree *open_peer(bool robust)
+static embree *open_peer(const embree_options *asked)
 {
+    static const enum RTCBuildQuality qualities[] = {[EMBREE_LOW] = RTC_BUILD_QUALITY_LOW,
+                                                     [EMBREE_MEDIUM] = RTC_BUILD_QUALITY_MEDIUM,
+                                                     [EMBREE_HIGH] = RTC_BUILD_QUALITY_HIGH};
+    char config[CONFIG_BYTES] = "";
     embree *made = calloc(1, sizeof *made);
     if (made == NULL) {
         return NULL;
     }
-    made->device = rtcNewDevice(NULL);
+    if (asked->isa != NULL) {
+        snprintf(config, sizeof config, "isa=%s", asked->isa);
+    }
+    made->device = rtcNewDevice(config);
     if (made->device != NULL) {
         snprintf(made->version, sizeof made->version, "%d.%d.%d",
                  (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
                  (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
                  (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
         made->scene = rtcNewScene(made->device);
-        rtcSetSceneFlags(made->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+        rtcSetSceneFlags(made->scene, asked->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+        rtcSetSceneBuildQuality(made->scene, qualities[asked->quality]);
     }
     if (made->scene == NULL) {
         embree_destroy(&made);
@@ -74,9 +113,10 @@ static embree *open_peer(bool robust)
 }
 
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
-                      bool robust)
+                      const embree_options *asked)
 {
-    embree *made = open_peer(robust);
+    static const embree_options defaults = {.robust = false};
+    embree *made = open_peer(asked != NULL ? asked : &defaults);
     if (made != NULL && !add_mesh(made, made->scene, vertices, vertex_count, indices, triangle_count)) {
         embree_destroy(&made);
     }
@@ -101,7 +141,8 @@ static void add_instances(embree *made, const float (*matrices)[12], size_t matr
 embree *embree_create_placed(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
                              const float (*matrices)[12], size_t matrix_count)
 {
-    embree *made = open_peer(false);
+    static const embree_options defaults = {.robust = false};
+    embree *made = open_peer(&defaults);
     if (made == NULL) {
         return NULL;
     }
@@ -145,81 +186,156 @@ const char *embree_version(const embree *peer)
     return peer->version;
 }
 
+bool embree_is_native(const embree *peer, unsigned width)
+{
+    const enum RTCDeviceProperty property = width == 16  ? RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED
+                                            : width == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+                                                         : RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED;
+    return width == 1 || rtcGetDeviceProperty(peer->device, property) != 0;
+}
+
+/* ---- rays, as packets ---- */
+
+/* The rows of width numbers of struct RTCRay, RTCRay8 and RTCRay16. */
+enum { ROW_ORIGIN, ROW_NEAR = 3, ROW_DIRECTION, ROW_FAR = 8, ROW_MASK, RAY_ROWS = 12 };
+
 typedef struct ray_batch {
     const embree *peer;
+    embree_call call;
     const svo_ray *rays;
     svo_hit *hits;
+    size_t ray_count;
+    float *packets; /* RAY_ROWS rows each */
+    int *valid; /* for each ray: -1, or 0 where Embree refuses it */
 } ray_batch;
 
-static struct RTCRay ray_query(const svo_ray *ray)
+static bool is_valid(const svo_ray *ray)
 {
-    return (struct RTCRay){.org_x = ray->origin[0],
-                           .org_y = ray->origin[1],
-                           .org_z = ray->origin[2],
-                           .tnear = ray->t_min,
-                           .dir_x = ray->direction[0],
-                           .dir_y = ray->direction[1],
-                           .dir_z = ray->direction[2],
-                           .tfar = ray->t_max,
-                           .mask = UINT32_MAX};
+    bool valid = ray->t_min <= ray->t_max;
+    for (int axis = 0; axis < 3; ++axis) {
+        valid = valid && fabsf(ray->origin[axis]) < GREATEST && fabsf(ray->direction[axis]) < GREATEST;
+    }
+    return valid;
 }
 
-static void trace_one(RTCScene tree, struct RTCIntersectContext *context, const svo_ray *ray, svo_hit *hit)
+static void lay_out_ray(const ray_batch *batch, size_t index)
 {
-    struct RTCRayHit query = {.ray = ray_query(ray), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-    rtcIntersect1(tree, context, &query);
-    const bool met = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-    hit->t = met ? query.ray.tfar : INFINITY;
-    hit->triangle = met ? query.hit.primID : SVO_NO_TRIANGLE;
-    hit->u = query.hit.u;
-    hit->v = query.hit.v;
+    const unsigned width = batch->call.width;
+    const svo_ray *ray = &batch->rays[index];
+    float *lane = batch->packets + index / width * width * RAY_ROWS + index % width;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        lane[(ROW_ORIGIN + axis) * width] = ray->origin[axis];
+        lane[(ROW_DIRECTION + axis) * width] = ray->direction[axis];
+    }
+    lane[ROW_NEAR * width] = ray->t_min;
+    lane[ROW_FAR * width] = ray->t_max;
+    memset(&lane[ROW_MASK * width], 0xff, sizeof(float));
+    batch->valid[index] = is_valid(ray) ? -1 : 0;
 }
 
+static bool lay_out_rays(ray_batch *batch)
+{
+    const unsigned width = batch->call.width;
+    const size_t packets = (batch->ray_count + width - 1) / width;
+    batch->valid = calloc(packets * width, sizeof *batch->valid);
+    batch->packets = calloc(packets * width * RAY_ROWS, sizeof *batch->packets);
+    const bool made = batch->packets != NULL && batch->valid != NULL;
+    for (size_t i = 0; made && i < batch->ray_count; ++i) {
+        lay_out_ray(batch, i);
+    }
+    return made;
+}
+
+/* ---- tracing ---- */
+
+static void keep_hit(svo_hit *hit, bool met, float t, uint32_t triangle, float u, float v)
+{
+    hit->t = met ? t : INFINITY;
+    hit->triangle = met ? triangle : SVO_NO_TRIANGLE;
+    hit->u = u;
+    hit->v = v;
+}
+
+/* One function for each width: Embree's types and functions differ by a number. rtcOccluded makes tfar of an occluded
+   ray minus infinity. */
+#define TRACE_PACKET(width)                                                                                          \
+    static void trace_##width(const ray_batch *batch, struct RTCIntersectContext *context, size_t first)             \
+    {                                                                                                                \
+        const size_t left = batch->ray_count - first;                                                                \
+        const unsigned count = left < (width) ? (unsigned)left : (width);                                            \
+        _Alignas(64) int valid[width];                                                                               \
+        struct RTCRayHit##width query;                                                                               \
+        memcpy(&query.ray, batch->packets + first * RAY_ROWS, sizeof query.ray);                                     \
+        memcpy(valid, batch->valid + first, sizeof valid);                                                           \
+        memset(query.hit.geomID, 0xff, sizeof query.hit.geomID);                                                     \
+        memset(query.hit.instID, 0xff, sizeof query.hit.instID);                                                     \
+        if (batch->call.any) {                                                                                       \
+            rtcOccluded##width(valid, batch->peer->scene, context, &query.ray);                                      \
+        } else {                                                                                                     \
+            rtcIntersect##width(valid, batch->peer->scene, context, &query);                                         \
+        }                                                                                                            \
+        for (unsigned i = 0; i < count; ++i) {                                                                       \
+            if (batch->call.any) {                                                                                   \
+                keep_hit(&batch->hits[first + i], query.ray.tfar[i] < 0, 0, 0, 0, 0);                                \
+            } else {                                                                                                 \
+                keep_hit(&batch->hits[first + i], query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID, query.ray.tfar[i], \
+                         query.hit.primID[i], query.hit.u[i], query.hit.v[i]);                                       \
+            }                                                                                                        \
+        }                                                                                                            \
+    }
+
+TRACE_PACKET(8)
+TRACE_PACKET(16)
+
+static void trace_1(const ray_batch *batch, struct RTCIntersectContext *context, size_t index)
+{
+    struct RTCRayHit query = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    memcpy(&query.ray, batch->packets + index * RAY_ROWS, sizeof query.ray);
+    if (batch->valid[index] != 0 && batch->call.any) {
+        rtcOccluded1(batch->peer->scene, context, &query.ray);
+    } else if (batch->valid[index] != 0) {
+        rtcIntersect1(batch->peer->scene, context, &query);
+    }
+    if (batch->call.any) {
+        keep_hit(&batch->hits[index], query.ray.tfar < 0, 0, 0, 0, 0);
+    } else {
+        keep_hit(&batch->hits[index], query.hit.geomID != RTC_INVALID_GEOMETRY_ID, query.ray.tfar, query.hit.primID,
+                 query.hit.u, query.hit.v);
+    }
+}
+
+/* Chunks begin at whole packets. */
 static void trace_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
 {
     const ray_batch *batch = user;
     struct RTCIntersectContext context;
+    const uint32_t state = flush_subnormals();
     (void)thread_index;
     rtcInitIntersectContext(&context);
-    for (size_t i = begin; i < end; ++i) {
-        trace_one(batch->peer->scene, &context, &batch->rays[i], &batch->hits[i]);
+    context.flags = batch->call.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    void (*const trace)(const ray_batch *, struct RTCIntersectContext *, size_t) = batch->call.width == 16  ? trace_16
+                                                                                   : batch->call.width == 8 ? trace_8
+                                                                                                            : trace_1;
+    for (size_t i = begin; i < end; i += batch->call.width) {
+        trace(batch, &context, i);
     }
+    restore_subnormals(state);
 }
 
-/* rtcOccluded1 makes tfar of an occluded ray minus infinity. */
-static void occlude_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
+double embree_trace(const embree *peer, embree_call call, const svo_ray *rays, svo_hit *hits, size_t ray_count,
+                    unsigned thread_count)
 {
-    const ray_batch *batch = user;
-    struct RTCIntersectContext context;
-    (void)thread_index;
-    rtcInitIntersectContext(&context);
-    for (size_t i = begin; i < end; ++i) {
-        struct RTCRay query = ray_query(&batch->rays[i]);
-        rtcOccluded1(batch->peer->scene, &context, &query);
-        const bool met = query.tfar < 0;
-        batch->hits[i] = (svo_hit){.t = met ? 0 : INFINITY, .triangle = met ? 0 : SVO_NO_TRIANGLE};
-    }
-}
-
-/* The milliseconds, below 0 on failure. */
-static double run_batch(ray_batch *batch, size_t ray_count, unsigned thread_count, threads_work *chunk)
-{
-    const double start_ms = input_now_ms();
+    ray_batch batch = {.peer = peer, .call = call, .rays = rays, .hits = hits, .ray_count = ray_count};
+    double ms = -1.0;
     thread_count = thread_count < THREADS_MAX ? thread_count : THREADS_MAX;
-    const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, chunk, batch);
-    return took_part == thread_count ? input_now_ms() - start_ms : -1.0;
-}
-
-double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
-{
-    ray_batch batch = {.peer = peer, .rays = rays, .hits = hits};
-    return run_batch(&batch, ray_count, thread_count, trace_chunk);
-}
-
-double embree_occluded(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
-{
-    ray_batch batch = {.peer = peer, .rays = rays, .hits = hits};
-    return run_batch(&batch, ray_count, thread_count, occlude_chunk);
+    if (lay_out_rays(&batch)) {
+        const double start_ms = input_now_ms();
+        const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, trace_chunk, &batch);
+        ms = took_part == thread_count ? input_now_ms() - start_ms : -1.0;
+    }
+    free(batch.packets);
+    free(batch.valid);
+    return ms;
 }
 
 #else
@@ -230,9 +346,9 @@ bool embree_is_there(void)
 }
 
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,
-                      bool robust)
+                      const embree_options *asked)
 {
-    (void)robust;
+    (void)asked;
     (void)vertices;
     (void)vertex_count;
     (void)indices;
@@ -245,7 +361,7 @@ embree *embree_create_placed(const float *vertices, size_t vertex_count, const u
 {
     (void)matrices;
     (void)matrix_count;
-    return embree_create(vertices, vertex_count, indices, triangle_count, false);
+    return embree_create(vertices, vertex_count, indices, triangle_count, NULL);
 }
 
 void embree_destroy(embree **peer)
@@ -265,19 +381,22 @@ const char *embree_version(const embree *peer)
     return "";
 }
 
-double embree_trace(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
+bool embree_is_native(const embree *peer, unsigned width)
 {
     (void)peer;
+    return width == 1;
+}
+
+double embree_trace(const embree *peer, embree_call call, const svo_ray *rays, svo_hit *hits, size_t ray_count,
+                    unsigned thread_count)
+{
+    (void)peer;
+    (void)call;
     (void)rays;
     (void)hits;
     (void)ray_count;
     (void)thread_count;
     return -1.0;
-}
-
-double embree_occluded(const embree *peer, const svo_ray *rays, svo_hit *hits, size_t ray_count, unsigned thread_count)
-{
-    return embree_trace(peer, rays, hits, ray_count, thread_count);
 }
 
 #endif

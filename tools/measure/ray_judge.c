@@ -54,3 +54,25 @@ ray_verdict ray_judge(const oracle_ray_scene *scene, const uint32_t *triangle_id
     }
     return verdict;
 }
+
+ray_verdict ray_judge_occlusion(const oracle_ray_scene *scene, const svo_ray *rays, const svo_hit *ours,
+                                const svo_hit *theirs, size_t ray_count)
+{
+    ray_verdict verdict = {0};
+    for (size_t i = 0; i < ray_count; ++i) {
+        const bool occluded = ours[i].triangle != SVO_NO_TRIANGLE;
+        verdict.leaves += (double)ours[i].count / (double)ray_count;
+        verdict.hits += occluded;
+        if (theirs == NULL || occluded == (theirs[i].triangle != SVO_NO_TRIANGLE)) {
+            continue;
+        }
+        ++verdict.differing;
+        const oracle_ray ray = ray_widen(&rays[i]);
+        const bool exact = oracle_ray_closest(scene, &ray).hit;
+        verdict.missed += exact && !occluded;
+        verdict.wrong_ids += !exact && occluded;
+        verdict.their_missed += exact && occluded;
+        verdict.their_wrong_ids += !exact && !occluded;
+    }
+    return verdict;
+}

@@ -24,4 +24,8 @@ typedef struct ray_verdict {
 ray_verdict ray_judge(const oracle_ray_scene *scene, const uint32_t *triangle_ids, const svo_ray *rays,
                       const svo_hit *ours, const svo_hit *theirs, size_t ray_count);
 
+/* The same of any hit: only whether a ray is occluded counts. */
+ray_verdict ray_judge_occlusion(const oracle_ray_scene *scene, const svo_ray *rays, const svo_hit *ours,
+                                const svo_hit *theirs, size_t ray_count);
+
 #endif

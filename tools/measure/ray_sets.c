@@ -7,6 +7,8 @@
 
 #include "support/ray_table.h"
 
+#define SHADOW_OFFSET 1e-4 /* of the distance from the camera */
+
 /* [0, 1), a multiple of 2^-24: Marsaglia, "Xorshift RNGs", 2003. */
 static double random_unit(uint64_t *state)
 {
@@ -60,7 +62,7 @@ void ray_set_incoherent(const double low[3], const double high[3], size_t count,
     for (int axis = 0; axis < 3; ++axis) {
         radius += (high[axis] - low[axis]) * (high[axis] - low[axis]);
     }
-    radius = 0.5 * sqrt(radius);
+    radius = radius > 0 ? 0.5 * sqrt(radius) : 1.0; /* a point is met from around it */
     for (size_t i = 0; i < count; ++i) {
         const double height = 2.0 * random_unit(&state) - 1.0;
         const double angle = 6.283185307179586 * random_unit(&state);
@@ -75,4 +77,39 @@ void ray_set_incoherent(const double low[3], const double high[3], size_t count,
         normalize(direction);
         rays[i] = make_ray(origin, direction);
     }
+}
+
+void ray_set_misses(const double low[3], const double high[3], size_t count, svo_ray *rays)
+{
+    ray_set_incoherent(low, high, count, rays);
+    for (size_t i = 0; i < count; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].direction[axis] = -rays[i].direction[axis];
+        }
+    }
+}
+
+bool ray_set_shadow(const svo_camera *camera, const svo_ray *primary, const svo_hit *hits, size_t count, svo_ray *rays)
+{
+    const camera_axes axes = ray_table_axes(camera);
+    double sun[3];
+    size_t hit_count = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        sun[axis] = 2.0 * axes.up[axis] + axes.right[axis] - axes.forward[axis];
+    }
+    normalize(sun);
+    for (size_t i = 0; i < count; ++i) {
+        hit_count += hits[i].triangle != SVO_NO_TRIANGLE;
+    }
+    for (size_t made = 0, i = 0; made < count && hit_count > 0; i = i + 1 < count ? i + 1 : 0) {
+        if (hits[i].triangle != SVO_NO_TRIANGLE) {
+            const double t = (double)hits[i].t * (1.0 - SHADOW_OFFSET); /* outside of the surface */
+            double origin[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                origin[axis] = (double)primary[i].origin[axis] + t * (double)primary[i].direction[axis];
+            }
+            rays[made++] = make_ray(origin, sun);
+        }
+    }
+    return hit_count > 0;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "measure/instruction_set.h"
 #include "svocl/version.h"
 
 #define REPEATS       11
@@ -102,18 +103,6 @@ static void keep_device_fact(cl_device_id device, cl_device_info which, char fac
     }
 }
 
-/* Of the processor the program runs on: figures of the same code differ between them. */
-static const char *instruction_set(void)
-{
-#if defined(__x86_64__)
-    return __builtin_cpu_supports("avx512f") ? "AVX-512" : __builtin_cpu_supports("avx2") ? "AVX2" : "SSE2";
-#elif defined(__aarch64__)
-    return "NEON";
-#else
-    return "";
-#endif
-}
-
 static void describe_machine(const suite *all)
 {
     result_machine *machine = &all->results->machine;
@@ -126,7 +115,7 @@ static void describe_machine(const suite *all)
     snprintf(machine->renderer, sizeof machine->renderer, "%s",
              all->opened.gl != NULL ? opengl_renderer(all->opened.gl) : "none");
     snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
-    snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set());
+    snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set_name(given->isa));
     machine->cpu_threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 

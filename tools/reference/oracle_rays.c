@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays and points against every triangle of the snapped mesh. */
+/* Rays and points against every triangle of a mesh. */
 #include "oracle_rays.h"
 
 #include <math.h>
@@ -28,23 +28,45 @@ static long double dot(vector a, vector b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* A world position in grid units. */
-static vector to_grid(const oracle_ray_scene *scene, const double position[3])
+static bool is_snapped(const oracle_ray_scene *scene)
 {
-    return (vector){((long double)position[0] - scene->origin[0]) * scene->scale,
-                    ((long double)position[1] - scene->origin[1]) * scene->scale,
-                    ((long double)position[2] - scene->origin[2]) * scene->scale};
+    return scene->positions == NULL && scene->positions_double == NULL;
+}
+
+/* Units of the vertices per world unit. */
+static long double scale_of(const oracle_ray_scene *scene)
+{
+    return is_snapped(scene) ? scene->scale : 1;
+}
+
+/* A world position in the units of the vertices. */
+static vector to_units(const oracle_ray_scene *scene, const double position[3])
+{
+    const vector world = {position[0], position[1], position[2]};
+    return is_snapped(scene)
+               ? (vector){(world.x - scene->origin[0]) * scene->scale, (world.y - scene->origin[1]) * scene->scale,
+                          (world.z - scene->origin[2]) * scene->scale}
+               : world;
 }
 
 static vector corner_of(const oracle_ray_scene *scene, size_t triangle, size_t corner)
 {
-    const int32_t *vertex = scene->vertices + (size_t)scene->indices[3 * triangle + corner] * 3;
+    const size_t at = (size_t)scene->indices[3 * triangle + corner] * 3;
+    if (scene->positions != NULL) {
+        const float *vertex = scene->positions + at;
+        return (vector){vertex[0], vertex[1], vertex[2]};
+    }
+    if (scene->positions_double != NULL) {
+        const double *vertex = scene->positions_double + at;
+        return (vector){vertex[0], vertex[1], vertex[2]};
+    }
+    const int32_t *vertex = scene->vertices + at;
     return (vector){vertex[0], vertex[1], vertex[2]};
 }
 
 bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, double *t)
 {
-    const vector start = to_grid(scene, ray->origin);
+    const vector start = to_units(scene, ray->origin);
     const vector direction = {ray->direction[0], ray->direction[1], ray->direction[2]};
     const vector a = subtract(corner_of(scene, triangle, 0), start);
     const vector b = subtract(corner_of(scene, triangle, 1), start);
@@ -60,7 +82,7 @@ bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const orac
     if (towards == 0) {
         return false;
     }
-    const double found = (double)(dot(normal, a) / towards / scene->scale);
+    const double found = (double)(dot(normal, a) / towards / scale_of(scene));
     if (!(found >= ray->t_min && found <= ray->t_max)) {
         return false;
     }
@@ -104,7 +126,7 @@ static long double segment_distance(vector p, vector a, vector b)
 /* Inside the prism over the triangle the plane is nearest, outside of it one of the edges is. */
 double oracle_triangle_distance(const oracle_ray_scene *scene, size_t triangle, const double point[3])
 {
-    const vector p = to_grid(scene, point);
+    const vector p = to_units(scene, point);
     const vector a = corner_of(scene, triangle, 0);
     const vector b = corner_of(scene, triangle, 1);
     const vector c = corner_of(scene, triangle, 2);
@@ -114,12 +136,12 @@ double oracle_triangle_distance(const oracle_ray_scene *scene, size_t triangle, 
                        dot(cross(subtract(c, b), subtract(p, b)), normal) >= 0 &&
                        dot(cross(subtract(a, c), subtract(p, c)), normal) >= 0;
     if (above) {
-        return (double)(fabsl(dot(subtract(p, a), normal)) / sqrtl(area) / scene->scale);
+        return (double)(fabsl(dot(subtract(p, a), normal)) / sqrtl(area) / scale_of(scene));
     }
     long double least = segment_distance(p, a, b);
     least = fminl(least, segment_distance(p, b, c));
     least = fminl(least, segment_distance(p, c, a));
-    return (double)(sqrtl(least) / scene->scale);
+    return (double)(sqrtl(least) / scale_of(scene));
 }
 
 double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size_t *triangle)

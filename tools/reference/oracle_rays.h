@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays against every triangle of the snapped mesh in long double: the reference for the ray kernels and for
- * measurements of other libraries. The edge functions are scalar triple products of the corners relative to the ray
- * origin, not the sheared form of the kernels.
+ * Rays against every triangle of a mesh in long double: the reference for the ray kernels and for measurements of
+ * other libraries. The mesh is the input's, or the snapped one. The edge functions are scalar triple products of the
+ * corners relative to the ray origin, not the sheared form of the kernels.
  */
 #ifndef SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
 #define SVOCL_TOOLS_REFERENCE_ORACLE_RAYS_H
@@ -12,10 +12,13 @@
 #include <stdint.h>
 
 typedef struct oracle_ray_scene {
-    const int32_t *vertices; /* three per vertex, snapped */
+    /* Three per vertex, in one of these arrays: world units; or snapped, in grid units. */
+    const float *positions;
+    const double *positions_double;
+    const int32_t *vertices;
     const uint32_t *indices; /* three per triangle */
     size_t triangle_count;
-    double origin[3], scale; /* world to grid units: (v - origin) * scale */
+    double origin[3], scale; /* of snapped vertices: (v - origin) * scale */
 } oracle_ray_scene;
 
 typedef struct oracle_ray {

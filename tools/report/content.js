@@ -131,6 +131,11 @@ const sections = [
     lead: "The same rays against the same triangles."
   },
   {
+    table: "ray-calls",
+    heading: "Ray tracing: Embree, call by call",
+    lead: "Packets of 1, 8 and 16 rays, and Embree's other builds. Below a ratio of 1 Embree leads."
+  },
+  {
     table: "peer-embree",
     heading: "Build time and memory: Embree",
     lead: "The octree with its BVH, and Embree's BVH, of the same triangles."

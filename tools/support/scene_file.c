@@ -161,6 +161,15 @@ static int read_place(const json_source *source, const cJSON *object, scene_plac
     return exit_code == PROGRAM_DONE ? read_scale(source, object, out->scale) : exit_code;
 }
 
+/* The lit views place meshes without a scene, which would refuse a flat matrix. */
+static int read_matrix(const json_source *source, const cJSON *value, float out[12])
+{
+    const int exit_code = json_source_floats(source, value, "matrix", 12, out);
+    return exit_code != PROGRAM_DONE || !scene_place_is_flat(out)
+               ? exit_code
+               : json_source_fail(source, value, "'matrix' is flat: it maps space to a plane, a line or a point");
+}
+
 /* ---- instances ---- */
 
 /* A lattice of copies: how many along each axis, the step between them, and by how much each is turned further than the
@@ -290,7 +299,7 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
         exit_code = check_matrix_alone(source, object);
     }
     if (exit_code == PROGRAM_DONE && given_matrix != NULL) {
-        exit_code = json_source_floats(source, given_matrix, "matrix", 12, matrix);
+        exit_code = read_matrix(source, given_matrix, matrix);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_place(source, object, &from);

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "svocl/scene.h"
+
 #define PI 3.14159265358979323846
 
 /* Columns count as perpendicular up to this cosine: float matrices of a placement are not exactly so. */
@@ -49,6 +51,19 @@ static double dot_columns(const double matrix[9], int a, int b)
 static double determinant(const double m[9])
 {
     return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+bool scene_place_is_flat(const float transform[12])
+{
+    double matrix[9];
+    double least = SVO_SCENE_DETERMINANT_MIN;
+    for (int i = 0; i < 9; ++i) {
+        matrix[i] = (double)transform[4 * (i / 3) + i % 3];
+    }
+    for (int k = 0; k < 3; ++k) {
+        least *= sqrt(dot_columns(matrix, k, k));
+    }
+    return !(fabs(determinant(matrix)) > least);
 }
 
 /* Divides the columns by their lengths, which are the scales; false where the columns are not perpendicular. */

@@ -13,6 +13,9 @@ typedef struct scene_place {
 /* The matrix of a placement, row by row, as svo_instance has it. */
 void scene_place_compose(const scene_place *place, float transform[12]);
 
+/* Whether a matrix is flat, or so nearly flat that scenes refuse it (SVO_SCENE_DETERMINANT_MIN). */
+bool scene_place_is_flat(const float transform[12]);
+
 /* The placement of a matrix, where it has one: false if it shears. Angles and scales are rounded where that leaves the
    matrix the same bit for bit; otherwise the placement's matrix may differ from it by rounding. A matrix that mirrors
    has a negative scale of z. */

@@ -2,8 +2,10 @@
 /* svocl bench: runs measurements and writes them as tables or JSON. The subjects are in bench/ and errors/. */
 #include <string.h>
 
+#include "bench/child.h"
 #include "bench/openvdb.h"
 #include "bench/rays.h"
+#include "measure/instruction_set.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "support/json.h"
@@ -150,6 +152,35 @@ static int run_subjects(program *state)
     return exit_code;
 }
 
+static int measure(program *state)
+{
+    const options *given = &state->options;
+    if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
+        return bench_rays_alone(state);
+    }
+    const int exit_code = check_options(state);
+    return exit_code != PROGRAM_DONE ? exit_code : run_subjects(state);
+}
+
+/* With an instruction set of the caller's choice, and a cache of kernels that no other run shares. */
+static int measure_with_isa(program *state)
+{
+    const char *isa = state->options.isa;
+    child_cache cache;
+    if (!instruction_set_is_there(isa)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--isa '%s' is none of sse2, avx2 and avx512, or this processor lacks it", isa);
+    }
+    if (!child_cache_create(&cache)) {
+        return program_fail(state, PROGRAM_FAILED, "--isa %s: no folder for compiled kernels", isa);
+    }
+    const int exit_code = instruction_set_choose(isa, cache.path)
+                              ? measure(state)
+                              : program_fail(state, PROGRAM_FAILED, "--isa %s: out of memory", isa);
+    child_cache_remove(&cache);
+    return exit_code;
+}
+
 int command_bench(program *state)
 {
     const options *given = &state->options;
@@ -161,9 +192,5 @@ int command_bench(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
-        return bench_rays_alone(state);
-    }
-    exit_code = check_options(state);
-    return exit_code != PROGRAM_DONE ? exit_code : run_subjects(state);
+    return given->isa != NULL ? measure_with_isa(state) : measure(state);
 }

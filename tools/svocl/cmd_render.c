@@ -5,6 +5,7 @@
 #include "support/job.h"
 #include "support/output.h"
 #include "support/picture.h"
+#include "support/probe_picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
 #include "support/viewpoint.h"
@@ -84,12 +85,6 @@ static int build_tree(program *state, job *done)
     return built;
 }
 
-/* Whether rays through probes have such a view. */
-static bool is_view_of_probes(int view)
-{
-    return view == SVO_VIEW_SHADED || view == SVO_VIEW_NORMAL || view == SVO_VIEW_DEPTH || view == SVO_VIEW_STEPS;
-}
-
 static int check_probes(program *state)
 {
     const options *given = &state->options;
@@ -98,7 +93,7 @@ static int check_probes(program *state)
                    ? PROGRAM_DONE
                    : program_fail(state, PROGRAM_WRONG_USAGE, "options of probes require --through probes");
     }
-    return is_view_of_probes(given->view)
+    return probe_picture_has_view(given->view)
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE,
                               "--through probes has the views shaded, normal, depth and steps alone");

@@ -81,8 +81,8 @@ static const command commands[] = {
 #ifdef SVOCL_VIEW
     {.name = "view",
      .run = command_view,
-     .groups =
-         OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_VIEW_COMMAND,
+     .groups = OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_PROBES |
+               OPTION_VIEW_COMMAND,
      .input_name = "INPUT",
      .needs_input = true,
      .summary = "Shows the octree of a mesh or voxels, a .svo file or a .json scene in a window.",

@@ -6,10 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A texture of colors. */
+typedef struct image {
+    GLuint name;
+    unsigned width, height; /* 0: it has no pixels yet */
+} image;
+
 struct canvas {
     const view_gl *gl;
-    GLuint texture;
-    unsigned width, height; /* of the texture */
+    image picture, map;
     GLuint picture_program, line_program;
     GLuint picture_vertices, line_vertices; /* vertex arrays; the first one is empty */
     GLuint line_buffer;
@@ -60,11 +65,12 @@ static void make_frame(canvas *which)
     which->gl->GenTextures(1, &which->frame_texture);
 }
 
-static void make_texture(canvas *which)
+static void make_texture(const view_gl *gl, image *out)
 {
-    const view_gl *gl = which->gl;
-    gl->GenTextures(1, &which->texture);
-    gl->BindTexture(GL_TEXTURE_2D, which->texture);
+    gl->GenTextures(1, &out->name);
+    gl->BindTexture(GL_TEXTURE_2D, out->name);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
@@ -96,7 +102,8 @@ canvas *canvas_create(const view_gl *gl, svo_message *why)
     }
     made->gl = gl;
     make_frame(made);
-    make_texture(made);
+    make_texture(gl, &made->picture);
+    make_texture(gl, &made->map);
     make_vertices(made);
     if (!view_gl_program(gl, picture_vertex, picture_fragment, &made->picture_program, why) ||
         !view_gl_program(gl, line_vertex, line_fragment, &made->line_program, why) ||
@@ -118,7 +125,8 @@ void canvas_destroy(canvas **which)
     gl->DeleteVertexArrays(1, &gone->picture_vertices);
     gl->DeleteVertexArrays(1, &gone->line_vertices);
     gl->DeleteBuffers(1, &gone->line_buffer);
-    gl->DeleteTextures(1, &gone->texture);
+    gl->DeleteTextures(1, &gone->picture.name);
+    gl->DeleteTextures(1, &gone->map.name);
     gl->DeleteFramebuffers(1, &gone->frame);
     gl->DeleteTextures(1, &gone->frame_texture);
     free(gone);
@@ -127,30 +135,44 @@ void canvas_destroy(canvas **which)
 
 /* ---- pictures ---- */
 
-bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why)
+static bool fill(const view_gl *gl, image *out, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why)
 {
-    const view_gl *gl = which->gl;
     const GLsizei columns = (GLsizei)width;
     const GLsizei rows = (GLsizei)height;
-    gl->BindTexture(GL_TEXTURE_2D, which->texture);
+    gl->BindTexture(GL_TEXTURE_2D, out->name);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    if (width != which->width || height != which->height) {
+    if (width != out->width || height != out->height) {
         gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, columns, rows, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-        which->width = width;
-        which->height = height;
+        out->width = width;
+        out->height = height;
     } else {
         gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
     }
     return view_gl_check(gl, "taking a picture", why);
 }
 
+bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why)
+{
+    return fill(which->gl, &which->picture, rgba, width, height, why);
+}
+
+bool canvas_take_map(canvas *which, const uint8_t *rgba, unsigned edge, svo_message *why)
+{
+    return fill(which->gl, &which->map, rgba, edge, edge, why);
+}
+
+uint32_t canvas_map(const canvas *which)
+{
+    return which->map.name;
+}
+
 /* A picture of the window's size is shown pixel by pixel; others are stretched. */
 static void draw_picture(const canvas *which, unsigned width, unsigned height)
 {
     const view_gl *gl = which->gl;
-    const GLint filter = width == which->width && height == which->height ? GL_NEAREST : GL_LINEAR;
+    const GLint filter = width == which->picture.width && height == which->picture.height ? GL_NEAREST : GL_LINEAR;
     gl->ActiveTexture(GL_TEXTURE0);
-    gl->BindTexture(GL_TEXTURE_2D, which->texture);
+    gl->BindTexture(GL_TEXTURE_2D, which->picture.name);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     gl->UseProgram(which->picture_program);
@@ -215,7 +237,7 @@ bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_ve
     gl->Disable(GL_DEPTH_TEST);
     gl->ClearColor(0.09F, 0.10F, 0.12F, 1.0F);
     gl->Clear(GL_COLOR_BUFFER_BIT);
-    if (which->width > 0) {
+    if (which->picture.width > 0) {
         draw_picture(which, width, height);
     }
     if (count > 0 && !draw_lines(which, width, height, vertices, count)) {

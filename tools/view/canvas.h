@@ -25,6 +25,10 @@ void canvas_destroy(canvas **which);
 /* Takes a picture, rows from top to bottom. False on failure. */
 bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why);
 
+/* Takes a square picture for panels likewise; canvas_map is its name for ui_fill_image. */
+bool canvas_take_map(canvas *which, const uint8_t *rgba, unsigned edge, svo_message *why);
+uint32_t canvas_map(const canvas *which);
+
 /* Begins a frame of this many pixels, draws the picture over it, then count / 3 triangles. What is drawn until
    canvas_show is of the frame too. False on failure. */
 bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices, size_t count,

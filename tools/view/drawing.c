@@ -31,7 +31,8 @@ static bool shown_differs(const view_shown *had, const view_shown *now)
     return had->picture != now->picture || had->level != now->level || had->gi != now->gi ||
            had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
            differs(had->exposure, now->exposure) || differs(had->range, now->range) ||
-           differs(had->falloff, now->falloff);
+           differs(had->falloff, now->falloff) || had->through != now->through ||
+           (now->through && (had->choice != now->choice || view_grid_differs(&had->probes, &now->probes)));
 }
 
 /* Whether the last picture shows something else than the state does. */
@@ -50,7 +51,7 @@ static unsigned coarse_for(const drawing *which, const view_state *state)
     if (state->settings.coarse != 0) {
         return state->settings.coarse;
     }
-    const double pixel_ms = which->pixel_ms[state->shown.picture];
+    const double pixel_ms = which->pixel_ms[state->shown.picture][state->shown.through];
     const double pixels = (double)state->width * (double)state->height;
     unsigned coarse = pixel_ms > 0 ? 1 : VIEW_COARSE_MAX;
     while (coarse < VIEW_COARSE_MAX && pixel_ms * pixels / (coarse * coarse) > (double)state->settings.goal_ms) {
@@ -75,9 +76,9 @@ static bool make_room(drawing *which, unsigned width, unsigned height)
 }
 
 /* Rays from the camera through a pixel: both shaded pictures and those of light have two by two. */
-static unsigned rays_of_pixel(view_picture picture)
+static unsigned rays_of_pixel(const view_shown *shown)
 {
-    return picture == VIEW_SHADED || subject_picture_is_lit(picture) ? 4 : 1;
+    return !shown->through && (shown->picture == VIEW_SHADED || subject_picture_is_lit(shown->picture)) ? 4 : 1;
 }
 
 static void remember(drawing *which, const view_state *state, unsigned coarse)
@@ -114,7 +115,7 @@ static bool enlarge(drawing *which, unsigned width, unsigned height)
 /* Rows of a band that is expected to take no longer than the goal. */
 static unsigned band_rows(const drawing *which, const view_state *state)
 {
-    const double row_ms = which->pixel_ms[state->shown.picture] * (double)which->width;
+    const double row_ms = which->pixel_ms[state->shown.picture][state->shown.through] * (double)which->width;
     const double rows = row_ms > 0 ? (double)state->settings.goal_ms / row_ms : SVO_LIGHT_BAND_ROWS;
     const unsigned below = which->height - which->rows_done;
     const unsigned bands =
@@ -124,15 +125,14 @@ static unsigned band_rows(const drawing *which, const view_state *state)
 }
 
 /* Draws rows of the picture and measures them. */
-static int draw_rows(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock,
-                     unsigned row_count)
+static int draw_rows(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, unsigned row_count)
 {
     const picture_part part = {which->width, which->height, which->rows_done, row_count};
     const double begin_ms = clock->now_ms(clock->user);
     const int exit_code = subject_draw(shown, state, &part, which->rgba + (size_t)which->width * which->rows_done * 4);
     const double pixels = (double)which->width * (double)row_count;
-    which->pixel_ms[state->shown.picture] = (clock->now_ms(clock->user) - begin_ms) / pixels;
-    which->rays = (uint64_t)pixels * rays_of_pixel(state->shown.picture);
+    which->pixel_ms[state->shown.picture][state->shown.through] = (clock->now_ms(clock->user) - begin_ms) / pixels;
+    which->rays = (uint64_t)pixels * rays_of_pixel(&state->shown);
     which->rows_done += row_count;
     return exit_code;
 }
@@ -143,8 +143,7 @@ static int fail_without_memory(subject *shown, unsigned width, unsigned height)
 }
 
 /* A whole picture. */
-static int draw_all(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock,
-                    unsigned coarse)
+static int draw_all(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, unsigned coarse)
 {
     const unsigned width = (state->width + coarse - 1) / coarse;
     const unsigned height = (state->height + coarse - 1) / coarse;
@@ -159,7 +158,7 @@ static int draw_all(drawing *which, subject *shown, const view_state *state, con
 }
 
 /* The next band of a finer picture. */
-static int draw_band(drawing *which, subject *shown, const view_state *state, const drawing_clock *clock)
+static int draw_band(drawing *which, subject *shown, view_state *state, const drawing_clock *clock)
 {
     if (which->rows_done == which->height) {
         const unsigned coarse = which->coarse / 2;

@@ -23,7 +23,7 @@ typedef struct drawing {
     view_revisions revisions;
     svo_camera camera;
     unsigned window_width, window_height;
-    double pixel_ms[VIEW_PICTURES]; /* time of a pixel; 0: not known */
+    double pixel_ms[VIEW_PICTURES][2]; /* time of a pixel, of the tree and through probes; 0: not known */
     uint64_t rays; /* from the camera, of the last picture */
 } drawing;
 

@@ -29,13 +29,17 @@ input_binding input_describe(size_t index)
                                              {"P", "photons"},
                                              {"B", "faces, bricks, voxels"},
                                              {"+, -", "exposure"},
+                                             {"T", "look through probes"},
+                                             {"E", "field or eight"},
+                                             {"O, M", "spheres, a map"},
+                                             {", and .", "another probe"},
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
                                              {"Ctrl+S, O", "save, load them"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
-                                             {"F1-F10", "one panel"},
+                                             {"F1-F10, F12", "one panel"},
                                              {"F11", "full screen"},
                                              {"Ctrl+Q", "quit"}};
     return index < sizeof bindings / sizeof bindings[0] ? bindings[index] : (input_binding){NULL, NULL};
@@ -76,6 +80,38 @@ static void edit_instances(view_state *state, bool is_added)
         (void)scene_edit_add(state);
     } else {
         scene_edit_remove(state);
+    }
+}
+
+static void change_choice(view_state *state)
+{
+    const bool was_field = state->shown.choice == SVO_PROBE_CHOICE_FIELD;
+    view_choose_probe_choice(state, was_field ? SVO_PROBE_CHOICE_EIGHT : SVO_PROBE_CHOICE_FIELD);
+    view_log(state, "rays choose probes by: %s", svo_probe_choice_name(state->shown.choice));
+}
+
+/* Keys of probes; false: it is none of them. */
+static bool press_for_probes(int key, view_state *state)
+{
+    switch (key) {
+    case 't':
+        view_choose_through(state, !state->shown.through);
+        return true;
+    case 'e':
+        change_choice(state);
+        return true;
+    case 'o':
+        state->probes.has_spheres = !state->probes.has_spheres;
+        return true;
+    case 'm':
+        state->probes.has_map = !state->probes.has_map;
+        return true;
+    case ',':
+    case '.':
+        view_choose_probe(state, (int64_t)state->probes.chosen + (key == '.' ? 1 : -1));
+        return true;
+    default:
+        return false;
     }
 }
 
@@ -144,10 +180,10 @@ static input_wish press_key(const view_event *event, view_state *state)
     const int key = event->key;
     if (key >= '0' && key <= '9') {
         view_choose_picture(state, key == '0' ? VIEW_FULL : (view_picture)(key - '1'));
-    } else if (key >= VIEW_KEY_F1 && key < VIEW_KEY_F1 + (int)VIEW_PANELS) {
-        view_toggle_panel(state, (view_panel)(key - VIEW_KEY_F1));
     } else if (key == VIEW_KEY_F12 - 1) {
         return INPUT_FULLSCREEN;
+    } else if (key >= VIEW_KEY_F1 && key <= VIEW_KEY_F12) {
+        view_toggle_panel(state, key == VIEW_KEY_F12 ? VIEW_PANEL_PROBES : (view_panel)(key - VIEW_KEY_F1));
     } else if (key == VIEW_KEY_TAB) {
         state->settings.panels = !state->settings.panels;
     } else if (key == VIEW_KEY_HOME) {
@@ -156,7 +192,7 @@ static input_wish press_key(const view_event *event, view_state *state)
         edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
         state->selection.is_hit = false;
-    } else {
+    } else if (!press_for_probes(key, state)) {
         press_letter(event, state);
     }
     return INPUT_NOTHING;

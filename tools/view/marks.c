@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "view/camera.h"
+#include "view/probe_spheres.h"
+#include "view/ui_theme.h"
 
 /* Half of a line's width, pixels. */
 #define THIN  0.75F
@@ -15,11 +17,19 @@
 #define LIGHT_RADIUS 9.0F
 #define LIGHT_SIDES  16
 
+/* Of spheres: sides of a large and a small one, and how far its highlight is from its center, in radii. */
+#define SPHERE_SIDES       24
+#define SPHERE_SIDES_SMALL 8
+#define SPHERE_SMALL       6.0F
+#define HIGHLIGHT          0.35F
+
 static const float triangle_color[4] = {1.0F, 0.62F, 0.10F, 1.0F};
 static const float triangle_area[4] = {1.0F, 0.62F, 0.10F, 0.35F};
 static const float list_color[4] = {1.0F, 0.85F, 0.55F, 0.55F};
 static const float node_color[4] = {0.25F, 0.75F, 1.0F, 0.95F};
 static const float light_color[4] = {1.0F, 0.95F, 0.55F, 0.95F};
+static const float chosen_color[4] = {1.0F, 1.0F, 1.0F, 1.0F};
+static const uint32_t probe_colors[] = {UI_COLOR_PROBE_OFF, UI_COLOR_PROBE_IN_PLACE, UI_COLOR_PROBE_MOVED};
 
 /* ---- pixels ---- */
 
@@ -118,6 +128,24 @@ static void mark_selection(marks *which, const view_state *state)
     }
 }
 
+static void on_circle(const float middle[2], float radius, int index, int sides, float out[2])
+{
+    const float angle = 2 * acosf(-1.0F) / (float)sides * (float)index;
+    out[0] = middle[0] + radius * cosf(angle);
+    out[1] = middle[1] + radius * sinf(angle);
+}
+
+static void add_circle(marks *which, const float middle[2], float radius, int sides, const float color[4])
+{
+    for (int i = 0; i < sides; ++i) {
+        float a[2];
+        float b[2];
+        on_circle(middle, radius, i, sides, a);
+        on_circle(middle, radius, i + 1, sides, b);
+        add_line(which, a, b, THICK, color);
+    }
+}
+
 /* A circle where a lamp is. Parallel light has no place. */
 static void mark_light(marks *which, const view_state *state)
 {
@@ -126,14 +154,70 @@ static void mark_light(marks *which, const view_state *state)
     if (source == NULL || source->kind == SVO_SOURCE_DIRECTIONAL || !camera_project(state, source->position, middle)) {
         return;
     }
-    for (int i = 0; i < LIGHT_SIDES; ++i) {
-        const float step = 2 * acosf(-1.0F) / LIGHT_SIDES;
-        const float a[2] = {middle[0] + LIGHT_RADIUS * cosf(step * (float)i),
-                            middle[1] + LIGHT_RADIUS * sinf(step * (float)i)};
-        const float b[2] = {middle[0] + LIGHT_RADIUS * cosf(step * (float)(i + 1)),
-                            middle[1] + LIGHT_RADIUS * sinf(step * (float)(i + 1))};
-        add_line(which, a, b, THICK, light_color);
+    add_circle(which, middle, LIGHT_RADIUS, LIGHT_SIDES, light_color);
+}
+
+/* ---- probes ---- */
+
+/* Between black, a color and white. */
+static void shade(uint32_t rgba, float light, float out[4])
+{
+    for (unsigned channel = 0; channel < 3; ++channel) {
+        const float value = (float)(rgba >> 8 * channel & 255u) / 255;
+        out[channel] = light < 1 ? light * value : value + (light - 1) * (1 - value);
     }
+    out[3] = 1;
+}
+
+/* A fan from its highlight to its rim. */
+static void add_sphere(marks *which, const probe_sphere *sphere, uint32_t rgba)
+{
+    const int sides = sphere->radius < SPHERE_SMALL ? SPHERE_SIDES_SMALL : SPHERE_SIDES;
+    float bright[4];
+    float dark[4];
+    shade(rgba, 1.55F, bright);
+    shade(rgba, 0.5F, dark);
+    for (int i = 0; i < sides; ++i) {
+        float places[3][2] = {{sphere->pixel[0] - HIGHLIGHT * sphere->radius, //
+                               sphere->pixel[1] - HIGHLIGHT * sphere->radius}};
+        on_circle(sphere->pixel, sphere->radius, i, sides, places[1]);
+        on_circle(sphere->pixel, sphere->radius, i + 1, sides, places[2]);
+        add(which, (const float(*)[2])places, 1, bright);
+        add(which, (const float(*)[2])places + 1, 2, dark);
+    }
+}
+
+static int compare_away(const void *a, const void *b)
+{
+    const probe_sphere *first = a;
+    const probe_sphere *second = b;
+    return first->away < second->away   ? 1
+           : first->away > second->away ? -1
+                                        : (first->index > second->index) - (first->index < second->index);
+}
+
+/* Far ones first: what is nearer covers them. */
+static void mark_probes(marks *which, const view_state *state)
+{
+    const view_probes *shown = &state->probes;
+    probe_sphere *spheres = malloc(shown->made.probe_count * sizeof *spheres);
+    size_t count = 0;
+    if (spheres == NULL) {
+        which->failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < shown->made.probe_count; ++i) {
+        count += probe_sphere_project(state, i, &spheres[count]) ? 1 : 0;
+    }
+    qsort(spheres, count, sizeof *spheres, compare_away);
+    for (size_t i = 0; i < count; ++i) {
+        const probe_sphere *sphere = &spheres[i];
+        add_sphere(which, sphere, probe_colors[shown->places[sphere->index].state]);
+        if (shown->has_map && sphere->index == shown->chosen) {
+            add_circle(which, sphere->pixel, sphere->radius + 2 * THICK, SPHERE_SIDES, chosen_color);
+        }
+    }
+    free(spheres);
 }
 
 void marks_make(marks *which, const view_state *state)
@@ -145,6 +229,9 @@ void marks_make(marks *which, const view_state *state)
     }
     if (state->settings.panels && state->settings.open[VIEW_PANEL_LIGHTS] && !state->is_scene) {
         mark_light(which, state);
+    }
+    if (state->probes.has_spheres && state->probes.places != NULL) {
+        mark_probes(which, state);
     }
 }
 

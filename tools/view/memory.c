@@ -89,6 +89,17 @@ static void list_scene(const subject *which, view_state *state)
     }
 }
 
+/* ---- probes ---- */
+
+static void list_probes(const subject *which, view_state *state)
+{
+    const svo_probe_info *planned = &which->probes.plan;
+    const svo_probe_info *made = &state->probes.made;
+    for (int i = 0; i < SVO_PROBES_BUFFER_COUNT && made->probe_count > 0; ++i) {
+        add(state, "probes ", svo_probes_buffer_name((svo_probes_buffer)i), planned->bytes[i], made->bytes[i]);
+    }
+}
+
 int memory_list(const subject *which, view_state *state)
 {
     state->memory_count = 0;
@@ -99,5 +110,6 @@ int memory_list(const subject *which, view_state *state)
     if (placed_scene(which->placed) != NULL) {
         list_scene(which, state);
     }
+    list_probes(which, state);
     return exit_code;
 }

@@ -54,9 +54,9 @@ static const section left_sections[] = {
     {VIEW_PANEL_LOG, "Log", describe_log},
 };
 static const section right_sections[] = {
-    {VIEW_PANEL_PICTURE, "View", panels_picture},       {VIEW_PANEL_CAMERA, "Camera", panels_camera},
-    {VIEW_PANEL_LIGHTS, "Lights", panels_lights},       {VIEW_PANEL_INSTANCES, "Instances", panels_instances},
-    {VIEW_PANEL_SETTINGS, "Settings", panels_settings},
+    {VIEW_PANEL_PICTURE, "View", panels_picture},          {VIEW_PANEL_CAMERA, "Camera", panels_camera},
+    {VIEW_PANEL_LIGHTS, "Lights", panels_lights},          {VIEW_PANEL_PROBES, "Probes", panels_probes},
+    {VIEW_PANEL_INSTANCES, "Instances", panels_instances}, {VIEW_PANEL_SETTINGS, "Settings", panels_settings},
 };
 
 static void describe_column(ui *toolkit, view_state *state, const char *name, ui_place place, const section *sections,
@@ -90,16 +90,21 @@ static float column_width(const view_state *state, bool large)
 static void describe_line(ui *toolkit, view_state *state, float height)
 {
     char level[32] = "";
-    char text[128 + VIEW_LINE_BYTES];
+    char through[64] = "";
+    char text[256 + VIEW_LINE_BYTES];
     char shown[sizeof text];
     const char *last = state->log_count > 0 ? state->log[(state->log_count - 1) % VIEW_LOG_LINES] : "";
     const ui_place place = {MARGIN, (float)state->height - MARGIN - height, (float)state->width - 2 * MARGIN, height};
     if (state->shown.level > 0) {
         (void)snprintf(level, sizeof level, "   level %u", state->shown.level);
     }
-    (void)snprintf(text, sizeof text, "%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture), level,
-                   state->width, state->height, state->is_refined ? "" : " coarse", (double)panels_mean(state).ms,
-                   last);
+    if (state->shown.through) {
+        (void)snprintf(through, sizeof through, " through probes (%s), %.2f %% unknown",
+                       svo_probe_choice_name(state->shown.choice), (double)state->probes.found[SVO_PROBE_UNKNOWN]);
+    }
+    (void)snprintf(text, sizeof text, "%s%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture),
+                   through, level, state->width, state->height, state->is_refined ? "" : " coarse",
+                   (double)panels_mean(state).ms, last);
     panels_fit(toolkit, text, place.width - 2 * UI_PADDING, shown, sizeof shown);
     ui_panel_begin(toolkit, "#line", place);
     ui_text(toolkit, "%s", shown);

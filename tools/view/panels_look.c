@@ -105,15 +105,16 @@ static void choose_light(ui *toolkit, view_state *state)
     choose_form(toolkit, state);
     ui_enable(toolkit, shows_cones(state->shown.picture));
     choose_cones(toolkit, state);
-    ui_enable(toolkit, is_lit && state->shown.picture != VIEW_AO);
+    ui_enable(toolkit, (is_lit && state->shown.picture != VIEW_AO) ||
+                           (state->shown.through && state->shown.picture == VIEW_SHADED));
     choose_exposure(toolkit, state);
     choose_occlusion(toolkit, state);
 }
 
-/* Scenes are shaded alone, and those of a file have no level to choose. */
+/* Scenes are shaded alone, but through probes, and those of a file have no level to choose. */
 void panels_picture(ui *toolkit, view_state *state)
 {
-    if (!state->is_scene) {
+    if (!state->is_scene || state->shown.through) {
         choose_picture(toolkit, state);
     } else {
         ui_note(toolkit, "Placed trees are shaded, by the lights below.");

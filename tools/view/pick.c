@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "view/camera.h"
+#include "view/probe_spheres.h"
 
 /* What rays found, and where to look it up. */
 typedef struct find {
@@ -250,6 +251,13 @@ static void log_selection(view_state *state)
 
 int pick_at(subject *which, view_state *state, int x, int y)
 {
+    uint32_t probe = 0;
+    if (probe_sphere_at(state, (float)x + 0.5F, (float)y + 0.5F, &probe)) {
+        static const char *const states[] = {"off", "in place", "moved"};
+        view_choose_probe(state, (int64_t)probe);
+        view_log(state, "probe %u: %s", probe, states[state->probes.places[probe].state]);
+        return PROGRAM_DONE;
+    }
     find found = {.ray = ray_at(state, x, y), .hit.triangle = SVO_NO_TRIANGLE, .voxel.node = SVO_NO_NODE};
     state->selection =
         (view_selection){.instance = SVO_NO_INSTANCE, .triangle = SVO_NO_TRIANGLE, .node = SVO_NO_NODE, .t = INFINITY};

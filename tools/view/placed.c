@@ -188,6 +188,8 @@ bool placed_describe(placed *which, view_state *state)
     state->device = svo_device_name(which->device);
     state->is_scene = true;
     state->shown.picture = VIEW_SHADED;
+    state->shown.through = false;
+    state->probes.map = VIEW_MAP_NORMAL;
     (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
     view_lights_changed(state);
     view_instances_changed(state);
@@ -282,9 +284,14 @@ static void undo(placed *which, view_state *state, svo_status status)
     which->revision = state->revisions.instances;
 }
 
+bool placed_is_current(const placed *which, const view_state *state)
+{
+    return which->scene != NULL && which->revision == state->revisions.instances;
+}
+
 int placed_update(placed *which, view_state *state)
 {
-    if (which->scene != NULL && which->revision == state->revisions.instances) {
+    if (placed_is_current(which, state)) {
         return PROGRAM_DONE;
     }
     const svo_status status = are_of_same_trees(which, state) ? move_scene(which, state) : make_scene(which, state);

@@ -26,6 +26,8 @@ void placed_use_tree(placed *which, svo_device *device, cl_command_queue queue, 
 /* Places the trees as the state has the instances. What the library refuses is undone in the state, and the log says
    why. Returns the exit code. */
 int placed_update(placed *which, view_state *state);
+/* Whether that has nothing to do. */
+bool placed_is_current(const placed *which, const view_state *state);
 /* How often a scene was made or moved. */
 unsigned placed_changes(const placed *which);
 

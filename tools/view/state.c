@@ -9,7 +9,9 @@
 
 void view_state_begin(view_state *state)
 {
-    *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F}};
+    const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
+    *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
+                          .probes = {.asked = grid}};
     state->selection.instance = SVO_NO_INSTANCE;
     state->settings = (view_settings){.width = 1280,
                                       .height = 800,
@@ -58,9 +60,15 @@ const char *view_stage_name(view_stage stage)
 
 const char *view_panel_name(view_panel panel)
 {
-    static const char *const names[VIEW_PANELS] = {"help",   "frames",    "memory",    "view",     "camera",
-                                                   "lights", "selection", "instances", "settings", "log"};
+    static const char *const names[VIEW_PANELS] = {"help",      "frames",    "memory",   "view", "camera", "lights",
+                                                   "selection", "instances", "settings", "log",  "probes"};
     return (unsigned)panel < VIEW_PANELS ? names[panel] : "unknown panel";
+}
+
+const char *view_map_name(view_map map)
+{
+    static const char *const names[VIEW_MAPS] = {"radiance", "normal", "distance"};
+    return (unsigned)map < VIEW_MAPS ? names[map] : "unknown map";
 }
 
 /* ---- log ---- */
@@ -78,7 +86,11 @@ void view_log(view_state *state, const char *format, ...)
 
 void view_choose_picture(view_state *state, view_picture picture)
 {
-    if (state->is_scene && picture != VIEW_SHADED) {
+    if (state->shown.through && picture > VIEW_STEPS) {
+        view_log(state, "view %s is not drawn through probes; key T looks at the tree", view_picture_name(picture));
+    } else if (state->shown.through && state->is_scene && picture == VIEW_SHADED) {
+        view_log(state, "probes of a scene hold no light: normal, depth and steps alone");
+    } else if (state->is_scene && !state->shown.through && picture != VIEW_SHADED) {
         view_log(state, "view %s does not apply to a scene", view_picture_name(picture));
     } else if (picture == VIEW_TRIANGLES && !state->has_triangles) {
         view_log(state, "view triangles: the tree holds no triangles");
@@ -120,6 +132,56 @@ void view_toggle_panel(view_state *state, view_panel panel)
     if ((unsigned)panel < VIEW_PANELS) {
         state->settings.open[panel] = !state->settings.open[panel];
     }
+}
+
+/* ---- probes ---- */
+
+void view_choose_through(view_state *state, bool is_on)
+{
+    view_shown *shown = &state->shown;
+    shown->through = is_on;
+    if (state->is_scene) {
+        shown->picture = is_on ? VIEW_NORMAL : VIEW_SHADED;
+    } else if (is_on && shown->picture > VIEW_STEPS) {
+        shown->picture = VIEW_SHADED;
+    }
+}
+
+void view_choose_probe_choice(view_state *state, svo_probe_choice choice)
+{
+    state->shown.choice = choice;
+}
+
+bool view_grid_differs(const view_probe_grid *a, const view_probe_grid *b)
+{
+    return memcmp(a->counts, b->counts, sizeof a->counts) != 0 || a->resolution != b->resolution ||
+           a->field_size != b->field_size || a->max_mib != b->max_mib;
+}
+
+void view_make_probes(view_state *state)
+{
+    state->shown.probes = state->probes.asked;
+}
+
+void view_choose_probe(view_state *state, int64_t index)
+{
+    const int64_t last = (int64_t)state->probes.made.probe_count - 1;
+    const int64_t most = index > last ? last : index;
+    state->probes.chosen = (uint32_t)(most < 0 ? 0 : most);
+}
+
+bool view_shows_probes(const view_state *state)
+{
+    return state->shown.through || state->probes.has_spheres || state->probes.has_map;
+}
+
+void view_hide_probes(view_state *state)
+{
+    if (state->shown.through) {
+        view_choose_through(state, false);
+    }
+    state->probes.has_spheres = false;
+    state->probes.has_map = false;
 }
 
 /* ---- lists ---- */
@@ -211,6 +273,8 @@ void view_choose_scene(view_state *state, bool is_scene)
     } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {
         state->is_scene = is_scene;
         state->shown.picture = VIEW_SHADED;
+        state->shown.through = false;
+        state->probes.map = is_scene ? VIEW_MAP_NORMAL : state->probes.map;
     }
 }
 

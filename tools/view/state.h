@@ -13,6 +13,7 @@
 
 #include "support/scene_place.h"
 #include "svocl/light.h"
+#include "svocl/probes.h"
 #include "svocl/scene.h"
 #include "svocl/trace.h"
 
@@ -26,6 +27,7 @@
 #define VIEW_EDGE_MIN     160u /* of the window, pixels */
 #define VIEW_EDGE_MAX     16384u
 #define VIEW_EXPOSURE_MAX 64.0F
+#define VIEW_PROBES_AXIS  32u /* most probes along an axis that the panel offers */
 
 /* ---- what is shown ---- */
 
@@ -45,6 +47,14 @@ typedef enum view_picture {
     VIEW_PICTURES
 } view_picture;
 
+/* A grid of probes that is asked for. */
+typedef struct view_probe_grid {
+    uint32_t counts[3];
+    uint32_t resolution; /* 0: what max_mib allows, 256 at most */
+    uint32_t field_size;
+    uint32_t max_mib; /* of texels */
+} view_probe_grid;
+
 /* Everything that decides a picture besides camera, lights and instances. */
 typedef struct view_shown {
     view_picture picture;
@@ -55,6 +65,9 @@ typedef struct view_shown {
     unsigned cones; /* 1, 5, 6, 16, 64 */
     float exposure;
     float range, falloff; /* of ambient occlusion; 0: unlimited, none */
+    bool through; /* camera rays pass probes, not the tree */
+    svo_probe_choice choice; /* of the probes that a ray tries */
+    view_probe_grid probes; /* where they are shown: view_shows_probes */
 } view_shown;
 
 /* Everything that decides the bytes of a picture: it is drawn anew when one of these differs from what was drawn. */
@@ -110,6 +123,26 @@ typedef struct view_selection {
     float list_corners[VIEW_LIST_KEPT][3][3]; /* world */
 } view_selection;
 
+/* ---- probes ---- */
+
+/* What a probe's map shows. */
+typedef enum view_map { VIEW_MAP_RADIANCE = 0, VIEW_MAP_NORMAL, VIEW_MAP_DISTANCE, VIEW_MAPS } view_map;
+
+typedef struct view_probes {
+    view_probe_grid asked; /* what the panel edits; view_make_probes shows it */
+    bool has_spheres, has_map; /* shown */
+    view_map map;
+    uint32_t chosen; /* the probe whose map is shown */
+    /* What the drawing says of them. */
+    svo_probe_info planned; /* of asked; probe_count 0: refused */
+    char refusal[VIEW_LINE_BYTES]; /* why */
+    svo_probe_info made; /* probe_count 0: there are none */
+    const svo_probe *places; /* made.probe_count */
+    const uint32_t *texels; /* of the map, as probe_types.h has them; NULL: none is shown */
+    uint32_t texture; /* of the map, as the window knows it */
+    float found[SVO_PROBE_UNKNOWN + 1]; /* percent of the rays of the last picture, by their outcome */
+} view_probes;
+
 /* ---- instances ---- */
 
 /* A tree that can be placed. */
@@ -150,7 +183,7 @@ typedef struct view_memory {
 
 /* ---- panels and settings ---- */
 
-/* In the order of their keys, F1 to F10. */
+/* In the order of their keys, F1 to F10 and F12. */
 typedef enum view_panel {
     VIEW_PANEL_HELP = 0,
     VIEW_PANEL_FRAMES,
@@ -162,6 +195,7 @@ typedef enum view_panel {
     VIEW_PANEL_INSTANCES,
     VIEW_PANEL_SETTINGS,
     VIEW_PANEL_LOG,
+    VIEW_PANEL_PROBES,
     VIEW_PANELS
 } view_panel;
 
@@ -195,7 +229,7 @@ typedef struct view_state {
 
     unsigned level_min, level_max; /* of leaves to choose from; equal where the tree cannot be built anew */
     bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
-    bool is_scene; /* placed trees: VIEW_SHADED alone */
+    bool is_scene; /* placed trees: VIEW_SHADED alone, and what probes show without light */
 
     svo_light_source *sources; /* source_count of source_capacity */
     size_t source_count, source_capacity;
@@ -217,6 +251,7 @@ typedef struct view_state {
     bool wants_load; /* scene_path is to be loaded */
 
     view_selection selection;
+    view_probes probes;
 
     view_frame frames[VIEW_FRAMES_KEPT]; /* a ring */
     size_t frame_count; /* of all frames; the last one is at (frame_count - 1) % VIEW_FRAMES_KEPT */
@@ -238,6 +273,8 @@ bool view_is_moderate(const float *numbers, size_t count);
 
 /* "shaded", "normal", ...: as svocl render --view has them. */
 const char *view_picture_name(view_picture picture);
+/* "radiance", "normal", "distance". */
+const char *view_map_name(view_map map);
 /* "events", "tree", ... */
 const char *view_stage_name(view_stage stage);
 /* "help", "frames", ... */
@@ -255,6 +292,19 @@ void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
 void view_choose_exposure(view_state *state, float exposure);
 void view_toggle_panel(view_state *state, view_panel panel);
+
+/* Looks through probes, in a view that they have, or at the tree again. */
+void view_choose_through(view_state *state, bool is_on);
+void view_choose_probe_choice(view_state *state, svo_probe_choice choice);
+bool view_grid_differs(const view_probe_grid *a, const view_probe_grid *b);
+/* Shows the grid that is asked for. */
+void view_make_probes(view_state *state);
+/* Clamped to those that were made. */
+void view_choose_probe(view_state *state, int64_t index);
+/* Whether the picture, spheres or a map show probes, so that they have to be made. */
+bool view_shows_probes(const view_state *state);
+/* Shows nothing of them any more. */
+void view_hide_probes(view_state *state);
 
 /* Lights. After a change of a source or the sky by hand, view_lights_changed. Adding one fails without memory. */
 void view_lights_changed(view_state *state);

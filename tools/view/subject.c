@@ -127,7 +127,7 @@ static int open_tree(program *running, view_state *state, subject *out)
 
 int subject_open(program *running, view_state *state, subject *out)
 {
-    *out = (subject){.running = running};
+    *out = (subject){.running = running, .probes = {.running = running}};
     const int exit_code =
         scene_file_is_input(running) ? open_scene(running, state, out) : open_tree(running, state, out);
     if (exit_code != PROGRAM_DONE) {
@@ -148,6 +148,7 @@ static void close_tree(subject *which)
 
 void subject_close(subject *which)
 {
+    probing_close(&which->probes);
     placed_close(&which->placed);
     close_tree(which);
 }
@@ -164,6 +165,7 @@ int subject_load(subject *which, view_state *state)
         placed_close(&fresh);
         return PROGRAM_DONE;
     }
+    probing_drop(&which->probes, state);
     placed_close(&which->placed);
     close_tree(which);
     which->placed = fresh;
@@ -185,6 +187,7 @@ static int make_tree(subject *which, view_state *state)
 {
     job *done = &which->done;
     options *given = &which->running->options;
+    probing_drop(&which->probes, state);
     svo_light_destroy(&which->lit.light);
     which->is_lit = false;
     state->selection.is_hit = false;
@@ -217,6 +220,7 @@ static int make_light(subject *which, view_state *state)
     setup.no_photons = !state->shown.photons;
     memcpy(setup.sky, state->sky, sizeof setup.sky);
     if (which->lit.light != NULL && which->form != state->shown.form) {
+        probing_drop(&which->probes, state);
         svo_light_destroy(&which->lit.light);
     }
     if ((which->lit.light == NULL &&
@@ -225,6 +229,7 @@ static int make_light(subject *which, view_state *state)
         return program_fail_library(which->running, svo_device_message(done->opened.device));
     }
     which->is_lit = true;
+    ++which->lightings;
     ++which->changes;
     which->form = state->shown.form;
     which->photons = state->shown.photons;
@@ -232,22 +237,45 @@ static int make_light(subject *which, view_state *state)
     return PROGRAM_DONE;
 }
 
+/* The tree and the light that are shown. */
+static int update_tree(subject *which, view_state *state)
+{
+    const bool is_lit = subject_picture_is_lit(state->shown.picture) || (view_shows_probes(state) && !state->is_scene);
+    const int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
+    return exit_code == PROGRAM_DONE && is_lit && !light_is_current(which, state) ? make_light(which, state)
+                                                                                  : exit_code;
+}
+
+/* Probes refer to the scene, so they go before it changes. */
+static int update_scene(subject *which, view_state *state)
+{
+    if (!placed_is_current(which->placed, state)) {
+        probing_drop(&which->probes, state);
+    }
+    return placed_update(which->placed, state);
+}
+
+static int update_probes(subject *which, view_state *state)
+{
+    const probing_source source = {.tree = state->is_scene ? NULL : which->done.result.tree,
+                                   .scene = state->is_scene ? placed_scene(which->placed) : NULL,
+                                   .light = state->is_scene ? NULL : which->lit.light,
+                                   .lightings = which->lightings,
+                                   .device = placed_device(which->placed),
+                                   .queue = placed_queue(which->placed)};
+    return probing_update(&which->probes, &source, state);
+}
+
 int subject_update(subject *which, view_state *state)
 {
-    if (state->wants_load) {
-        const int exit_code = subject_load(which, state);
-        if (exit_code != PROGRAM_DONE) {
-            return exit_code;
-        }
+    int exit_code = state->wants_load ? subject_load(which, state) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && which->has_tree) {
+        exit_code = update_tree(which, state);
     }
-    if (!which->has_tree) {
-        return placed_update(which->placed, state);
+    if (exit_code == PROGRAM_DONE && state->is_scene) {
+        exit_code = update_scene(which, state);
     }
-    int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
-    if (exit_code == PROGRAM_DONE && subject_picture_is_lit(state->shown.picture) && !light_is_current(which, state)) {
-        exit_code = make_light(which, state);
-    }
-    return exit_code == PROGRAM_DONE && state->is_scene ? placed_update(which->placed, state) : exit_code;
+    return exit_code == PROGRAM_DONE ? update_probes(which, state) : exit_code;
 }
 
 /* ---- pictures ---- */
@@ -296,8 +324,11 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
     return svo_tree_render(which->done.opened.device, which->done.result.tree, &asked, which->done.opened.queue, rgba);
 }
 
-int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+int subject_draw(subject *which, view_state *state, const picture_part *part, uint8_t *rgba)
 {
+    if (state->shown.through) {
+        return probing_draw(&which->probes, state, part->width, part->height, rgba);
+    }
     if (state->is_scene) {
         return placed_draw(which->placed, state, part->width, part->height, rgba);
     }

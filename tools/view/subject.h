@@ -7,6 +7,7 @@
 #include "support/job.h"
 #include "support/lighting.h"
 #include "view/placed.h"
+#include "view/probing.h"
 #include "view/state.h"
 
 typedef struct subject {
@@ -20,6 +21,8 @@ typedef struct subject {
     svo_light_form form;
     bool photons;
     unsigned lights_revision;
+    probing probes;
+    unsigned lightings; /* how often sources lit the tree */
     unsigned changes; /* how often a tree, a light or a scene was made */
 } subject;
 
@@ -42,7 +45,7 @@ typedef struct picture_part {
 } picture_part;
 
 /* Draws rows of what the state shows: those of what svocl render writes. Returns the exit code. */
-int subject_draw(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba);
+int subject_draw(subject *which, view_state *state, const picture_part *part, uint8_t *rgba);
 
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Panels in immediate mode: in each frame the caller describes them anew, and a widget says at once whether it was
- * used. Two files implement this header, and a build has one of them: ui_imgui.cpp by Dear ImGui, and ui_text.c with
+ * used. There are two implementations, and a build has one of them: ui_imgui*.cpp by Dear ImGui, and ui_text*.c with
  * plain widgets of its own around text by stb_truetype. Both look alike: labels at the left, what they label at the
  * right.
  *

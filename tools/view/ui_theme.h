@@ -16,6 +16,11 @@
 #define UI_COLOR_PRESSED UI_RGBA(84, 97, 118, 255)
 #define UI_COLOR_WARNING UI_RGBA(242, 178, 92, 255)
 
+/* Probes by their state. */
+#define UI_COLOR_PROBE_OFF      UI_RGBA(235, 87, 130, 255)
+#define UI_COLOR_PROBE_IN_PLACE UI_RGBA(94, 176, 239, 255)
+#define UI_COLOR_PROBE_MOVED    UI_RGBA(248, 186, 84, 255)
+
 /* Pixel sizes of text. */
 #define UI_TEXT_SMALL 13.0F
 #define UI_TEXT_LARGE 16.0F

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "support/input.h"
 #include "support/picture.h"
@@ -175,8 +176,8 @@ static int take_events(viewer *which)
 static int list_memory(viewer *which)
 {
     const subject *shown = &which->subject;
-    const uint64_t changes =
-        1 + shown->changes + placed_changes(shown->placed) + svo_tree_ray_bytes(shown->done.result.tree);
+    const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
+                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }
@@ -204,9 +205,14 @@ static int draw(viewer *which, double seconds, bool is_new)
 {
     view_state *state = &which->state;
     const drawing *drawn = &which->drawing;
+    const probe_map *map = &which->subject.probes.map;
     if (is_new && !canvas_take_picture(which->canvas, drawn->rgba, drawn->width, drawn->height, &which->why)) {
         return fail(which);
     }
+    if (map->is_new && !canvas_take_map(which->canvas, map->rgba, map->edge, &which->why)) {
+        return fail(which);
+    }
+    state->probes.texture = canvas_map(which->canvas);
     lap(which, VIEW_STAGE_UPLOAD);
     marks_make(&which->marks, state);
     if (which->marks.failed) {
@@ -282,7 +288,24 @@ static void take_picture_options(viewer *which)
     if (given->exposure > 0) {
         view_choose_exposure(&which->state, (float)given->exposure);
     }
+    if (given->through != 0) {
+        view_choose_through(&which->state, true);
+    }
     view_choose_picture(&which->state, picture_of_option(given->view));
+}
+
+/* What it says of probes. */
+static void take_probe_options(viewer *which)
+{
+    const options *given = &which->running->options;
+    view_probe_grid *grid = &which->state.probes.asked;
+    if (given->probe_counts[0] > 0) {
+        memcpy(grid->counts, given->probe_counts, sizeof grid->counts);
+    }
+    grid->resolution = given->probe_resolution > 0 ? (uint32_t)given->probe_resolution : grid->resolution;
+    grid->field_size = given->probe_field > 0 ? (uint32_t)given->probe_field : grid->field_size;
+    view_choose_probe_choice(&which->state, (svo_probe_choice)given->probe_choice);
+    view_make_probes(&which->state);
 }
 
 static int run_frames(viewer *which)
@@ -302,6 +325,7 @@ static int show(viewer *which)
         return exit_code;
     }
     progress_destroy(&which->running->progress);
+    take_probe_options(which);
     take_picture_options(which);
     exit_code = run_frames(which);
     marks_end(&which->marks);

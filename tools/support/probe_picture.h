@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures of what light field probes know: a ray a pixel, which meets no triangle and no voxel. */
+#ifndef SVOCL_TOOLS_SUPPORT_PROBE_PICTURE_H
+#define SVOCL_TOOLS_SUPPORT_PROBE_PICTURE_H
+
+#include "support/program.h"
+#include "svocl/probes.h"
+#include "svocl/trace.h"
+
+/* Whether rays through probes have such a view: shaded, normal, depth and steps. */
+bool probe_picture_has_view(int view);
+
+typedef struct probe_picture {
+    svo_camera camera;
+    uint32_t width, height;
+    svo_render_view view;
+    svo_probe_choice choice;
+    double exposure; /* shaded: radiance is multiplied by it */
+} probe_picture;
+
+/* What the rays of a picture found. */
+typedef struct probe_found {
+    size_t rays[SVO_PROBE_UNKNOWN + 1]; /* by their outcome: SVO_PROBE_MISS, ... */
+    double trace_ms;
+} probe_found;
+
+/* Percent of the rays that had an outcome; 0 without rays. */
+double probe_found_percent(const probe_found *found, unsigned outcome);
+
+/* Draws rows from top to bottom. Misses are green and unknown rays red. Returns the exit code. */
+int probe_picture_draw(program *state, const probe_picture *asked, svo_probes *probes, svo_device *device,
+                       cl_command_queue queue, uint8_t *rgba, probe_found *found);
+
+#endif

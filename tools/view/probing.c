@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/* Probes on the device, by the functions of svocl render --through probes. */
+#include "view/probing.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/probe_picture.h"
+
+#define MIB_LOG2 20u
+
+static int fail_device(const probing *which)
+{
+    return program_fail_library(which->running, svo_device_message(which->source.device));
+}
+
+static svo_probe_options options_of(const view_probe_grid *grid, const probing_source *source, unsigned cones)
+{
+    svo_probe_options asked = {.struct_size = sizeof asked,
+                               .resolution = grid->resolution,
+                               .field_size = grid->field_size,
+                               .max_bytes = (uint64_t)grid->max_mib << MIB_LOG2,
+                               .cones = cones,
+                               .light = source->light};
+    memcpy(asked.counts, grid->counts, sizeof asked.counts);
+    return asked;
+}
+
+/* ---- plans ---- */
+
+static svo_status plan(const probing_source *source, const view_probe_grid *grid, svo_probe_info *info)
+{
+    probing_source dark = *source;
+    dark.light = NULL;
+    const svo_probe_options asked = options_of(grid, &dark, 0);
+    *info = (svo_probe_info)SVO_PROBE_INFO_INIT;
+    return source->tree != NULL ? svo_probes_plan(source->tree, &asked, info)
+                                : svo_probes_plan_scene(source->scene, &asked, info);
+}
+
+/* What the grid that is asked for would take. */
+static void plan_asked(probing *which, view_state *state)
+{
+    view_probes *shown = &state->probes;
+    which->planned = shown->asked;
+    shown->refusal[0] = '\0';
+    if (plan(&which->source, &shown->asked, &shown->planned) != SVO_OK) {
+        shown->planned = (svo_probe_info)SVO_PROBE_INFO_INIT;
+        (void)snprintf(shown->refusal, sizeof shown->refusal, "%s",
+                       program_words(svo_device_message(which->source.device)));
+    }
+}
+
+/* ---- probes ---- */
+
+void probing_drop(probing *which, view_state *state)
+{
+    svo_probes_destroy(&which->probes);
+    which->planned = (view_probe_grid){.max_mib = 0};
+    state->probes.made = (svo_probe_info)SVO_PROBE_INFO_INIT;
+    state->probes.places = NULL;
+    state->probes.texels = NULL;
+}
+
+void probing_close(probing *which)
+{
+    svo_probes_destroy(&which->probes);
+    probe_map_free(&which->map);
+    free(which->places);
+    which->places = NULL;
+}
+
+/* Reads where the probes are. */
+static int take_places(probing *which, view_state *state)
+{
+    svo_probe_info *made = &state->probes.made;
+    *made = (svo_probe_info)SVO_PROBE_INFO_INIT;
+    if (svo_probes_get_info(which->probes, made) != SVO_OK) {
+        return fail_device(which);
+    }
+    svo_probe *places = realloc(which->places, made->probe_count * sizeof *places);
+    if (places == NULL) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory for %u probes", made->probe_count);
+    }
+    which->places = places;
+    if (clEnqueueReadBuffer(which->source.queue, svo_probes_get_buffer(which->probes, SVO_PROBES_PLACES), CL_TRUE, 0,
+                            made->probe_count * sizeof *places, places, 0, NULL, NULL) != CL_SUCCESS) {
+        return program_fail(which->running, PROGRAM_FAILED, "the device does not give the places of its probes");
+    }
+    state->probes.places = places;
+    view_choose_probe(state, (int64_t)state->probes.chosen);
+    view_log(state, "%u probes of %u x %u texels: %u moved, %u off", made->probe_count, made->resolution,
+             made->resolution, made->moved, made->off);
+    return PROGRAM_DONE;
+}
+
+/* Back to the probes that are there, or to none. */
+static void refuse(probing *which, view_state *state)
+{
+    view_log(state, "probes: %s", program_words(svo_device_message(which->source.device)));
+    if (which->probes != NULL) {
+        state->shown.probes = which->grid;
+    } else {
+        view_hide_probes(state);
+    }
+}
+
+/* A grid that does not fit is refused while the old one is still there. */
+static int make(probing *which, view_state *state)
+{
+    const view_probe_grid *grid = &state->shown.probes;
+    if (plan(&which->source, grid, &which->plan) != SVO_OK) {
+        refuse(which, state);
+        return PROGRAM_DONE;
+    }
+    const svo_probe_options asked = options_of(grid, &which->source, state->shown.cones);
+    probing_drop(which, state);
+    const probing_source *source = &which->source;
+    const svo_status status = source->tree != NULL
+                                  ? svo_probes_create(source->tree, &asked, source->queue, &which->probes)
+                                  : svo_probes_create_scene(source->scene, &asked, source->queue, &which->probes);
+    if (status == SVO_CL_ERROR) {
+        return fail_device(which);
+    }
+    if (status != SVO_OK) {
+        refuse(which, state);
+        return PROGRAM_DONE;
+    }
+    which->grid = *grid;
+    which->cones = state->shown.cones;
+    which->lightings = source->lightings;
+    ++which->version;
+    return take_places(which, state);
+}
+
+static int light(probing *which)
+{
+    which->lightings = which->source.lightings;
+    ++which->version;
+    return svo_probes_relight(which->probes, which->source.queue) == SVO_OK ? PROGRAM_DONE : fail_device(which);
+}
+
+int probing_update(probing *which, const probing_source *source, view_state *state)
+{
+    if (which->source.tree != source->tree || which->source.scene != source->scene ||
+        which->source.light != source->light) {
+        probing_drop(which, state);
+    }
+    which->source = *source;
+    if (view_grid_differs(&which->planned, &state->probes.asked)) {
+        plan_asked(which, state);
+    }
+    which->map.is_new = false;
+    if (!view_shows_probes(state)) {
+        return PROGRAM_DONE;
+    }
+    int exit_code = PROGRAM_DONE;
+    if (which->probes == NULL || view_grid_differs(&which->grid, &state->shown.probes) ||
+        which->cones != state->shown.cones) {
+        exit_code = make(which, state);
+    } else if (source->light != NULL && which->lightings != source->lightings) {
+        exit_code = light(which);
+    }
+    return exit_code == PROGRAM_DONE ? probe_map_update(&which->map, which->running, which->probes, which->source.queue,
+                                                        which->version, state)
+                                     : exit_code;
+}
+
+/* ---- pictures ---- */
+
+int probing_draw(probing *which, view_state *state, unsigned width, unsigned height, uint8_t *rgba)
+{
+    static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH, SVO_VIEW_STEPS};
+    const probe_picture asked = {.camera = state->camera.at,
+                                 .width = width,
+                                 .height = height,
+                                 .view = views[state->shown.picture],
+                                 .choice = state->shown.choice,
+                                 .exposure = (double)state->shown.exposure};
+    probe_found found;
+    const int exit_code = probe_picture_draw(which->running, &asked, which->probes, which->source.device,
+                                             which->source.queue, rgba, &found);
+    for (unsigned i = 0; i <= SVO_PROBE_UNKNOWN; ++i) {
+        state->probes.found[i] = (float)probe_found_percent(&found, i);
+    }
+    return exit_code;
+}
