@@ -313,6 +313,7 @@ svo_status run_rays(subject *of)
     svo_nearest nearest[RAYS];
     TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_CLOSEST, world.queue));
     digest(of, hits, sizeof hits);
+    TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_FAST, world.queue));
     TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_COUNT, world.queue));
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_tree_nearest(of->tree, world.points, nearest, RAYS, world.queue));

@@ -39,7 +39,10 @@ static bool plan_has_program(const svo_plan *plan, const char *options)
         char expected[512];
         svo_plan_get_kernels(plan, i, &kernels);
         snprintf(expected, sizeof expected, "-cl-std=CL1.2%s", kernels.defines);
-        found = found || strcmp(options, expected) == 0;
+        const size_t length = strlen(expected);
+        const bool is_prefix = strncmp(options, expected, length) == 0;
+        /* What core/program.c adds for PoCL 3. */
+        found = found || (is_prefix && (options[length] == '\0' || strcmp(options + length, " -D_OPENCL_H_") == 0));
     }
     return found;
 }

@@ -118,6 +118,31 @@ static void wrong_device_index_is_refused(void **state)
     }
 }
 
+/* Where EGL says so without a context, contexts say so too. */
+static void software_is_known_without_a_context(void **state)
+{
+    (void)state;
+    const int is_software = svo_gl_egl_is_software();
+    uint32_t in_software = 0;
+    uint32_t made = 0;
+    for (uint32_t i = 0; i < svo_gl_egl_device_count(); ++i) {
+        svo_gl_context *context = NULL;
+        svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+        if (svo_gl_context_create(SVO_GL_EGL_DEVICE, i, &context, NULL) == SVO_OK) {
+            svo_gl_context_get_info(context, &info);
+            in_software += info.is_software;
+            ++made;
+        }
+        svo_gl_context_destroy(&context);
+    }
+    if (is_software != 0) {
+        assert_true(svo_gl_egl_device_count() > 0);
+        assert_int_equal(in_software, made);
+    } else if (made > 0) {
+        assert_true(in_software < svo_gl_egl_device_count());
+    }
+}
+
 /* A part of the renderer's name, in the other case. */
 static void part_of_name(const char *renderer, char part[9])
 {
@@ -708,6 +733,7 @@ int main(void)
         cmocka_unit_test(egl_device_context_is_created),
         cmocka_unit_test(osmesa_context_is_created),
         cmocka_unit_test(wrong_device_index_is_refused),
+        cmocka_unit_test(software_is_known_without_a_context),
         cmocka_unit_test(egl_devices_are_found_by_name),
         cmocka_unit_test(gpu_is_never_a_processor),
         cmocka_unit_test(software_in_place_of_a_gpu_is_refused),

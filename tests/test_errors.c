@@ -105,6 +105,12 @@ static void adversarial_rays_are_right(void **state)
     assert_true(expect_within(table, "Möller-Trumbore", "error", 0.0, 100.0) > 1.0);
     expect_within(table, "watertight", "missed", 0.0, 10.0);
     expect_within(table, "voxels alone, fine", "missed", 0.0, 0.0);
+    table = table_of(document, "e2-input");
+    expect_within(table, "svocl", "missed", 0.0, 0.0);
+    expect_within(table, "svocl", "wrong", 0.0, 0.0);
+    expect_within(table, "svocl", "beyond", 0.0, 0.0);
+    expect_within(table, "svocl", "rounded", 90.0, 100.0);
+    expect_within(table, "svocl", "error of t", 0.0, 1.0);
     cJSON_Delete(document);
 }
 

@@ -163,6 +163,7 @@ static void queues_of_another_context_are_refused(void **state)
     assert_null(workspace);
     succeed(&own, svo_build(own.plan, opened.frontend, opened.queue, &unmade, NULL));
     REFUSED(svo_tree_prepare_rays, unmade, queue);
+    REFUSED(svo_tree_make_bvh, unmade, SVO_BVH_FAST, queue);
     svo_tree_destroy(&unmade);
     unmade = svo_i_tree_new(NULL); /* like one from a file: on no device yet */
     assert_non_null(unmade);

@@ -20,11 +20,12 @@
 #include "fixture.h"
 #include "light/filter.h"
 #include "meshes.h"
+#include "rays/rays.h"
 #include "shared/light_layout.h"
 #include "shared/probe_layout.h"
 #include "solid_meshes.h"
 
-#define KERNELS_MAX   128
+#define KERNELS_MAX   192
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64
@@ -43,6 +44,7 @@ extern const char svo_i_source_trace_voxels[];
 extern const char svo_i_source_compact[];
 extern const char svo_i_source_minimize[];
 extern const char svo_i_source_expand[];
+extern const char svo_i_source_bvh[];
 extern const char svo_i_source_scene_build[];
 extern const char svo_i_source_scene_bounds[];
 extern const char svo_i_source_scene_trace[];
@@ -89,6 +91,8 @@ static size_t bytes_of_type(const char *type)
         size_t bytes;
     } types[] = {{"uint", sizeof(cl_uint)},
                  {"float4", sizeof(cl_float4)},
+                 {"double4", sizeof(cl_double4)},
+                 {"svo_bvh_params", sizeof(svo_bvh_params)},
                  {"svo_subdivide_params", sizeof(svo_subdivide_params)},
                  {"svo_filter_params", sizeof(svo_filter_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
@@ -212,7 +216,11 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
     char with_types[1024];
     const int length = snprintf(with_types, sizeof with_types, "%s -cl-kernel-arg-info -cl-opt-disable", options);
     assert_in_range(length, 1, sizeof with_types - 1);
-    return __real_clBuildProgram(program, count, devices, with_types, done, user);
+    const cl_int error = __real_clBuildProgram(program, count, devices, with_types, done, user);
+    if (error != CL_SUCCESS) {
+        fail_msg("error %d: %s; a function that kernels/shared/builtins.clh does not declare?", error, options);
+    }
+    return error;
 }
 
 cl_kernel __wrap_clCreateKernel(cl_program program, const char *name, cl_int *error)
@@ -347,6 +355,10 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
     fixture_build(opened, mesh, DEPTH, &options, &other);
     built_destroy(&other);
+    options.edge = 0.5; /* triangles leave the grid */
+    fixture_build(opened, mesh, DEPTH, &options, &other);
+    succeed(opened, svo_tree_prepare_rays(other.tree, opened->queue));
+    built_destroy(&other);
 }
 
 static void query_all(const fixture *opened, svo_tree *tree)
@@ -358,6 +370,9 @@ static void query_all(const fixture *opened, svo_tree *tree)
     uint8_t picture[8 * 8 * 4];
     svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
     svo_camera_frame(tree, 1.0F, &options.camera);
+    /* Ranges above the size of a job are split by other kernels. */
+    succeed(opened, svo_i_rays_make(tree, "test", opened->queue, &(svo_i_bvh_options){.subtree_items = 64}));
+    succeed(opened, svo_tree_make_bvh(tree, SVO_BVH_FAST, opened->queue));
     succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
     options.view = SVO_VIEW_DEPTH;
     succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
@@ -446,7 +461,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
-        svo_i_compact_work work;
+        svo_i_device_work work;
         svo_light *light = NULL;
         succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
@@ -544,7 +559,7 @@ static void every_launch_matches_its_kernel(void **state)
         svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
         svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
         svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
-        svo_i_source_probe_trace,  svo_i_source_probe_gather};
+        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

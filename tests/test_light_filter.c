@@ -106,7 +106,7 @@ static void free_lit(lit_leaves *lit)
 static void light_up(const fixture *opened, const light_scene *scene, const lit_leaves *lit, float unit)
 {
     const uint64_t words = 3 * values_of(scene->levels.form) * lit->count;
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_lit_leaves from = {.lit_count = lit->count, .unit = unit};
     light_succeed(opened, svo_i_work_begin(opened->device, "test", opened->queue, &work));
     light_succeed(opened, svo_i_work_alloc(&work, "leaves", lit->count * sizeof(uint32_t), &from.leaves));

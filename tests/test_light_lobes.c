@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "light/sources.h"
 #include "light_fixture.h"
 #include "meshes.h"
@@ -40,7 +40,7 @@ static void *read_all(const fixture *opened, cl_mem buffer, size_t bytes)
 static void shine(const fixture *opened, const built *made, const svo_light_source *source, const svo_finish *finish,
                   lit_faces *out)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_lit_leaves lit;
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
     setup.sources = source;

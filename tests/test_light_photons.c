@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "light/sources.h"
 #include "light_fixture.h"
 #include "meshes.h"
@@ -50,7 +50,7 @@ static void *read_scratch(const fixture *opened, cl_mem buffer, size_t bytes)
 /* Shines, and reads what the filter would get. Released by free_lit. */
 static void shine(const fixture *opened, svo_light *light, const svo_light_setup *setup, lit_leaves *out)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_lit_leaves lit;
     light_succeed(opened, svo_light_set_sources(light, NULL, opened->queue)); /* dark */
     light_succeed(opened, svo_i_work_begin(opened->device, "shine", opened->queue, &work));

@@ -1052,7 +1052,6 @@ static void kernels_are_saved_and_loaded(void **state)
 {
     (void)state;
     need_builds();
-    run_badly("$SVOCL kernels scene:cube -d 5", 2, "--kernels");
     cJSON *document = run_json("$SVOCL kernels scene:cube -d 5 --kernels kept --json");
     const int count = cJSON_GetArraySize(array_of(document, "kernels"));
     assert_true(count > 0);
@@ -1070,6 +1069,48 @@ static void kernels_are_saved_and_loaded(void **state)
     assert_non_null(strstr(last.errors, "is damaged"));
     run_badly("$SVOCL hash scene:cube -d 5 --kernels plain.txt", 1, "plain.txt");
     run_well("rm -r kept");
+}
+
+/* Without --kernels the user's folder serves, if only the user may write to it. A damaged file shows whether it is
+   read. */
+static void kernels_have_a_folder_of_their_own(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char hash[] = "XDG_CACHE_HOME=$PWD/own $SVOCL hash scene:cube -d 5 --frontend cl";
+    char command[256];
+    run_badly("env -u HOME -u XDG_CACHE_HOME $SVOCL kernels scene:cube -d 5", 2, "--kernels");
+    run_badly("env -u HOME XDG_CACHE_HOME=own $SVOCL kernels scene:cube -d 5", 2, "--kernels");
+    run_badly("HOME=/dev/null XDG_CACHE_HOME= $SVOCL kernels scene:cube -d 5", 1, "/dev/null");
+    run_well("XDG_CACHE_HOME=$PWD/own $SVOCL kernels scene:cube -d 5");
+    run_well("XDG_CACHE_HOME=$PWD/none $SVOCL hash scene:cube -d 5 --frontend cl > plain.txt && test ! -e none/svocl");
+    snprintf(command, sizeof command, "%s > own.txt && cmp plain.txt own.txt", hash);
+    run_well(command);
+    assert_string_equal(last.errors, "");
+    run_well("test \"$(stat -c %a own/svocl)\" = 700 && chmod 500 own/svocl");
+    run_well(command);
+    assert_string_equal(last.errors, "");
+    run_well("chmod 700 own/svocl && for f in own/svocl/*; do printf x >> $f; break; done");
+    run_well(command);
+    assert_non_null(strstr(last.errors, "is damaged"));
+    run_well("chmod 770 own/svocl");
+    run_well(command);
+    assert_string_equal(last.errors, "");
+    run_badly("XDG_CACHE_HOME=$PWD/own $SVOCL kernels scene:cube -d 5", 1, "you alone");
+    run_well("rm -r own none");
+}
+
+/* Both load the folder that both write: files appear whole. */
+static void two_processes_save_into_one_folder(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL hash scene:cube -d 5 --frontend cl > plain.txt && "
+             "$SVOCL kernels scene:cube -d 5 --kernels both > first.txt & "
+             "$SVOCL kernels scene:cube -d 5 --kernels both > second.txt && wait");
+    run_well("$SVOCL hash scene:cube -d 5 --frontend cl --kernels both > loaded.txt && cmp plain.txt loaded.txt");
+    assert_string_equal(last.errors, "");
+    run_well("test -z \"$(ls both | grep -v 'kernels$')\" && rm -r both");
 }
 
 int main(void)
@@ -1113,6 +1154,8 @@ int main(void)
                                        IN_FOLDER(rays_are_compared_with_embree),
                                        IN_FOLDER(every_view_is_a_picture),
                                        IN_FOLDER(the_bar_moves_inside_a_build),
-                                       IN_FOLDER(kernels_are_saved_and_loaded)};
+                                       IN_FOLDER(kernels_are_saved_and_loaded),
+                                       IN_FOLDER(kernels_have_a_folder_of_their_own),
+                                       IN_FOLDER(two_processes_save_into_one_folder)};
     return cmocka_run_group_tests_name("program", tests, NULL, NULL);
 }

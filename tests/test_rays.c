@@ -12,11 +12,13 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "meshes.h"
 #include "ray_check.h"
+#include "rays/rays.h"
 
 /* ---- any hit, counts, depths ---- */
 
@@ -304,6 +306,97 @@ static void the_bvh_is_built_on_request(void **state)
     scene_destroy(&made);
 }
 
+/* Both qualities, and one after the other. */
+static void hits_do_not_depend_on_the_quality(void **state)
+{
+    static const char *const names[] = {"statue:8000", "atrium", "needles:3000", "dust:4000", "terrain:9000"};
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 4000 };
+    static svo_ray rays[RAYS];
+    static svo_hit best[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 5;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        scene *made = make_scene(names[i]);
+        built tree;
+        build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+        for (size_t k = 0; k < RAYS; ++k) {
+            rays[k] = random_ray_near(&tree, &random, 3.0);
+        }
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, best);
+        const uint64_t bytes = svo_tree_ray_bytes(tree.tree);
+        assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_FAST, opened->queue), SVO_OK);
+        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes); /* another one */
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, hits);
+        assert_same_hits(hits, best, RAYS, 6);
+        assert_int_equal(svo_tree_prepare_rays(tree.tree, opened->queue), SVO_OK); /* there is one */
+        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_BEST, opened->queue), SVO_OK);
+        assert_int_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        built_destroy(&tree);
+        scene_destroy(&made);
+    }
+}
+
+/* Writes vertices to a tree on the device: the snapped ones, and those that rays meet. */
+static void write_vertices(const fixture *opened, const built *to, const int32_t *snapped)
+{
+    const size_t count = (size_t)to->info.vertex_count * 3;
+    float *positions = malloc(count * sizeof *positions);
+    assert_non_null(positions);
+    for (size_t i = 0; i < count; ++i) {
+        positions[i] = (float)(to->info.origin[i % 3] + snapped[i] / to->info.scale);
+    }
+    assert_int_equal(clEnqueueWriteBuffer(opened->queue, svo_tree_get_buffer(to->tree, SVO_TREE_VERTICES), CL_TRUE, 0,
+                                          count * sizeof *snapped, snapped, 0, NULL, NULL),
+                     CL_SUCCESS);
+    assert_int_equal(clEnqueueWriteBuffer(opened->queue, svo_tree_get_buffer(to->tree, SVO_TREE_POSITIONS), CL_TRUE, 0,
+                                          count * sizeof *positions, positions, 0, NULL, NULL),
+                     CL_SUCCESS);
+    free(positions);
+}
+
+/* Vertices move on the device; a refit BVH and a new one give the same hits, which are others than before. */
+static void hits_after_a_refit_are_those_of_a_new_bvh(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 4000 };
+    static svo_ray rays[RAYS];
+    static svo_hit before[RAYS];
+    static svo_hit refit[RAYS];
+    static svo_hit anew[RAYS];
+    uint64_t random = 17;
+    scene *made = make_scene("knot:9000");
+    built tree;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    const size_t count = (size_t)tree.info.vertex_count * 3;
+    int32_t *moved = malloc(count * sizeof *moved);
+    assert_non_null(moved);
+    for (size_t i = 0; i < count; ++i) {
+        const int32_t last = (1 << tree.info.snap_bits) - 1;
+        moved[i] = i % 3 == 0 ? last - tree.arrays.vertices[i] : tree.arrays.vertices[i] / 2;
+    }
+    for (size_t k = 0; k < RAYS; ++k) {
+        rays[k] = random_ray_near(&tree, &random, 2.0);
+    }
+    for (svo_bvh_quality quality = SVO_BVH_BEST; quality <= SVO_BVH_FAST; ++quality) {
+        const svo_i_bvh_options options = {.quality = quality, .can_refit = true};
+        write_vertices(opened, &tree, tree.arrays.vertices);
+        assert_int_equal(svo_i_rays_make(tree.tree, "test", opened->queue, &options), SVO_OK);
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, before);
+        write_vertices(opened, &tree, moved);
+        assert_int_equal(svo_i_rays_refit(tree.tree, "test", opened->queue), SVO_OK);
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, refit);
+        assert_int_equal(svo_i_rays_make(tree.tree, "test", opened->queue, &options), SVO_OK);
+        trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, anew);
+        assert_same_hits(refit, anew, RAYS, 6);
+        assert_int_not_equal(memcmp(before, anew, sizeof before), 0);
+    }
+    free(moved);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 static void the_bvh_is_refused_for_trees_without_lists(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -317,6 +410,8 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
     fixture_build(opened, scene_mesh(made), 3,
                   &(svo_plan_options){.need = SVO_NEED_RAYS, .coverage = SVO_COVERAGE_THIN}, &thin);
     assert_int_equal(svo_tree_prepare_rays(NULL, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(NULL, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(plain.tree, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_prepare_rays(plain.tree, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
     assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
@@ -433,6 +528,96 @@ static void run_voxel_kernel(const fixture *opened, const built *tree, const svo
     clReleaseMemObject(from);
     clReleaseMemObject(to);
     clReleaseKernel(kernel);
+}
+
+/* Each work-item traces an array of rays: 77 of them, so that packets and what remains meet other rays than in the
+   library's batches. */
+#define RAYS_PER_ITEM 77u
+static const char arrays_kernel[] =
+    "__kernel void find(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit *hits, uint count, uint "
+    "any)\n"
+    "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
+    "    const uint first = min((uint)get_global_id(0) * 77u, count);\n"
+    "    svo_trace_rays(&tree, rays + first, hits + first, min(77u, count - first), any != 0u);\n"
+    "}\n";
+
+static void run_arrays_kernel(const fixture *opened, const built *tree, const char *options, cl_uint any,
+                              const svo_ray *rays, svo_hit *hits, cl_uint count)
+{
+    const char *sources[2] = {svo_tree_kernel_source(), arrays_kernel};
+    const cl_device_id device = svo_device_cl_device(opened->device);
+    cl_context context = svo_device_cl_context(opened->device);
+    const size_t items = (count + RAYS_PER_ITEM - 1u) / RAYS_PER_ITEM;
+    const size_t local = 1;
+    cl_int error = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(context, 2, sources, NULL, &error);
+    assert_int_equal(clBuildProgram(program, 1, &device, options, NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "find", &error);
+    cl_mem from = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, count * sizeof *rays, (void *)rays, NULL);
+    cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
+    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof count, &count);
+    clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 3, sizeof any, &any);
+    assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &items, &local, 0, NULL, NULL), CL_SUCCESS);
+    clEnqueueReadBuffer(opened->queue, to, CL_TRUE, 0, count * sizeof *hits, hits, 0, NULL, NULL);
+    clReleaseMemObject(from);
+    clReleaseMemObject(to);
+    clReleaseKernel(kernel);
+    clReleaseProgram(program);
+}
+
+/* Camera rays, then scattered ones; with streams and without. */
+static void an_own_kernel_traces_arrays_of_rays(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 3000 };
+    static svo_ray rays[RAYS];
+    static svo_hit expected[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 21;
+    scene *made = make_scene("knot:3000");
+    built tree;
+    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        rays[i] = random_ray(&random, 1.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double pixel[3] = {0.35 + 1e-3 * (double)(i % 50), 0.2 + 2e-2 * (double)(i / 50), 0.5};
+            const double at = i < RAYS / 2 ? pixel[axis] : random_unit(&random);
+            const double eye = i < RAYS / 2 ? 1.5 + 0.25 * axis : axis == (int)(i % 3) ? 2.0 : random_unit(&random);
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * eye);
+            rays[i].direction[axis] =
+                (float)(tree.info.origin[axis] + tree.info.edge * at - (double)rays[i].origin[axis]);
+        }
+    }
+    for (cl_uint any = 0; any < 2; ++any) {
+        trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, expected);
+        size_t met = 0;
+        for (size_t i = 0; i < RAYS / 2; ++i) {
+            met += expected[i].triangle != SVO_NO_TRIANGLE;
+        }
+        assert_in_range(met, RAYS / 20, RAYS / 2 - RAYS / 20);
+        for (int streams = 0; streams < 2; ++streams) {
+            char options[128];
+            snprintf(options, sizeof options, "%s%s", svo_tree_kernel_options(),
+                     streams != 0 ? " -DSVO_RAY_STREAMS" : "");
+            run_arrays_kernel(opened, &tree, options, any, rays, hits, RAYS);
+            for (size_t i = 0; i < RAYS; ++i) {
+                const bool same =
+                    any != 0 ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
+                             : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
+                if (!same) {
+                    fail_msg("ray %zu, any %u, streams %d: triangle %u, expected %u", i, any, streams, hits[i].triangle,
+                             expected[i].triangle);
+                    return;
+                }
+            }
+        }
+    }
+    built_destroy(&tree);
+    scene_destroy(&made);
 }
 
 /* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
@@ -558,8 +743,11 @@ int main(void)
         cmocka_unit_test(rays_through_a_stack_hit_the_next_sheet),
         cmocka_unit_test(coincident_and_nested_triangles_are_found),
         cmocka_unit_test(the_bvh_is_built_on_request),
+        cmocka_unit_test(hits_do_not_depend_on_the_quality),
+        cmocka_unit_test(hits_after_a_refit_are_those_of_a_new_bvh),
         cmocka_unit_test(the_bvh_is_refused_for_trees_without_lists),
         cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
+        cmocka_unit_test(an_own_kernel_traces_arrays_of_rays),
         cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
         cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),

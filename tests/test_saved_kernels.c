@@ -313,6 +313,24 @@ static void files_of_others_are_passed_over(void **state)
     end(&kept);
 }
 
+/* PoCL compiles for the instructions that the variable names. */
+static void files_of_another_environment_are_passed_over(void **state)
+{
+    saved kept;
+    begin(state, &kept);
+    const char *set = getenv("POCL_WORK_GROUP_METHOD");
+    assert_null(set);
+    setenv("POCL_WORK_GROUP_METHOD", "loops", 1);
+    svo_device *device = new_device(&kept);
+    size_t loaded = SIZE_MAX;
+    succeed(device, svo_device_load_kernels(device, kept.folder, &loaded));
+    assert_int_equal(loaded, 0);
+    svo_device_destroy(&device);
+    unsetenv("POCL_WORK_GROUP_METHOD");
+    assert_int_equal(load_and_build(&kept, 0), kept.count);
+    end(&kept);
+}
+
 static void binaries_that_the_driver_refuses_are_compiled(void **state)
 {
     saved kept;
@@ -371,6 +389,7 @@ int main(void)
         cmocka_unit_test(saved_kernels_replace_compiling),
         cmocka_unit_test(damaged_files_are_passed_over_and_replaced),
         cmocka_unit_test(files_of_others_are_passed_over),
+        cmocka_unit_test(files_of_another_environment_are_passed_over),
         cmocka_unit_test(binaries_that_the_driver_refuses_are_compiled),
         cmocka_unit_test(folders_that_do_not_work_are_named),
         cmocka_unit_test(plans_of_another_device_do_not_warm),

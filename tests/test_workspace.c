@@ -595,6 +595,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_node_box, tree, 0, box[0], box[1]);
     EXPECT(svo_tree_set_args, tree, kernel, 0);
     EXPECT(svo_tree_prepare_rays, tree, opened->queue);
+    EXPECT(svo_tree_make_bvh, tree, SVO_BVH_FAST, opened->queue);
     EXPECT(svo_tree_trace, tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue);
     EXPECT(svo_tree_trace_enqueue, tree, memory, memory, 1, SVO_TRACE_CLOSEST, opened->queue, 0, NULL, NULL);
     EXPECT(svo_tree_nearest, tree, &point, &nearest, 1, opened->queue);

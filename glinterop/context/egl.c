@@ -177,6 +177,35 @@ uint32_t svo_gl_egl_device_count(void)
     return count;
 }
 
+/* What a device lists, without a display of it; NULL where EGL cannot say. */
+static const char *device_extensions(const egl_library *egl, EGLDeviceEXT device)
+{
+    if (!has_client_extension(egl, "EGL_EXT_device_query") && !has_client_extension(egl, "EGL_EXT_device_base")) {
+        return NULL;
+    }
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_string =
+        (PFNEGLQUERYDEVICESTRINGEXTPROC)egl->GetProcAddress("eglQueryDeviceStringEXT");
+    return query_string != NULL ? query_string(device, EGL_EXTENSIONS) : NULL;
+}
+
+int svo_gl_egl_is_software(void)
+{
+    svo_status status = SVO_OK;
+    egl_library egl = {0};
+    EGLDeviceEXT *devices = NULL;
+    uint32_t count = 0;
+    uint32_t software = 0;
+    SVO_I_TRY_CLEANUP(egl_library_open(&egl, NULL));
+    SVO_I_TRY_CLEANUP(list_devices(&egl, NULL, &devices, &count, NULL));
+    for (uint32_t i = 0; devices != NULL && i < count; ++i) {
+        software += svo_i_list_has_token(device_extensions(&egl, devices[i]), "EGL_MESA_device_software");
+    }
+cleanup:
+    svo_i_free(devices);
+    svo_i_library_close(egl.library);
+    return status == SVO_OK && software > 0 && software == count;
+}
+
 static svo_status find_device(const egl_library *egl, uint32_t device_index, const svo_i_memory *memory,
                               EGLDeviceEXT *device, svo_message *message)
 {
@@ -369,13 +398,10 @@ static svo_i_function egl_get_proc_address(void *pointer, const char *name)
 static bool egl_promises_gpu(void *pointer)
 {
     const egl_context *native = pointer;
-    if (native->device == EGL_NO_DEVICE_EXT || (!has_client_extension(&native->egl, "EGL_EXT_device_query") &&
-                                                !has_client_extension(&native->egl, "EGL_EXT_device_base"))) {
+    if (native->device == EGL_NO_DEVICE_EXT) {
         return false;
     }
-    PFNEGLQUERYDEVICESTRINGEXTPROC query_string =
-        (PFNEGLQUERYDEVICESTRINGEXTPROC)native->egl.GetProcAddress("eglQueryDeviceStringEXT");
-    const char *extensions = query_string != NULL ? query_string(native->device, EGL_EXTENSIONS) : NULL;
+    const char *extensions = device_extensions(&native->egl, native->device);
     return !svo_i_list_has_token(extensions, "EGL_MESA_device_software") &&
            (svo_i_list_has_token(extensions, "EGL_EXT_device_drm") ||
             svo_i_list_has_token(extensions, "EGL_NV_device_cuda"));

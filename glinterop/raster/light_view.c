@@ -156,30 +156,92 @@ static svo_status upload_block(svo_i_light_raster *raster, GLuint binding, const
     return check(raster, name);
 }
 
-/* An array of the tree, by way of the host. */
-static svo_status upload_array(svo_i_light_raster *raster, GLuint binding, svo_tree_buffer array,
-                               cl_command_queue queue)
+static size_t array_bytes(const svo_i_light_raster *raster, svo_tree_buffer array)
+{
+    return (size_t)svo_i_tree_element_count(&raster->tree->info, array) * svo_i_tree_element_bytes(array);
+}
+
+/* An array of the tree, which the caller frees; *copy stays NULL for one that the tree does not hold. */
+static svo_status read_array(const svo_i_light_raster *raster, svo_tree_buffer array, cl_command_queue queue,
+                             void **copy)
 {
     svo_device *device = raster->device;
-    const size_t bytes = (size_t)svo_i_tree_element_count(&raster->tree->info, array) * svo_i_tree_element_bytes(array);
-    void *copy = svo_i_alloc(&device->memory, bytes);
-    if (copy == NULL) {
+    const size_t bytes = array_bytes(raster, array);
+    if (!svo_i_tree_holds(&raster->tree->info, array)) {
+        return SVO_OK;
+    }
+    *copy = svo_i_alloc(&device->memory, bytes);
+    if (*copy == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, FUNCTION ": no memory for %zu bytes of triangles",
                                  bytes);
     }
     const cl_int error =
-        clEnqueueReadBuffer(queue, raster->tree->buffers[array], CL_TRUE, 0, bytes, copy, 0, NULL, NULL);
-    const svo_status status = error == CL_SUCCESS
-                                  ? upload_block(raster, binding, "triangles", copy, bytes)
-                                  : svo_i_device_fail_cl(device, FUNCTION, "clEnqueueReadBuffer", error);
+        clEnqueueReadBuffer(queue, raster->tree->buffers[array], CL_TRUE, 0, bytes, *copy, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, FUNCTION, "clEnqueueReadBuffer", error);
+}
+
+static svo_status upload_array(svo_i_light_raster *raster, GLuint binding, svo_tree_buffer array,
+                               cl_command_queue queue)
+{
+    void *copy = NULL;
+    svo_status status = read_array(raster, array, queue, &copy);
+    if (status == SVO_OK) {
+        status = upload_block(raster, binding, "triangles", copy, array_bytes(raster, array));
+    }
     svo_i_free(copy);
+    return status;
+}
+
+/* What the vertex shader reads of a vertex. */
+typedef struct split_vertex {
+    int32_t units[3];
+    float rest[3];
+} split_vertex;
+
+/* positions, positions_double: of the mesh, or both NULL: the snapped ones stand for them. */
+static void split_vertices(const svo_tree_info *info, const int32_t *snapped, const float *positions,
+                           const double *positions_double, split_vertex *out)
+{
+    for (size_t i = 0; i < (size_t)info->vertex_count * 3; ++i) {
+        out[i / 3].units[i % 3] = snapped[i];
+        out[i / 3].rest[i % 3] = 0.0F;
+        if (positions != NULL || positions_double != NULL) {
+            const double at = positions != NULL ? (double)positions[i] : positions_double[i];
+            out[i / 3].rest[i % 3] = (float)((at - info->origin[i % 3]) * info->scale - (double)snapped[i]);
+        }
+    }
+}
+
+/* The vertices of the mesh that rays meet. A float in grid units would be too coarse for the edges of small triangles. */
+static svo_status upload_vertices(svo_i_light_raster *raster, cl_command_queue queue)
+{
+    const svo_tree_info *info = &raster->tree->info;
+    const size_t bytes = (size_t)info->vertex_count * sizeof(split_vertex);
+    void *arrays[3] = {NULL};
+    svo_status status = SVO_OK;
+    split_vertex *vertices = svo_i_alloc(&raster->device->memory, bytes);
+    if (vertices == NULL) {
+        status = svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY,
+                                   FUNCTION ": no memory for %zu bytes of vertices", bytes);
+        goto cleanup;
+    }
+    SVO_I_TRY_CLEANUP(read_array(raster, SVO_TREE_VERTICES, queue, &arrays[0]));
+    SVO_I_TRY_CLEANUP(read_array(raster, SVO_TREE_POSITIONS, queue, &arrays[1]));
+    SVO_I_TRY_CLEANUP(read_array(raster, SVO_TREE_POSITIONS_DOUBLE, queue, &arrays[2]));
+    split_vertices(info, arrays[0], arrays[1], arrays[2], vertices);
+    status = upload_block(raster, VERTICES, "triangles", vertices, bytes);
+cleanup:
+    for (int i = 0; i < 3; ++i) {
+        svo_i_free(arrays[i]);
+    }
+    svo_i_free(vertices);
     return status;
 }
 
 static svo_status upload_triangles(svo_i_light_raster *raster, cl_command_queue queue)
 {
     if (!raster->uploaded) {
-        SVO_I_TRY(upload_array(raster, VERTICES, SVO_TREE_VERTICES, queue));
+        SVO_I_TRY(upload_vertices(raster, queue));
         SVO_I_TRY(upload_array(raster, INDICES, SVO_TREE_INDICES, queue));
         SVO_I_TRY(upload_array(raster, TRIANGLE_IDS, SVO_TREE_TRIANGLE_IDS, queue));
         raster->uploaded = true;

@@ -72,6 +72,12 @@ typedef struct svo_gl_context_options {
  * \returns 0 without EGL or EGL_EXT_device_enumeration. */
 SVO_API uint32_t svo_gl_egl_device_count(void);
 
+/** Whether EGL has nothing but software renderers, by the extensions of its devices. No context is made and no display
+ *  initialized, so a program can decide against OpenGL in a tenth of the time that a context takes.
+ *
+ * \returns 1 if EGL lists devices and each draws on the CPU; 0 otherwise, and where EGL cannot say. */
+SVO_API int svo_gl_egl_is_software(void);
+
 /** Makes an off-screen context. An EGL device that is a GPU is never served by a software renderer; that is an error.
  *
  * \param kind below SVO_GL_CONTEXT_KINDS

@@ -31,7 +31,7 @@ typedef enum svo_need {
     SVO_NEED_DEFAULT = 0, /**< the colors and normals that the mesh has */
     SVO_NEED_COLOR = 1, /**< RGBA8 per node; white if the mesh has neither colors nor materials */
     SVO_NEED_NORMAL = 2, /**< 3 x int16 per node; the triangles' own normals if the mesh has none */
-    SVO_NEED_RAYS = 4, /**< leaf lists, snapped vertices and indices, from which trace.h makes a BVH */
+    SVO_NEED_RAYS = 4, /**< leaf lists, vertices as given and snapped, and indices, from which trace.h makes a BVH */
     SVO_NEED_MATERIAL = 8, /**< 16 bits per node: the material with the largest weight; the smaller index on ties */
     SVO_NEED_FILL = 16, /**< 16 bits per node: surface area inside, 4096 = a face of the node, at most 65535 */
     /** 6 x 16 bits per leaf, none for inner nodes: how much surface rays along +x, -x, +y, -y, +z and -z see in the

@@ -4,9 +4,9 @@
  * and all of that in kernels of the caller's own.
  *
  * Rays traverse an 8-wide BVH that references each triangle once. The BVH is separate from the octree: it is no part of
- * a build nor of the plan's buffers. The first function that needs it makes it, on the host, from vertices and indices
- * that it reads back unless they are there, and keeps it with the tree. Such functions take a tree that is not const
- * and need exclusive use of it. svo_tree_prepare_rays makes the BVH at a time of the caller's choosing.
+ * a build nor of the plan's buffers. The first function that needs it makes it, on the device, and keeps it with the
+ * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_prepare_rays makes the BVH
+ * at a time of the caller's choosing, svo_tree_make_bvh in a quality of the caller's choosing too.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -74,14 +74,30 @@ typedef struct svo_render_options {
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
-/** Makes the tree's BVH and waits for it; later calls do nothing. It takes two buffers, ray_nodes and ray_leaves: 51 to
- *  55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per triangle plus 192. Where
- *  svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more per triangle at most.
+/** How a BVH is made. Hits are the same. */
+typedef enum svo_bvh_quality {
+    SVO_BVH_BEST = 0, /**< splits by the surface area heuristic throughout: most rays per second */
+    SVO_BVH_FAST = 1 /**< splits of triangles in Morton order: made in about half the time, for what changes often */
+} svo_bvh_quality;
+
+/** Makes the tree's BVH with SVO_BVH_BEST and waits for it, unless the tree has one. It takes two buffers, ray_nodes
+ *  and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per
+ *  triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
+ *  per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR
+ *          on failure. */
 SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
+
+/** The same in a quality of the caller's choosing. A BVH of the other quality is replaced; on failure it stays.
+ *
+ * \param tree see svo_tree_prepare_rays; no batch of its rays may be in progress
+ * \param quality a svo_bvh_quality
+ * \param queue see svo_tree_prepare_rays
+ * \returns what svo_tree_prepare_rays returns. */
+SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
 /** Device memory of the BVH.
  *
@@ -99,10 +115,14 @@ typedef enum svo_trace_flags {
 
 #define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
 
-/** Traces rays against the triangles of the snapped mesh, as far as they lie inside the grid.
+/** Traces rays against the triangles of the mesh as it was given, as far as they lie inside the grid; of a tree with
+ *  SVO_POSITIONS_SNAPPED against those of the snapped mesh. On a caller's grid the hits of a triangle that has a voxel
+ *  there may lie half a grid unit outside, since voxels are those of the snapped mesh.
  *
  * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
- * tree's depth; elsewhere the same watertight test runs in single precision. Closed surfaces have no gaps: a ray
+ * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid
+ * units, which are off by at most 2^-25 of the grid's width. t is that of the exact hit, rounded to float, or next to
+ * it. Closed surfaces have no gaps: a ray
  * through an edge or a corner hits one of the triangles there. A ray with a number that is not finite (t_max excepted),
  * without a direction, or with t_min above t_max hits nothing.
  *
@@ -166,10 +186,10 @@ SVO_API svo_status svo_tree_trace_voxels_enqueue(svo_tree *tree, cl_mem rays, cl
 SVO_API svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
                                          float footprint, cl_command_queue queue);
 
-/** Finds the nearest triangle of the snapped mesh to each point: least distance as reported, then least position in the
- *  mesh. Distances are computed in double precision and rounded to float, on devices with cl_khr_fp64. Triangles must
- *  lie inside the grid, as all do on a fitted one. A point that is not finite, or without a triangle within its
- *  max_distance, has none.
+/** Finds the nearest triangle to each point: least distance as reported, then least position in the mesh. The mesh is
+ *  the one that rays meet. Distances are computed in double precision and rounded to float, on devices with
+ *  cl_khr_fp64. Triangles must lie inside the grid, as all do on a fitted one. A point that is not finite, or without a
+ *  triangle within its max_distance, has none.
  *
  * \param tree see svo_tree_trace_enqueue
  * \param points buffer of that device's context with point_count records of svo_query_point; NULL allowed when that
@@ -213,6 +233,11 @@ SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *point
  *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
  *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
  *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *     void svo_trace_rays(const svo_tree *, global const svo_ray *, global svo_hit *, uint ray_count, bool any)
+ *         svo_trace_closest, or any: svo_trace_any, for an array of rays by one work-item. On CPUs the option
+ *         -DSVO_RAY_STREAMS makes it trace them as svo_tree_trace does, in packets of coherent rays and streams of
+ *         others: best hundreds at once. The hits are the same. On GPUs leave the option out, and trace a ray by a
+ *         work-item
  *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
  *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
  *

@@ -2,7 +2,7 @@
 /*
  * The nearest triangle to each point of a buffer.
  *
- * Traverses the BVH (lib/rays/bvh.c) depth first, the nearest box first, and skips boxes that cannot hold anything
+ * Traverses the BVH (kernels/bvh) depth first, the nearest box first, and skips boxes that cannot hold anything
  * nearer than the best so far (branch and bound, after Roussopoulos, Kelley and Vincent, "Nearest Neighbor Queries",
  * 1995). Distances to boxes are float, less a margin; distances to triangles are double where the device has it.
  *

@@ -273,6 +273,84 @@ SVO_RECORD(svo_ray_node)
 #define SVO_RAY_LEAF_HEAD_WORDS    8
 #define SVO_RAY_LEAF_PADDING_WORDS 8
 
+/* ---- the making of BVHs ---- */
+
+#define SVO_BVH_BINS     16 /* along an axis */
+#define SVO_BVH_CELLS    (3 * SVO_BVH_BINS)
+#define SVO_BVH_BY_COUNT 3u /* in place of an axis: split in halves of the items */
+#define SVO_BVH_NO_RANGE 0xffffffffu
+/* The most items of a job of SVO_BVH_FAST, on every device, since the BVH depends on it. */
+#define SVO_BVH_SWEEP_ITEMS 512
+#define SVO_BVH_IN_B     0x80000000u /* of a job's halvings: its items are in the second of two buffers */
+
+/* A range of items to split, as a level of the binary tree lists them. 64 bytes. */
+SVO_RECORD(svo_bvh_range)
+{
+    SVO_U32 first; /* 0: item */
+    SVO_U32 count; /* 4: items */
+    SVO_U32 halvings; /* 8: splits from all items down to this range */
+    SVO_U32 link; /* 12: twice the branch that it is a part of, and which part */
+    SVO_U32 chunk_begin; /* 16: the first of its chunks */
+    SVO_U32 axis; /* 20: of its split; SVO_BVH_BY_COUNT */
+    SVO_U32 at; /* 24: the first bin of the second part */
+    SVO_U32 front; /* 28: items of the first part */
+    SVO_U32 part[2]; /* 32: its parts among the ranges of the next level; SVO_BVH_NO_RANGE */
+    SVO_U32 center_low[3]; /* 40: the least of twice the items' centers, as bits of floats */
+    SVO_U32 center_high[3]; /* 52: the greatest ones */
+};
+
+/* A range of items that a work-item splits down to leaves. 16 bytes. */
+SVO_RECORD(svo_bvh_job)
+{
+    SVO_U32 first; /* 0 */
+    SVO_U32 count; /* 4 */
+    SVO_U32 halvings; /* 8: and SVO_BVH_IN_B */
+    SVO_U32 link; /* 12 */
+};
+
+/* A branch of the binary tree over the items. Its index is the first item of its second part, so 0 is none; branch 0
+   has the root as its first part. 16 bytes. */
+SVO_RECORD(svo_bvh_branch)
+{
+    SVO_U32 part[2]; /* 0: the branches of its parts; 0: a leaf */
+    SVO_F32 area[2]; /* 8: half the areas of the parts' boxes */
+};
+
+/* The children of a node, before leaves have their places. 96 bytes. */
+SVO_RECORD(svo_bvh_children)
+{
+    SVO_U32 first[8]; /* 0: item */
+    SVO_U32 count[8]; /* 32: items; 0: no child */
+    SVO_U32 node[8]; /* 64: a branch, then a node; 0: a leaf */
+};
+
+/* Counts that the making of a BVH keeps on the device. 32 bytes. */
+SVO_RECORD(svo_bvh_state)
+{
+    SVO_U32 reach; /* 0: the largest absolute coordinate of a vertex */
+    SVO_U32 outside; /* 4: whether a vertex lies outside the grid */
+    SVO_U32 range_count; /* 8: of the next level of ranges */
+    SVO_U32 chunk_count; /* 12: of these ranges */
+    SVO_U32 job_count; /* 16 */
+    SVO_U32 node_count; /* 20: nodes of the levels that are numbered */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
+/* Arguments of the kernels that make a BVH. 40 bytes. */
+SVO_RECORD(svo_bvh_params)
+{
+    SVO_U32 triangle_count; /* 0 */
+    SVO_U32 item_count; /* 4 */
+    SVO_U32 snap_bits; /* 8 */
+    SVO_U32 chunk_items; /* 12: items of a chunk */
+    SVO_U32 subtree_items; /* 16: the most items of a job, SVO_BVH_FEW_ITEMS or more */
+    SVO_U32 use_list; /* 20: not 0: the tree's lists say which triangles there are */
+    SVO_U32 in_b; /* 24: not 0: the items of this level are in the second buffer */
+    SVO_U32 range_count; /* 28: of this level */
+    SVO_U32 chunk_count; /* 32 */
+    SVO_U32 reserved; /* 36 */
+};
+
 /* ---- scenes ---- */
 
 /* Bits of a coordinate in the Morton code of a box's center. */
@@ -393,6 +471,12 @@ SVO_ASSERT_BYTES(svo_material_record, 32);
 SVO_ASSERT_BYTES(svo_cast_params, 96);
 SVO_ASSERT_BYTES(svo_ray_params, 68);
 SVO_ASSERT_BYTES(svo_ray_node, 128);
+SVO_ASSERT_BYTES(svo_bvh_range, 64);
+SVO_ASSERT_BYTES(svo_bvh_job, 16);
+SVO_ASSERT_BYTES(svo_bvh_branch, 16);
+SVO_ASSERT_BYTES(svo_bvh_children, 96);
+SVO_ASSERT_BYTES(svo_bvh_state, 32);
+SVO_ASSERT_BYTES(svo_bvh_params, 40);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);

@@ -106,7 +106,7 @@ static const char *no_voxelization(const svo_plan *plan)
 static const char *no_lists(const svo_plan *plan)
 {
     (void)plan;
-    return "rays are not requested: no lists, no snapped vertices, indices or triangle ids";
+    return "rays are not requested: no lists, no vertices, indices or triangle ids";
 }
 
 static const char *no_packing(const svo_plan *plan)

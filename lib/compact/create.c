@@ -114,7 +114,7 @@ static svo_status make(svo_device *device, const svo_tree *tree, const svo_compa
                        cl_command_queue queue, svo_compact *compact)
 {
     svo_i_compact_source source;
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(device, "svo_compact_create", queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_source_of_tree(&work, tree, asked, &source));

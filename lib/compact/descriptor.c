@@ -11,7 +11,7 @@
 
 /* What the stages hand on: an element per inner node. */
 typedef struct words {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     const svo_i_compact_source *source;
     cl_mem sizes; /* u32: words of its descendants */
     cl_mem far; /* u8: those of its inner children that have far words */
@@ -83,7 +83,7 @@ void svo_i_descriptor_count(svo_compact_info *info)
     info->stored_count = inner_count + info->far_count;
 }
 
-svo_status svo_i_descriptor_make(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact)
+svo_status svo_i_descriptor_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact)
 {
     const uint64_t inner_count = svo_i_source_level_begin(&source->info, source->info.depth);
     words w = {.work = work, .source = source};

@@ -12,7 +12,7 @@
 #define NODES_MAX 0xfffffffeu
 
 typedef struct expansion {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     const svo_compact *compact;
     svo_tree *tree;
     uint32_t level;

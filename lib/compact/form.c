@@ -54,7 +54,7 @@ void svo_i_form_count(svo_compact_info *info)
     svo_i_compact_count(info);
 }
 
-svo_status svo_i_form_make(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact)
+svo_status svo_i_form_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact)
 {
     switch (source->info.form) {
     case SVO_FORM_IMPLIED:

@@ -18,6 +18,6 @@ size_t svo_i_form_expanded_bytes(svo_form form);
 void svo_i_form_count(svo_compact_info *info);
 
 /* Makes the nodes, links, bases and payload of the form in the source's info. compact->info: that of the source. */
-svo_status svo_i_form_make(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact);
+svo_status svo_i_form_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact);
 
 #endif

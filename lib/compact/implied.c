@@ -6,7 +6,7 @@
 #include "shared/layout.h"
 
 /* The masks' bits and their exclusive sums, in scratch buffers. */
-static svo_status count_children(svo_i_compact_work *work, cl_mem masks, uint64_t mask_count, cl_mem *sums)
+static svo_status count_children(svo_i_device_work *work, cl_mem masks, uint64_t mask_count, cl_mem *sums)
 {
     const svo_compact_params params = {.node_count = (cl_uint)mask_count};
     cl_mem counts = NULL;
@@ -19,7 +19,7 @@ static svo_status count_children(svo_i_compact_work *work, cl_mem masks, uint64_
     return SVO_OK;
 }
 
-static svo_status make_masks(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem sums,
+static svo_status make_masks(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem sums,
                              svo_compact *compact)
 {
     const svo_compact_params params = {.node_count = svo_i_source_level_begin(&source->info, source->info.depth)};
@@ -33,7 +33,7 @@ static svo_status make_masks(svo_i_compact_work *work, const svo_i_compact_sourc
     return svo_i_work_launch(work, "svo_k_implied_masks", SVO_I_ARGUMENTS(arguments), params.node_count);
 }
 
-static svo_status make_directory(svo_i_compact_work *work, svo_compact *compact)
+static svo_status make_directory(svo_i_device_work *work, svo_compact *compact)
 {
     const cl_uint step_log2 = compact->info.directory_step_log2;
     const cl_uint entry_count = (cl_uint)(compact->info.bytes[SVO_COMPACT_LINKS] / 4);
@@ -49,7 +49,7 @@ static svo_status make_directory(svo_i_compact_work *work, svo_compact *compact)
 }
 
 /* bases: the first node that has payload. *targets as svo_i_payload_make takes it; scratch. */
-static svo_status make_bases(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem sums,
+static svo_status make_bases(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem sums,
                              svo_compact *compact, cl_mem *targets)
 {
     svo_compact_params params = {.node_count = svo_i_source_level_begin(&source->info, source->info.depth)};
@@ -75,7 +75,7 @@ void svo_i_implied_count(svo_compact_info *info)
     }
 }
 
-svo_status svo_i_implied_make(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact)
+svo_status svo_i_implied_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact)
 {
     cl_mem sums = NULL;
     cl_mem targets = NULL;

@@ -13,7 +13,7 @@
 enum { COLORS, NORMALS, MATERIALS, FILLS, COMPARED_COUNT };
 
 typedef struct minimizer {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     svo_i_compact_source *source;
     uint32_t inner_count; /* before */
     svo_minimize_params params; /* what all launches have in common */
@@ -252,7 +252,7 @@ static void set_counts(minimizer *m)
     svo_i_compact_count(info);
 }
 
-svo_status svo_i_minimize(svo_i_compact_work *work, const svo_compact_options *options, svo_i_compact_source *source)
+svo_status svo_i_minimize(svo_i_device_work *work, const svo_compact_options *options, svo_i_compact_source *source)
 {
     const svo_compact_info *info = &source->info;
     const bool has_places = svo_i_compact_has_places(info);

@@ -14,6 +14,6 @@
 /* Makes eight full leaves with the same payload, or within the tolerances, one leaf, on all levels but the root's and,
    where payload is not constant, those above payload_level, which have no place for it. Sets source->info.minimized and
    the levels' counts. */
-svo_status svo_i_minimize(svo_i_compact_work *work, const svo_compact_options *options, svo_i_compact_source *source);
+svo_status svo_i_minimize(svo_i_device_work *work, const svo_compact_options *options, svo_i_compact_source *source);
 
 #endif

@@ -13,7 +13,7 @@ static svo_compact_params make_params(const svo_i_compact_source *source)
                                 .root_payload = info->payload_level == 0};
 }
 
-svo_status svo_i_payload_bases(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem places,
+svo_status svo_i_payload_bases(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem places,
                                svo_compact *compact, cl_mem *targets)
 {
     const svo_compact_params params = make_params(source);
@@ -43,7 +43,7 @@ svo_status svo_i_payload_bases(svo_i_compact_work *work, const svo_i_compact_sou
 }
 
 /* Makes the buffer of a payload array; one that is constant gets its element. Other arrays are filled by the caller. */
-static svo_status make_array(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact,
+static svo_status make_array(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact,
                              svo_compact_buffer buffer, bool *fill)
 {
     cl_mem *to = &compact->buffers[buffer];
@@ -61,7 +61,7 @@ static svo_status make_array(svo_i_compact_work *work, const svo_i_compact_sourc
     return SVO_OK;
 }
 
-static svo_status gather(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem targets,
+static svo_status gather(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem targets,
                          const svo_compact *compact, svo_compact_buffer buffer)
 {
     svo_compact_params params = make_params(source);
@@ -75,7 +75,7 @@ static svo_status gather(svo_i_compact_work *work, const svo_i_compact_source *s
     return svo_i_work_launch(work, "svo_k_compact_payload", SVO_I_ARGUMENTS(arguments), params.node_count);
 }
 
-svo_status svo_i_payload_make(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem targets,
+svo_status svo_i_payload_make(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem targets,
                               svo_compact *compact)
 {
     for (int i = SVO_I_PAYLOAD_FIRST; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
@@ -88,7 +88,7 @@ svo_status svo_i_payload_make(svo_i_compact_work *work, const svo_i_compact_sour
     return SVO_OK;
 }
 
-svo_status svo_i_payload_gather(svo_i_compact_work *work, const svo_i_compact_source *source, cl_mem origins,
+svo_status svo_i_payload_gather(svo_i_device_work *work, const svo_i_compact_source *source, cl_mem origins,
                                 svo_compact *compact)
 {
     svo_compact_params params = {.node_count = (cl_uint)compact->info.payload_count};

@@ -11,7 +11,7 @@
 
 /* Everything on the host. */
 typedef struct sharing {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     const svo_i_compact_source *source;
     svo_compact *compact;
     void *arrays[4]; /* of nodes, by svo_i_alloc */
@@ -113,7 +113,7 @@ static svo_status share(sharing *s)
     return put_payload(s);
 }
 
-svo_status svo_i_shared_make(svo_i_compact_work *work, const svo_i_compact_source *source, svo_compact *compact)
+svo_status svo_i_shared_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact)
 {
     sharing s = {.work = work, .source = source, .compact = compact};
     const svo_status status = share(&s);

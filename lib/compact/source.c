@@ -52,7 +52,7 @@ void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options 
 /* ---- arrays ---- */
 
 /* An array of the tree on the device: its own, or a copy that the work owns. */
-static svo_status find_array(svo_i_compact_work *work, const svo_tree *tree, svo_tree_buffer buffer, cl_mem *out)
+static svo_status find_array(svo_i_device_work *work, const svo_tree *tree, svo_tree_buffer buffer, cl_mem *out)
 {
     const uint64_t bytes = svo_i_tree_element_count(&tree->info, buffer) * svo_i_tree_element_bytes(buffer);
     *out = tree->buffers[buffer];
@@ -64,7 +64,7 @@ static svo_status find_array(svo_i_compact_work *work, const svo_tree *tree, svo
 }
 
 /* Leaf masks of a built tree: on level depth - 1 all children are leaves, above there are none. */
-static svo_status make_leaf_masks(svo_i_compact_work *work, svo_i_compact_source *source)
+static svo_status make_leaf_masks(svo_i_device_work *work, svo_i_compact_source *source)
 {
     const svo_compact_info *info = &source->info;
     const uint64_t inner_count = svo_i_source_level_begin(info, info->depth);
@@ -74,7 +74,7 @@ static svo_status make_leaf_masks(svo_i_compact_work *work, svo_i_compact_source
     return svo_i_work_copy(work, source->valid, begin, source->leaf, begin, inner_count - begin);
 }
 
-svo_status svo_i_source_of_tree(svo_i_compact_work *work, const svo_tree *tree, const svo_compact_options *options,
+svo_status svo_i_source_of_tree(svo_i_device_work *work, const svo_tree *tree, const svo_compact_options *options,
                                 svo_i_compact_source *source)
 {
     *source = (svo_i_compact_source){.payload_begin = tree->info.level_begin[tree->info.payload_level]};

@@ -10,7 +10,7 @@
 #ifndef SVO_LIB_COMPACT_SOURCE_H
 #define SVO_LIB_COMPACT_SOURCE_H
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "core/compact.h"
 
 typedef struct svo_i_compact_source {
@@ -30,7 +30,7 @@ uint32_t svo_i_source_payload_parents(const svo_compact_info *info);
 
 /* Describes a tree and fills in its arrays, which must outlive the work; of one on the host there are copies that the
    work owns. */
-svo_status svo_i_source_of_tree(svo_i_compact_work *work, const svo_tree *tree, const svo_compact_options *options,
+svo_status svo_i_source_of_tree(svo_i_device_work *work, const svo_tree *tree, const svo_compact_options *options,
                                 svo_i_compact_source *source);
 /* The description alone: what svo_tree_info has, the levels' counts, form and directory_step_log2. */
 void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options *options, svo_compact_info *out);

@@ -288,6 +288,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the handle");
         goto cleanup;
     }
+    handle->memory = memory;
     SVO_I_TRY_CLEANUP(svo_i_device_full_name(device, CREATE, &memory, &name, message));
     SVO_I_TRY_CLEANUP(check_device(device, name, &memory, message));
     SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
@@ -295,7 +296,6 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;
-    handle->memory = memory;
     handle->log = asked.log;
     handle->log_user = asked.log_user;
     handle->context = context;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Compiled programs in the caller's folder: one file per program, named by the hash of its key. The key is a text of
- * everything that the binary depends on: platform, device, driver, source and options. Drivers are not asked whether a
- * binary is whole (PoCL loads one with a flipped bit without an error), so a file has a checksum of its own.
+ * everything that the binary depends on: platform, device, driver, its environment, source and options. Drivers are not
+ * asked whether a binary is whole (PoCL loads one with a flipped bit without an error), so a file has a checksum.
  *
  *   offset  bytes
  *        0      8  "svokern1"
@@ -16,6 +16,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -88,6 +89,20 @@ static void add_platform_line(program_key *key, const char *name, const svo_devi
     add_line(key, name, value);
 }
 
+/* PoCL chooses instructions by these and names the device the same. */
+static void add_environment(program_key *key)
+{
+    static const char *const names[] = {"POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_METHOD"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        const char *value = getenv(names[i]);
+        if (value != NULL) {
+            char shown[256];
+            (void)snprintf(shown, sizeof shown, "%s", value);
+            add_line(key, names[i], shown);
+        }
+    }
+}
+
 static void hash_text(XXH128_hash_t hash, char text[33])
 {
     (void)snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
@@ -109,6 +124,7 @@ static svo_status make_key(svo_device *device, const char *function, svo_i_progr
     add_device_line(key, "driver", device, CL_DRIVER_VERSION);
     note_error(key, clGetDeviceInfo(device->device, CL_DEVICE_ADDRESS_BITS, sizeof bits, &bits, NULL));
     add_line(key, "address-bits", bits == 64 ? "64" : "32");
+    add_environment(key);
     hash_text(XXH3_128bits(source, strlen(source)), hash);
     add_line(key, "source", hash);
     add_line(key, "program", svo_i_program_kind_name(kind));

@@ -19,6 +19,7 @@ typedef enum svo_i_program_kind {
 
     SVO_I_PROGRAM_VOXELIZE = SVO_I_PROGRAM_STAGE_KINDS, /* voxelize */
     SVO_I_PROGRAM_CAST, /* render */
+    SVO_I_PROGRAM_BVH, /* scan, and those of kernels/bvh */
     SVO_I_PROGRAM_TRACE, /* trace, nearest */
     SVO_I_PROGRAM_VIEW, /* view */
     SVO_I_PROGRAM_TRACE_VOXELS, /* trace_voxels */

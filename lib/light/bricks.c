@@ -4,7 +4,7 @@
 
 #include "light/opacity.h"
 
-svo_status svo_i_light_place(svo_i_compact_work *work, const svo_light *light, cl_mem codes)
+svo_status svo_i_light_place(svo_i_device_work *work, const svo_light *light, cl_mem codes)
 {
     for (uint32_t level = 0; level < light->params.depth; ++level) {
         const svo_light_step params = svo_i_light_step(light, level);
@@ -17,7 +17,7 @@ svo_status svo_i_light_place(svo_i_compact_work *work, const svo_light *light, c
 }
 
 /* The bricks of the nodes above the leaves. */
-static svo_status make_deepest(svo_i_compact_work *work, const svo_light *light, cl_mem codes, cl_mem leaves)
+static svo_status make_deepest(svo_i_device_work *work, const svo_light *light, cl_mem codes, cl_mem leaves)
 {
     const svo_light_step params = svo_i_light_step(light, light->params.depth - 1);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -30,7 +30,7 @@ static svo_status make_deepest(svo_i_compact_work *work, const svo_light *light,
 }
 
 /* A level above. */
-static svo_status filter_level(svo_i_compact_work *work, const svo_light *light, cl_mem codes, uint32_t level)
+static svo_status filter_level(svo_i_device_work *work, const svo_light *light, cl_mem codes, uint32_t level)
 {
     const svo_light_step params = svo_i_light_step(light, level);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -40,7 +40,7 @@ static svo_status filter_level(svo_i_compact_work *work, const svo_light *light,
     return svo_i_work_launch(work, "svo_k_light_brick_level", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
-svo_status svo_i_light_bricks(svo_i_compact_work *work, svo_light *light)
+svo_status svo_i_light_bricks(svo_i_device_work *work, svo_light *light)
 {
     const svo_tree_info *tree = &light->tree->info;
     cl_mem codes = NULL;

@@ -6,9 +6,9 @@
 #include "light/state.h"
 
 /* SVO_LIGHT_BRICKS: makes SVO_LIGHT_OPACITY. */
-svo_status svo_i_light_bricks(svo_i_compact_work *work, svo_light *light);
+svo_status svo_i_light_bricks(svo_i_device_work *work, svo_light *light);
 
 /* Morton codes of the inner nodes, ulong each, by which kernels find the nodes around. */
-svo_status svo_i_light_place(svo_i_compact_work *work, const svo_light *light, cl_mem codes);
+svo_status svo_i_light_place(svo_i_device_work *work, const svo_light *light, cl_mem codes);
 
 #endif

@@ -22,7 +22,7 @@ static void descend(const uint8_t *masks, uint64_t parents, uint64_t *codes, uin
     }
 }
 
-svo_status svo_i_codes_of_level(svo_i_compact_work *work, const svo_tree *tree, uint32_t level, uint64_t **codes)
+svo_status svo_i_codes_of_level(svo_i_device_work *work, const svo_tree *tree, uint32_t level, uint64_t **codes)
 {
     const uint32_t *begin = tree->info.level_begin;
     svo_status status = SVO_OK;
@@ -71,7 +71,7 @@ static uint32_t bounds_level(const svo_tree_info *info)
     return level;
 }
 
-svo_status svo_i_lit_box_of_tree(svo_i_compact_work *work, const svo_tree *tree, svo_i_lit_box *box)
+svo_status svo_i_lit_box_of_tree(svo_i_device_work *work, const svo_tree *tree, svo_i_lit_box *box)
 {
     const svo_tree_info *info = &tree->info;
     const uint32_t level = bounds_level(info);

@@ -23,7 +23,7 @@
 /* What the steps share. */
 typedef struct exchange {
     svo_i_photons *photons;
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     svo_light *light;
     const svo_finish *finishes;
     uint32_t finish_count; /* 0: none, or the tree has no materials */

@@ -2,7 +2,7 @@
 /* The host side of kernels/light/faces.cl. Opacities are filtered where the extinctions lie at last. */
 #include "light/faces.h"
 
-static svo_status make_leaves(svo_i_compact_work *work, const svo_light *light)
+static svo_status make_leaves(svo_i_device_work *work, const svo_light *light)
 {
     const cl_mem areas = svo_i_light_areas(light);
     const svo_light_step params = svo_i_light_step(light, light->params.depth);
@@ -13,7 +13,7 @@ static svo_status make_leaves(svo_i_compact_work *work, const svo_light *light)
 }
 
 /* A level above the leaves. */
-static svo_status filter_level(svo_i_compact_work *work, const svo_light *light, uint32_t level)
+static svo_status filter_level(svo_i_device_work *work, const svo_light *light, uint32_t level)
 {
     const svo_light_step params = svo_i_light_step(light, level);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -23,7 +23,7 @@ static svo_status filter_level(svo_i_compact_work *work, const svo_light *light,
     return svo_i_work_launch(work, "svo_k_light_face_level", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
-static svo_status take_logarithms(svo_i_compact_work *work, const svo_light *light)
+static svo_status take_logarithms(svo_i_device_work *work, const svo_light *light)
 {
     svo_light_step params = svo_i_light_step(light, 0);
     params.count = (cl_uint)light->tree->info.node_count;
@@ -32,7 +32,7 @@ static svo_status take_logarithms(svo_i_compact_work *work, const svo_light *lig
                              6 * light->tree->info.node_count);
 }
 
-svo_status svo_i_light_faces(svo_i_compact_work *work, svo_light *light)
+svo_status svo_i_light_faces(svo_i_device_work *work, svo_light *light)
 {
     double start = svo_i_now_ms();
     SVO_I_TRY(svo_i_light_buffer(work, light, SVO_LIGHT_OPACITY));

@@ -6,6 +6,6 @@
 #include "light/state.h"
 
 /* SVO_LIGHT_FACES: makes SVO_LIGHT_OPACITY, as extinctions, and SVO_LIGHT_COVER. */
-svo_status svo_i_light_faces(svo_i_compact_work *work, svo_light *light);
+svo_status svo_i_light_faces(svo_i_device_work *work, svo_light *light);
 
 #endif

@@ -19,7 +19,7 @@ static uint64_t words_of(svo_light_form form)
 
 /* What the steps have in common. */
 typedef struct filter {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     svo_light *light;
     const svo_i_lit_leaves *from;
     cl_mem masks, children; /* of the tree */
@@ -234,7 +234,7 @@ void svo_i_light_darken(svo_light *light)
     light->info.lit_nodes = 0;
 }
 
-static svo_status make_light(svo_i_compact_work *work, svo_light *light, const svo_i_lit_leaves *lit)
+static svo_status make_light(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit)
 {
     const svo_tree *tree = light->tree;
     const bool bricks = light->info.form == SVO_LIGHT_BRICKS;
@@ -257,7 +257,7 @@ static svo_status make_light(svo_i_compact_work *work, svo_light *light, const s
     return SVO_OK;
 }
 
-svo_status svo_i_light_filter(svo_i_compact_work *work, svo_light *light, const svo_i_lit_leaves *lit)
+svo_status svo_i_light_filter(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit)
 {
     svo_i_light_darken(light);
     if (lit->lit_count == 0) {

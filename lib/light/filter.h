@@ -17,7 +17,7 @@ typedef struct svo_i_lit_leaves {
 
 /* Replaces the light's radiance (SVO_LIGHT_LIT, SVO_LIGHT_RADIANCE) and sets lit_nodes, the unit and the time of the
    stage. The light is dark after a failure. */
-svo_status svo_i_light_filter(svo_i_compact_work *work, svo_light *light, const svo_i_lit_leaves *lit);
+svo_status svo_i_light_filter(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit);
 
 /* Releases the radiance. */
 void svo_i_light_darken(svo_light *light);

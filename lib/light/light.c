@@ -43,7 +43,7 @@ const char *svo_light_stage_name(svo_light_stage stage)
 
 /* ---- creation ---- */
 
-static svo_status make_opacity(svo_i_compact_work *work, svo_light *light)
+static svo_status make_opacity(svo_i_device_work *work, svo_light *light)
 {
     SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
     switch (light->info.form) {
@@ -58,7 +58,7 @@ static svo_status make_opacity(svo_i_compact_work *work, svo_light *light)
 
 static svo_status make(svo_light *light, const char *function, cl_command_queue queue)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
     SVO_I_TRY_CLEANUP(make_opacity(&work, light));

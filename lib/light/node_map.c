@@ -71,7 +71,7 @@ uint64_t svo_i_node_map_items(svo_i_map_cell *cells, uint32_t columns, uint32_t 
 /* ---- views ---- */
 
 /* Memory, with a message when there is none. */
-static svo_status take_memory(const svo_i_compact_work *work, size_t count, size_t element_bytes, void **out)
+static svo_status take_memory(const svo_i_device_work *work, size_t count, size_t element_bytes, void **out)
 {
     *out = svo_i_alloc_zeroed(&work->device->memory, count, element_bytes);
     return *out != NULL ? SVO_OK
@@ -79,7 +79,7 @@ static svo_status take_memory(const svo_i_compact_work *work, size_t count, size
                                             work->function);
 }
 
-svo_status svo_i_node_map_begin(svo_i_node_map *map, svo_i_compact_work *work, const svo_light_view_params *view)
+svo_status svo_i_node_map_begin(svo_i_node_map *map, svo_i_device_work *work, const svo_light_view_params *view)
 {
     void *cells = NULL;
     SVO_I_TRY(take_memory(work, (size_t)view->columns * view->rows, sizeof *map->cells, &cells));
@@ -102,7 +102,7 @@ static void place_leaves(svo_i_node_map *map, const svo_light_view_params *view,
     }
 }
 
-svo_status svo_i_node_map_take(svo_i_node_map *map, svo_i_compact_work *work, cl_mem leaves,
+svo_status svo_i_node_map_take(svo_i_node_map *map, svo_i_device_work *work, cl_mem leaves,
                                const svo_light_view_params *view)
 {
     void *found = NULL;

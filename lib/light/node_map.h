@@ -11,7 +11,7 @@
 
 #include <stdint.h>
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "shared/light_layout.h"
 
 /* A cell of the pyramid: the ancestor of its leaves. */
@@ -29,8 +29,8 @@ typedef struct svo_i_node_map {
 } svo_i_node_map;
 
 /* Begins a view, takes the leaves of a launch's photons from a buffer, and ends the view, also after a failure. */
-svo_status svo_i_node_map_begin(svo_i_node_map *map, svo_i_compact_work *work, const svo_light_view_params *view);
-svo_status svo_i_node_map_take(svo_i_node_map *map, svo_i_compact_work *work, cl_mem leaves,
+svo_status svo_i_node_map_begin(svo_i_node_map *map, svo_i_device_work *work, const svo_light_view_params *view);
+svo_status svo_i_node_map_take(svo_i_node_map *map, svo_i_device_work *work, cl_mem leaves,
                                const svo_light_view_params *view);
 void svo_i_node_map_end(svo_i_node_map *map, const svo_light_view_params *view);
 

@@ -2,7 +2,7 @@
 /* The host side of kernels/light/opacity.cl. */
 #include "light/opacity.h"
 
-svo_status svo_i_light_leaves(svo_i_compact_work *work, const svo_light *light, cl_mem opacities, cl_uint first)
+svo_status svo_i_light_leaves(svo_i_device_work *work, const svo_light *light, cl_mem opacities, cl_uint first)
 {
     const cl_mem areas = svo_i_light_areas(light);
     svo_light_step params = svo_i_light_step(light, light->params.depth);
@@ -13,7 +13,7 @@ svo_status svo_i_light_leaves(svo_i_compact_work *work, const svo_light *light, 
 }
 
 /* A level above the leaves. */
-static svo_status filter_level(svo_i_compact_work *work, const svo_light *light, uint32_t level)
+static svo_status filter_level(svo_i_device_work *work, const svo_light *light, uint32_t level)
 {
     const svo_light_step params = svo_i_light_step(light, level);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -22,7 +22,7 @@ static svo_status filter_level(svo_i_compact_work *work, const svo_light *light,
     return svo_i_work_launch(work, "svo_k_light_voxels", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
-svo_status svo_i_light_voxels(svo_i_compact_work *work, svo_light *light)
+svo_status svo_i_light_voxels(svo_i_device_work *work, svo_light *light)
 {
     const cl_uint leaf_begin = (cl_uint)light->tree->info.inner_count;
     double start = svo_i_now_ms();

@@ -6,9 +6,9 @@
 #include "light/state.h"
 
 /* The opacities of the leaves, u16 each, into a buffer from element first on. */
-svo_status svo_i_light_leaves(svo_i_compact_work *work, const svo_light *light, cl_mem opacities, cl_uint first);
+svo_status svo_i_light_leaves(svo_i_device_work *work, const svo_light *light, cl_mem opacities, cl_uint first);
 
 /* SVO_LIGHT_VOXELS: the opacities of all nodes. */
-svo_status svo_i_light_voxels(svo_i_compact_work *work, svo_light *light);
+svo_status svo_i_light_voxels(svo_i_device_work *work, svo_light *light);
 
 #endif

@@ -34,7 +34,7 @@ svo_status svo_i_photons_use(const svo_i_photons *photons)
     return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS, defines[photons->has_directions][photons->has_lobes]);
 }
 
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
                                double unit, svo_i_photons *out)
 {
     const svo_tree_info *info = &tree->info;
@@ -122,7 +122,7 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
 {
-    svo_i_compact_work *work = photons->work;
+    svo_i_device_work *work = photons->work;
     cl_event done = NULL;
     const svo_status status = photons->of_triangles
                                   ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count,
@@ -177,7 +177,7 @@ svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_param
 /* What a band's photons weigh and meet. */
 static svo_status see_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
 {
-    svo_i_compact_work *work = photons->work;
+    svo_i_device_work *work = photons->work;
     svo_photon_weight *weights = photons->host_weights;
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
                                    SVO_I_ARGUMENT(*params)};
@@ -194,7 +194,7 @@ static svo_status see_band(svo_i_photons *photons, const svo_i_light_view *view,
 
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
 {
-    svo_i_compact_work *work = photons->work;
+    svo_i_device_work *work = photons->work;
     const double start = svo_i_now_ms();
     const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
                                   SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->spreads),

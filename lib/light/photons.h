@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_LIGHT_PHOTONS_H
 #define SVO_LIB_LIGHT_PHOTONS_H
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "core/tree.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
@@ -14,7 +14,7 @@
 
 /* What photons leave behind. Buffers belong to the work; svo_i_photons_release_bands must follow. */
 typedef struct svo_i_photons {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     svo_tree *tree;
     bool has_directions; /* of radiance */
     bool has_lobes; /* a material shines, and the tree has what lobes follow from */
@@ -36,7 +36,7 @@ typedef struct svo_i_photons {
 
 /* Begins: no leaf has a slot. unit: a power of two; all photons together have less flux than
    2^SVO_FLUX_TOTAL_LOG2 of it. */
-svo_status svo_i_photons_begin(svo_i_compact_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
+svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
                                double unit, svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);

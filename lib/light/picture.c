@@ -79,7 +79,7 @@ static svo_status fill_gather(const svo_light *light, const svo_light_picture *p
 /* ---- drawing ---- */
 
 typedef struct drawing {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_light_shader shader;
     cl_mem pixels;
 } drawing;

@@ -19,7 +19,7 @@ svo_status svo_i_light_check_cones(const svo_light *light, const char *function,
     return gather_params(light, function, cones, &unused);
 }
 
-svo_status svo_i_light_shade_begin(svo_i_compact_work *work, const svo_light *light, uint32_t cones,
+svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *light, uint32_t cones,
                                    svo_i_light_shade *out)
 {
     *out = (svo_i_light_shade){.shader = {.light = light}};

@@ -14,7 +14,7 @@ typedef struct svo_i_light_shade {
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones);
 
 /* Begins; cones as checked. */
-svo_status svo_i_light_shade_begin(svo_i_compact_work *work, const svo_light *light, uint32_t cones,
+svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *light, uint32_t cones,
                                    svo_i_light_shade *out);
 /* Writes three floats to radiance for each of so many svo_ray: what kernels/light/shade.cl finds. */
 svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count);

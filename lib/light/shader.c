@@ -53,7 +53,7 @@ uint64_t svo_i_light_shader_bytes(const svo_light *light)
 }
 
 /* A buffer with a list of the setup; none for an empty list. */
-static svo_status upload(svo_i_compact_work *work, const char *name, const void *list, uint64_t bytes, cl_mem *out)
+static svo_status upload(svo_i_device_work *work, const char *name, const void *list, uint64_t bytes, cl_mem *out)
 {
     if (bytes == 0) {
         return SVO_OK;
@@ -62,7 +62,7 @@ static svo_status upload(svo_i_compact_work *work, const char *name, const void 
     return svo_i_work_write(work, *out, list, bytes);
 }
 
-svo_status svo_i_light_shader_begin(svo_i_compact_work *work, const svo_light *light, svo_i_program_kind kind,
+svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, svo_i_program_kind kind,
                                     const char *kernel_name, svo_i_light_shader *out)
 {
     const svo_i_light_setup *setup = &light->setup;
@@ -99,7 +99,7 @@ svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, const svo
 {
     const size_t local = SVO_GROUP_ITEMS;
     const size_t global = (size_t)groups * local;
-    svo_i_compact_work *work = shader->work;
+    svo_i_device_work *work = shader->work;
     cl_event event = NULL;
     SVO_I_TRY(set_arguments(shader, gather, params, own, own_count));
     const cl_int error =

@@ -215,7 +215,7 @@ static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
            (light->info.form != SVO_LIGHT_FACES || (need & SVO_NEED_NORMAL) != 0);
 }
 
-svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const svo_light_setup *setup,
+svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
                              svo_i_lit_leaves *lit)
 {
     svo_i_lit_box box = {.leaf_edge = 0};
@@ -263,7 +263,7 @@ static void darken(svo_light *light)
 
 static svo_status shine(svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_lit_leaves lit;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));

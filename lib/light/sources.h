@@ -8,7 +8,7 @@
 
 /* Shoots the photons of a setup that has been checked, and makes the radiance of the leaves. The light has been dark.
    lit: its buffers belong to the work. */
-svo_status svo_i_light_shine(svo_i_compact_work *work, svo_light *light, const svo_light_setup *setup,
+svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
                              svo_i_lit_leaves *lit);
 
 #endif

@@ -19,7 +19,7 @@ cl_mem svo_i_light_areas(const svo_light *light)
     return light->info.opacity == SVO_OPACITY_AREA ? light->tree->buffers[SVO_TREE_AREAS] : NULL;
 }
 
-svo_status svo_i_light_buffer(svo_i_compact_work *work, svo_light *light, svo_light_buffer buffer)
+svo_status svo_i_light_buffer(svo_i_device_work *work, svo_light *light, svo_light_buffer buffer)
 {
     light->info.total_bytes = 0;
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
@@ -49,7 +49,7 @@ svo_light_step svo_i_light_step(const svo_light *light, uint32_t level)
                             .flags = light->params.flags};
 }
 
-svo_status svo_i_light_took(svo_i_compact_work *work, svo_light *light, svo_light_stage stage, double start_ms)
+svo_status svo_i_light_took(svo_i_device_work *work, svo_light *light, svo_light_stage stage, double start_ms)
 {
     SVO_I_TRY(svo_i_work_wait(work));
     light->info.stage_ms[stage] = svo_i_now_ms() - start_ms;

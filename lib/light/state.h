@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_LIGHT_STATE_H
 #define SVO_LIB_LIGHT_STATE_H
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "core/tree.h"
 #include "shared/light_layout.h"
 #include "svocl/light.h"
@@ -35,7 +35,7 @@ const char *svo_i_light_defines(const svo_light *light);
 cl_mem svo_i_light_areas(const svo_light *light);
 
 /* Makes one of the light's buffers, of info.bytes[buffer], which the plan or the caller has set. */
-svo_status svo_i_light_buffer(svo_i_compact_work *work, svo_light *light, svo_light_buffer buffer);
+svo_status svo_i_light_buffer(svo_i_device_work *work, svo_light *light, svo_light_buffer buffer);
 /* Releases one, and says in info that it is not held. */
 void svo_i_light_release(svo_light *light, svo_light_buffer buffer);
 
@@ -46,6 +46,6 @@ svo_light_step svo_i_light_step(const svo_light *light, uint32_t level);
 svo_status svo_i_light_set_args(const svo_light *light, const char *function, cl_kernel kernel, cl_uint first_index);
 
 /* Waits, and takes the time since start_ms (svo_i_now_ms) as the stage's. */
-svo_status svo_i_light_took(svo_i_compact_work *work, svo_light *light, svo_light_stage stage, double start_ms);
+svo_status svo_i_light_took(svo_i_device_work *work, svo_light *light, svo_light_stage stage, double start_ms);
 
 #endif

@@ -9,7 +9,7 @@ uint64_t svo_i_probe_texels(const svo_probes *probes)
     return (uint64_t)probes->info.probe_count * probes->info.resolution * probes->info.resolution;
 }
 
-svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const void *table, size_t entry_bytes,
+svo_status svo_i_probe_table(svo_i_device_work *work, const char *name, const void *table, size_t entry_bytes,
                              cl_mem *out)
 {
     const uint64_t bytes = SVO_I_PROBE_CODES * entry_bytes;
@@ -20,7 +20,7 @@ svo_status svo_i_probe_table(svo_i_compact_work *work, const char *name, const v
 static svo_status make_thresholds(svo_i_probe_bands *bands)
 {
     const svo_probe_info *info = &bands->probes->info;
-    svo_i_compact_work *work = bands->work;
+    svo_i_device_work *work = bands->work;
     uint64_t *thresholds = svo_i_alloc(&work->device->memory, SVO_I_PROBE_CODES * sizeof *thresholds);
     if (thresholds == NULL) {
         return svo_i_device_fail(work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for codes", work->function);
@@ -31,7 +31,7 @@ static svo_status make_thresholds(svo_i_probe_bands *bands)
     return status;
 }
 
-svo_status svo_i_probe_bands_begin(svo_probes *probes, svo_i_compact_work *work, bool with_hits, svo_i_probe_bands *out)
+svo_status svo_i_probe_bands_begin(svo_probes *probes, svo_i_device_work *work, bool with_hits, svo_i_probe_bands *out)
 {
     const svo_i_sight sight = {probes->tree, probes->scene};
     *out = (svo_i_probe_bands){.probes = probes,

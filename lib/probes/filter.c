@@ -57,7 +57,7 @@ svo_status svo_i_probes_irradiance_maps(const svo_i_probe_bands *bands)
 static svo_status make_lengths(const svo_i_probe_bands *bands, cl_mem *out)
 {
     const svo_probe_info *info = &bands->probes->info;
-    svo_i_compact_work *work = bands->work;
+    svo_i_device_work *work = bands->work;
     uint32_t *lengths = svo_i_alloc(&work->device->memory, SVO_I_PROBE_CODES * sizeof *lengths);
     if (lengths == NULL) {
         return svo_i_device_fail(work->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for codes", work->function);

@@ -67,7 +67,7 @@ static void aim(const float position[3], uint32_t resolution, svo_ray *rays)
 static svo_status trace(search *of, size_t ray_count)
 {
     const svo_i_probe_bands *bands = of->bands;
-    svo_i_compact_work *work = bands->work;
+    svo_i_device_work *work = bands->work;
     of->traced += ray_count;
     SVO_I_TRY(svo_i_work_write(work, bands->rays, of->rays, ray_count * sizeof *of->rays));
     SVO_I_TRY(svo_i_sight_trace(bands->probes, work, bands->rays, bands->hits, ray_count));
@@ -333,7 +333,7 @@ static void count_states(const svo_probe *probes, svo_probe_info *info)
 
 svo_status svo_i_probes_place(svo_i_probe_bands *bands, bool keep)
 {
-    svo_i_compact_work *work = bands->work;
+    svo_i_device_work *work = bands->work;
     svo_probe_info *info = &bands->probes->info;
     search of = {.rays = NULL};
     svo_status status = SVO_OK;

@@ -77,7 +77,7 @@ static svo_status filter_distances(const svo_i_probe_bands *bands)
     return SVO_OK;
 }
 
-static svo_status make_buffers(svo_probes *probes, svo_i_compact_work *work)
+static svo_status make_buffers(svo_probes *probes, svo_i_device_work *work)
 {
     for (svo_probes_buffer i = 0; i < SVO_PROBES_BUFFER_COUNT; ++i) {
         if (probes->info.bytes[i] > 0) {
@@ -87,7 +87,7 @@ static svo_status make_buffers(svo_probes *probes, svo_i_compact_work *work)
     return SVO_OK;
 }
 
-static svo_status make(svo_probes *probes, svo_i_compact_work *work, bool keep_places)
+static svo_status make(svo_probes *probes, svo_i_device_work *work, bool keep_places)
 {
     svo_i_probe_bands bands;
     SVO_I_TRY(make_buffers(probes, work));
@@ -107,7 +107,7 @@ static svo_status make(svo_probes *probes, svo_i_compact_work *work, bool keep_p
 
 static svo_status run(svo_probes *probes, const char *function, cl_command_queue queue, bool keep_places)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(probes->device, function, queue, &work));
     SVO_I_TRY_CLEANUP(make(probes, &work, keep_places));
@@ -176,7 +176,7 @@ svo_status svo_probes_create_scene(svo_scene *scene, const svo_probe_options *op
 svo_status svo_probes_relight(svo_probes *probes, cl_command_queue queue)
 {
     static const char function[] = "svo_probes_relight";
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_probe_bands bands;
     svo_status status = SVO_OK;
     if (probes == NULL) {

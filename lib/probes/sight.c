@@ -81,7 +81,7 @@ static svo_status trace(svo_probes *probes, cl_command_queue queue, cl_mem rays,
                                                            SVO_SCENE_CLOSEST, queue, num_wait, wait, done);
 }
 
-svo_status svo_i_sight_trace(svo_probes *probes, svo_i_compact_work *work, cl_mem rays, cl_mem hits, size_t ray_count)
+svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem rays, cl_mem hits, size_t ray_count)
 {
     cl_event done = NULL;
     const svo_status status = trace(probes, work->queue, rays, hits, ray_count, &work->last, &done);

@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_PROBES_SIGHT_H
 #define SVO_LIB_PROBES_SIGHT_H
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "probes/state.h"
 
 /* A tree or a scene; the other is NULL. */
@@ -26,6 +26,6 @@ void svo_i_sight_get_box(const svo_i_sight *sight, svo_i_sight_box *box);
 /* Words of a record of a hit, which begins with t and has the normal in words 4 .. 6. */
 uint32_t svo_i_sight_hit_words(const svo_i_sight *sight);
 /* Traces so many svo_ray against what the probes see, after the work's newest command. */
-svo_status svo_i_sight_trace(svo_probes *probes, svo_i_compact_work *work, cl_mem rays, cl_mem hits, size_t ray_count);
+svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem rays, cl_mem hits, size_t ray_count);
 
 #endif

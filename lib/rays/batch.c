@@ -49,9 +49,9 @@ static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem out
 svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
                                cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
-    const size_t groups = (asked->count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
-    const size_t local = SVO_GROUP_ITEMS / asked->per_item;
-    const size_t global = groups * local;
+    const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
+    const size_t local = asked->per_item == 1 ? SVO_GROUP_ITEMS : 1;
+    const size_t global = (items + local - 1) / local * local;
     cl_kernel kernel = NULL;
     svo_status status = SVO_OK;
     SVO_I_TRY(check_batch(asked, input, output));

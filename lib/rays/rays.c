@@ -8,185 +8,100 @@
 #include <math.h>
 
 #include "core/foreign.h"
-#include "rays/bvh.h"
+#include "rays/bvh_device.h"
+#include "rays/corners.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
-
-/* Widths of grids, world units, in which the products of the float stage are within the range of floats. */
-#define WORLD_WIDTH_MIN 0x1p-40
-#define WORLD_WIDTH_MAX 0x1p50
 
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_rays[];
 
 /* ---- the BVH ---- */
 
-/* The BVH on the device, derived from the tree's geometry. */
-typedef struct device_bvh {
+/* The BVH, derived from the tree's geometry. */
+typedef struct tree_bvh {
     svo_i_attachment attachment;
-    cl_mem nodes, leaves;
-    uint64_t node_bytes, leaf_bytes;
-    float reach; /* the largest coordinate of a vertex */
+    svo_i_device_bvh bvh;
     uint32_t flags; /* SVO_RAY_FLAG_* */
-} device_bvh;
+} tree_bvh;
 
 static void release_bvh(svo_i_attachment *attachment)
 {
-    device_bvh *bvh = (device_bvh *)attachment;
-    cl_mem buffers[] = {bvh->nodes, bvh->leaves};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        if (buffers[i] != NULL) {
-            clReleaseMemObject(buffers[i]);
-        }
-    }
-    svo_i_free(bvh);
+    tree_bvh *held = (tree_bvh *)attachment;
+    svo_i_bvh_release(&held->bvh);
+    svo_i_free(held);
 }
 
-/* The tree's BVH; all zero before it is built. */
-static device_bvh find_bvh(const svo_tree *tree)
+/* The tree's BVH; NULL before it is made. */
+static tree_bvh *find_bvh(const svo_tree *tree)
 {
-    const svo_i_attachment *found = svo_i_attachment_find(tree->derived, release_bvh);
-    return found != NULL ? *(const device_bvh *)found : (device_bvh){.node_bytes = 0};
+    return (tree_bvh *)svo_i_attachment_find(tree->derived, release_bvh);
 }
 
-/* The largest absolute coordinate, at least the width of the grid. A file may hold any number for a vertex without a
-   triangle. */
-static float find_reach(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+static svo_i_bvh_mesh mesh_of(const svo_tree *tree, const svo_i_corners *corners)
 {
-    int64_t reach = INT64_C(1) << snap_bits;
-    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
-        const int64_t distance = vertices[i] < 0 ? -(int64_t)vertices[i] : vertices[i];
-        reach = distance > reach ? distance : reach;
-    }
-    return (float)reach;
+    return (svo_i_bvh_mesh){.vertices = tree->buffers[SVO_TREE_VERTICES],
+                            .floats = corners->floats,
+                            .doubles = corners->doubles,
+                            .indices = tree->buffers[SVO_TREE_INDICES],
+                            .triangle_ids = tree->buffers[SVO_TREE_TRIANGLE_IDS],
+                            .list = tree->buffers[SVO_TREE_LIST],
+                            .vertex_count = tree->info.vertex_count,
+                            .list_count = tree->info.list_count,
+                            .triangle_count = (uint32_t)tree->info.list_triangle_count,
+                            .snap_bits = tree->info.snap_bits};
 }
 
-/* Whether a vertex lies outside the grid. Then the leaf lists determine which triangles the BVH holds. */
-static bool reaches_outside(const int32_t *vertices, uint64_t vertex_count, uint32_t snap_bits)
+/* The tree's BVH, at first without buffers. */
+static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
 {
-    bool outside = false;
-    for (uint64_t i = 0; i < vertex_count * 3; ++i) {
-        outside = outside || vertices[i] < 0 || vertices[i] >= (int32_t)(1u << snap_bits);
-    }
-    return outside;
-}
-
-/* A host array of the tree: its own, or *copy, read from the device, which the caller frees. */
-static svo_status read_array(const svo_tree *tree, const char *function, cl_command_queue queue, svo_tree_buffer buffer,
-                             const void **array, void **copy)
-{
-    *array = tree->host[buffer];
-    if (tree->host[buffer] != NULL) {
+    *out = find_bvh(tree);
+    if (*out != NULL) {
         return SVO_OK;
     }
-    size_t bytes = 0;
-    if (svo_i_mul_size((size_t)svo_i_tree_element_count(&tree->info, buffer), svo_i_tree_element_bytes(buffer),
-                       &bytes)) {
-        *copy = svo_i_alloc_zeroed(&tree->memory, bytes + 1, 1);
+    *out = svo_i_alloc_zeroed(&tree->memory, 1, sizeof **out);
+    if (*out == NULL) {
+        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH", function);
     }
-    if (*copy == NULL) {
-        return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function,
-                                 svo_tree_buffer_name(buffer));
-    }
-    *array = *copy;
-    const cl_int error =
-        bytes > 0 ? clEnqueueReadBuffer(queue, tree->buffers[buffer], CL_TRUE, 0, bytes, *copy, 0, NULL, NULL)
-                  : CL_SUCCESS;
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueReadBuffer", error);
+    (*out)->attachment.destroy = release_bvh;
+    svo_i_attachment_add(&tree->derived, &(*out)->attachment);
+    return SVO_OK;
 }
 
-static svo_status upload(const svo_tree *tree, const char *function, cl_command_queue queue, const char *name,
-                         const void *data, size_t bytes, cl_mem *out)
+svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
+                           const svo_i_bvh_options *options)
 {
-    SVO_I_TRY(svo_i_device_buffer(tree->device, function, name, CL_MEM_READ_ONLY, bytes, out));
-    const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clEnqueueWriteBuffer", error);
-}
-
-/* Builds the BVH on the host, uploads it and attaches it to the tree. */
-static svo_status make_bvh(svo_tree *tree, const char *function, cl_command_queue queue, const svo_i_bvh_source *source)
-{
-    svo_status status = SVO_OK;
-    svo_i_bvh bvh = {.nodes = NULL};
-    device_bvh *to = svo_i_alloc_zeroed(&tree->memory, 1, sizeof *to);
-    if (to == NULL || !svo_i_bvh_make(&tree->memory, source, &bvh)) {
-        status = svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH of %u triangles",
-                                   function, source->triangle_count);
-        goto cleanup;
+    tree_bvh *held = NULL;
+    svo_i_device_bvh made;
+    svo_i_corners corners;
+    SVO_I_TRY(hold_bvh(tree, function, &held));
+    SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
+    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    const svo_status status = svo_i_bvh_make(tree->device, function, queue, &mesh, options, &made);
+    if (status == SVO_OK) {
+        svo_i_bvh_release(&held->bvh);
+        held->bvh = made;
+        held->flags = (corners.in_world ? SVO_RAY_FLAG_WORLD : 0) | (made.clips ? SVO_RAY_FLAG_CLIP : 0);
     }
-    const size_t node_bytes = bvh.node_count * sizeof *bvh.nodes;
-    const size_t leaf_bytes = bvh.leaf_words * sizeof *bvh.leaves;
-    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_nodes", bvh.nodes, node_bytes, &to->nodes));
-    SVO_I_TRY_CLEANUP(upload(tree, function, queue, "ray_leaves", bvh.leaves, leaf_bytes, &to->leaves));
-    to->attachment.destroy = release_bvh;
-    to->node_bytes = node_bytes;
-    to->leaf_bytes = leaf_bytes;
-    to->reach = find_reach(source->vertices, tree->info.vertex_count, tree->info.snap_bits);
-    to->flags =
-        (source->rows == SVO_I_ROWS_WORLD ? SVO_RAY_FLAG_WORLD : 0) | (source->list != NULL ? SVO_RAY_FLAG_CLIP : 0);
-    svo_i_attachment_add(&tree->derived, &to->attachment);
-    to = NULL;
-
-cleanup:
-    svo_i_bvh_free(&bvh);
-    if (to != NULL) {
-        release_bvh(&to->attachment);
-    }
+    svo_i_corners_release(&corners);
     return status;
 }
 
-/* What leaves hold: the mesh's floats as they are, if double can tell apart what the float stage computes of them. */
-static svo_i_leaf_rows find_rows(const svo_tree *tree)
+svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    const double width = ldexp(1.0, (int)tree->info.snap_bits) / tree->info.scale;
-    if (!tree->device->has_fp64) {
-        return SVO_I_ROWS_GRID;
-    }
-    return tree->info.positions == SVO_POSITIONS_FLOAT && width >= WORLD_WIDTH_MIN && width <= WORLD_WIDTH_MAX
-               ? SVO_I_ROWS_WORLD
-               : SVO_I_ROWS_DOUBLE;
+    tree_bvh *held = find_bvh(tree);
+    svo_i_corners corners;
+    SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
+    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    const svo_status status = svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh);
+    svo_i_corners_release(&corners);
+    return status;
 }
 
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    static const svo_tree_buffer buffers[] = {SVO_TREE_VERTICES,  SVO_TREE_INDICES,          SVO_TREE_TRIANGLE_IDS,
-                                              SVO_TREE_POSITIONS, SVO_TREE_POSITIONS_DOUBLE, SVO_TREE_LIST};
-    enum { COUNT = sizeof buffers / sizeof buffers[0], LIST = COUNT - 1 };
-    const svo_tree_info *info = &tree->info;
-    const void *arrays[COUNT] = {NULL};
-    void *copies[COUNT] = {NULL};
-    svo_status status = SVO_OK;
-    if (find_bvh(tree).leaves != NULL) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
-    for (int i = 0; i < LIST; ++i) {
-        if (svo_i_tree_holds(info, buffers[i])) {
-            SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[i], &arrays[i], &copies[i]));
-        }
-    }
-    if (reaches_outside(arrays[0], info->vertex_count, info->snap_bits)) {
-        SVO_I_TRY_CLEANUP(read_array(tree, function, queue, buffers[LIST], &arrays[LIST], &copies[LIST]));
-    }
-    const svo_i_bvh_source source = {.vertices = arrays[0],
-                                     .indices = arrays[1],
-                                     .triangle_ids = arrays[2],
-                                     .positions = arrays[3],
-                                     .positions_double = arrays[4],
-                                     .rows = find_rows(tree),
-                                     .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                                     .scale = info->scale,
-                                     .list = arrays[LIST],
-                                     .list_count = info->list_count,
-                                     .triangle_count = (uint32_t)info->list_triangle_count,
-                                     .snap_bits = info->snap_bits};
-    SVO_I_TRY_CLEANUP(make_bvh(tree, function, queue, &source));
-
-cleanup:
-    for (int i = 0; i < COUNT; ++i) {
-        svo_i_free(copies[i]);
-    }
-    return status;
+    const svo_i_bvh_options options = {.quality = SVO_BVH_BEST};
+    return svo_i_rays_buffers(tree).leaves != NULL ? SVO_OK : svo_i_rays_make(tree, function, queue, &options);
 }
 
 svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
@@ -199,6 +114,23 @@ svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
     return svo_i_rays_prepare(tree, function, queue);
 }
 
+svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue)
+{
+    static const char function[] = "svo_tree_make_bvh";
+    const svo_i_bvh_options options = {.quality = quality};
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(svo_i_rays_check(tree, function));
+    if ((unsigned)quality > SVO_BVH_FAST) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: quality %d is not in 0 .. %d", function,
+                                 (int)quality, (int)SVO_BVH_FAST);
+    }
+    const tree_bvh *held = find_bvh(tree);
+    const bool is_made = held != NULL && held->bvh.leaves != NULL && held->bvh.quality == quality;
+    return is_made ? SVO_OK : svo_i_rays_make(tree, function, queue, &options);
+}
+
 uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 {
     const svo_i_ray_buffers buffers = tree != NULL ? svo_i_rays_buffers(tree) : (svo_i_ray_buffers){.nodes = NULL};
@@ -207,8 +139,10 @@ uint64_t svo_tree_ray_bytes(const svo_tree *tree)
 
 svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree)
 {
-    const device_bvh bvh = find_bvh(tree);
-    return (svo_i_ray_buffers){bvh.nodes, bvh.leaves, bvh.node_bytes, bvh.leaf_bytes};
+    const tree_bvh *held = find_bvh(tree);
+    return held != NULL
+               ? (svo_i_ray_buffers){held->bvh.nodes, held->bvh.leaves, held->bvh.node_bytes, held->bvh.leaf_bytes}
+               : (svo_i_ray_buffers){.nodes = NULL};
 }
 
 /* ---- kernel arguments ---- */
@@ -251,11 +185,12 @@ svo_status svo_i_rays_params(svo_device *device, const char *function, const svo
 svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, svo_ray_params *params)
 {
     svo_grid grid = {.depth = 0};
+    const tree_bvh *held = find_bvh(tree);
     SVO_I_TRY(svo_tree_get_grid(tree, &grid));
     SVO_I_TRY(svo_i_rays_params(tree->device, function, &grid, tree->info.edge, params));
     params->inner_count = (cl_uint)tree->info.inner_count;
-    params->reach = find_bvh(tree).reach;
-    params->flags = find_bvh(tree).flags;
+    params->reach = held != NULL ? held->bvh.reach : 0.0F;
+    params->flags = held != NULL ? held->flags : 0;
     return SVO_OK;
 }
 
@@ -292,7 +227,7 @@ svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel k
         SVO_I_TRY(svo_i_rays_prepare(tree, function, NULL));
     }
     SVO_I_TRY(svo_i_rays_tree_params(tree, function, &params));
-    const device_bvh bvh = find_bvh(tree);
+    const svo_i_ray_buffers bvh = svo_i_rays_buffers(tree);
     const svo_i_argument arguments[SVO_TREE_ARGUMENTS] = {
         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
         SVO_I_ARGUMENT(bvh.nodes), SVO_I_ARGUMENT(bvh.leaves), SVO_I_ARGUMENT(params)};

@@ -5,6 +5,7 @@
 
 #include "core/program.h"
 #include "core/tree.h"
+#include "rays/bvh_device.h"
 #include "rays/target.h"
 #include "shared/layout.h"
 #include "svocl/nodes.h"
@@ -15,6 +16,11 @@ bool svo_i_rays_of_triangles(const svo_tree_info *info);
 svo_status svo_i_rays_check(const svo_tree *tree, const char *function);
 /* Builds the BVH unless the tree has it, and waits for it. queue: NULL for the device's own. */
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue);
+/* Makes the BVH, in place of the one that the tree may have, and waits for it. */
+svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
+                           const svo_i_bvh_options *options);
+/* Fits the BVH, made with can_refit, to the tree's vertices, which have moved inside the grid. Waits. */
+svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue);
 /* The tree's BVH; all zero before it is made. */
 typedef struct svo_i_ray_buffers {
     cl_mem nodes, leaves;

@@ -6,7 +6,18 @@
 #include "rays/rays.h"
 #include "shared/layout.h"
 
+#define STREAM_ITEMS     4096u
+#define STREAM_SHARE_MAX 256u
+
 /* ---- rays ---- */
+
+/* Rays of a work-item with streams, whose last rays have few others beside them: many, but enough work-items for the
+   threads of a large machine. */
+static size_t stream_share(size_t ray_count)
+{
+    const size_t share = ray_count / STREAM_ITEMS / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
+    return share < SVO_GROUP_ITEMS ? SVO_GROUP_ITEMS : share < STREAM_SHARE_MAX ? share : STREAM_SHARE_MAX;
+}
 
 /* any: 1 for SVO_TRACE_ANY, else 0; lives as long as the batch. */
 static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
@@ -27,7 +38,7 @@ static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_cou
                          .input_bytes = sizeof(svo_ray),
                          .output_bytes = sizeof(svo_hit),
                          .count = ray_count,
-                         .per_item = streams ? SVO_GROUP_ITEMS : 1, /* see kernels/rays/trace.cl */
+                         .per_item = streams ? stream_share(ray_count) : 1, /* see kernels/rays/trace.cl */
                          .last_argument = {sizeof *any, any, false}};
     return flags <= SVO_TRACE_COUNT
                ? SVO_OK

@@ -26,7 +26,7 @@ typedef enum scratch {
 } scratch;
 
 typedef struct classifier {
-    svo_i_compact_work *work;
+    svo_i_device_work *work;
     const svo_tree *tree;
     cl_mem buffers[SCRATCH_COUNT]; /* of the work */
     svo_solid_params params;
@@ -203,7 +203,7 @@ static svo_status fill(classifier *c)
     return SVO_OK;
 }
 
-svo_status svo_i_solid_classify(svo_i_compact_work *work, const svo_tree *tree, svo_solid_rule rule, svo_i_inside *out,
+svo_status svo_i_solid_classify(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, svo_i_inside *out,
                                 svo_solid_info *info)
 {
     classifier c = {.work = work, .tree = tree, .out = out, .info = info};

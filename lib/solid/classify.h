@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_SOLID_CLASSIFY_H
 #define SVO_LIB_SOLID_CLASSIFY_H
 
-#include "compact/work.h"
+#include "core/work.h"
 #include "core/tree.h"
 #include "svocl/solid.h"
 
@@ -15,7 +15,7 @@ typedef struct svo_i_inside {
 } svo_i_inside;
 
 /* Decides all empty children and waits for the counts. info: receives all fields but struct_size. */
-svo_status svo_i_solid_classify(svo_i_compact_work *work, const svo_tree *tree, svo_solid_rule rule, svo_i_inside *out,
+svo_status svo_i_solid_classify(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, svo_i_inside *out,
                                 svo_solid_info *info);
 
 #endif

@@ -95,7 +95,7 @@ static svo_status check_tree(const svo_tree *tree)
 
 /* ---- the solid ---- */
 
-static svo_status encode(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
+static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
     svo_i_compact_source source;
@@ -109,7 +109,7 @@ static svo_status encode(svo_i_compact_work *work, const svo_tree *tree, const s
 static svo_status make(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                        svo_compact *compact, svo_solid_info *info)
 {
-    svo_i_compact_work work;
+    svo_i_device_work work;
     svo_i_inside inside;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(tree->device, function, queue, &work));

@@ -24,7 +24,7 @@ static void fill_element(const svo_solid_options *options, svo_compact_buffer bu
 }
 
 /* valid, leaf and the places of the children's payload. */
-static svo_status make_masks(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
+static svo_status make_masks(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                              svo_i_compact_source *out)
 {
     const svo_tree_info *info = &tree->info;
@@ -53,7 +53,7 @@ static svo_status make_masks(svo_i_compact_work *work, const svo_tree *tree, con
 }
 
 /* Whether the tree's payload is the same in every node and that of the interior leaves too. */
-static svo_status check_constant(svo_i_compact_work *work, const svo_tree *tree, svo_compact_buffer buffer,
+static svo_status check_constant(svo_i_device_work *work, const svo_tree *tree, svo_compact_buffer buffer,
                                  const uint8_t element[8], bool *constant)
 {
     const svo_tree_buffer of_tree = svo_i_compact_tree_buffer(buffer);
@@ -69,7 +69,7 @@ static svo_status check_constant(svo_i_compact_work *work, const svo_tree *tree,
 }
 
 /* The payload with that of the interior leaves; the tree's own where it is the same everywhere. */
-static svo_status make_payload(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
+static svo_status make_payload(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                                const svo_solid_options *options, svo_compact_buffer buffer, svo_i_compact_source *out)
 {
     const svo_tree_buffer of_tree = svo_i_compact_tree_buffer(buffer);
@@ -100,7 +100,7 @@ static svo_status make_payload(svo_i_compact_work *work, const svo_tree *tree, c
     return svo_i_work_launch(work, "svo_k_solid_payload", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
-svo_status svo_i_solid_source(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
+svo_status svo_i_solid_source(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                               const svo_solid_options *options, svo_i_compact_source *out)
 {
     const svo_compact_options form = {.struct_size = sizeof form, .form = SVO_FORM_DESCRIPTOR};

@@ -9,7 +9,7 @@
 
 /* Adds the interior leaves to a tree. The tree and the work own its arrays, which must outlive the work. options: read
    and complete. */
-svo_status svo_i_solid_source(svo_i_compact_work *work, const svo_tree *tree, const svo_i_inside *inside,
+svo_status svo_i_solid_source(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                               const svo_solid_options *options, svo_i_compact_source *out);
 
 #endif

@@ -89,8 +89,12 @@ def test_arrays_are_views_of_the_right_shape(device, torus):
         "materials": ((info.node_count,), np.uint16),
         "fills": ((info.node_count,), np.uint16),
         "areas": ((info.leaf_count, 6), np.uint16),
+        "positions": ((info.vertex_count, 3), np.float32),
     }
-    assert set(shapes) == set(svocl.TreeArrays._fields)
+    assert set(shapes) | {"positions_double"} == set(svocl.TreeArrays._fields)
+    assert arrays.positions_double is None
+    assert info.positions == svocl.Positions.FLOAT
+    assert np.array_equal(arrays.positions, torus.positions)
     again = tree.arrays
     for name, (shape, dtype) in shapes.items():
         array = getattr(arrays, name)

@@ -69,6 +69,7 @@ def test_enumerations_are_complete():
         "svo_trace_flags": (_enums.TraceMode, "SVO_TRACE_"),
         "svo_render_view": (_enums.View, "SVO_VIEW_"),
         "svo_wrap": (_enums.Wrap, "SVO_WRAP_"),
+        "svo_positions": (_enums.Positions, "SVO_POSITIONS_"),
         "svo_tree_buffer": (_enums.TreeBuffer, "SVO_TREE_"),
         "svo_form": (_enums.Form, "SVO_FORM_"),
         "svo_compact_buffer": (_enums.CompactBuffer, "SVO_COMPACT_"),

@@ -212,7 +212,7 @@ static bool choose_call(const ray_run *run, const ray_set *set, ray_rival *rival
 {
     embree_call best = {.width = 0};
     double best_ms = HUGE_VAL;
-    for (size_t i = 0; i < 2 * RAY_CALLS && rival->peer != NULL; ++i) {
+    for (size_t i = 0; i < (size_t)2 * RAY_CALLS && rival->peer != NULL; ++i) {
         rival->call = (embree_call){.width = widths[i / 2], .any = set->any, .coherent = i % 2 != 0};
         const bool is_asked = rival->width == 0 || rival->width == rival->call.width;
         const double ms = is_asked ? trace_theirs(run, set, rival) : HUGE_VAL;
@@ -236,7 +236,9 @@ static bool read_hits(const ray_run *run)
             clEnqueueReadBuffer(queue, run->grid_hits, CL_TRUE, 0, bytes, run->theirs, 0, NULL, NULL) == CL_SUCCESS);
 }
 
-/* Rounds of svocl and each rival in turn. times: svocl's, then those of each rival and their ratios to svocl's. */
+/* Rounds of svocl and each rival in turn. Each timed run follows one of the same that does not count: threads that
+   slept while another ran wake up on a processor that is still busy, and caches hold the other's data. times: svocl's,
+   then those of each rival and their ratios to svocl's. */
 static bool run_rounds(const ray_run *run, ray_set *set, double *times)
 {
     bool worked = trace_ours(run, set) >= 0;
@@ -244,12 +246,13 @@ static bool run_rounds(const ray_run *run, ray_set *set, double *times)
         worked = choose_call(run, set, &set->rivals[i]);
     }
     for (size_t round = 0; round < run->repeats && worked; ++round) {
-        const double ours = trace_ours(run, set);
+        const double ours = trace_ours(run, set) >= 0 ? trace_ours(run, set) : -1.0;
         worked = ours >= 0;
         times[round] = ours;
         for (size_t i = 0; i < set->rival_count && worked; ++i) {
             double *of_rival = times + (1 + 2 * i) * run->repeats;
-            const double theirs = trace_theirs(run, set, &set->rivals[i]);
+            const ray_rival *rival = &set->rivals[i];
+            const double theirs = trace_theirs(run, set, rival) >= 0 ? trace_theirs(run, set, rival) : -1.0;
             worked = theirs >= 0;
             of_rival[round] = theirs;
             of_rival[run->repeats + round] = theirs / ours;

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "errors/adversarial_rays.h"
 #include "errors/ray_methods.h"
@@ -11,6 +12,7 @@
 
 #define UNIT       32.0 /* of coordinates, 0 .. 2^20 - 32: 15 bits, so that long double decides exactly */
 #define GRID_EDGE  1048576.0
+#define INPUT_RAYS 250000u /* of each kind against the input */
 #define QUICK_RAYS 30000u
 #define FULL_RAYS  200000u
 
@@ -39,6 +41,45 @@ static result_table *begin_table(error_run *run, size_t ray_count)
     return table;
 }
 
+static result_table *begin_input_table(error_run *run, size_t ray_count)
+{
+    result_table *table = result_add_table(run->results, "e2-input", "E2: rays and the input mesh", "");
+    result_set_note(
+        table,
+        "%zu rays of each kind against the mesh as it was given, floats of 24 bits, by long double. Missed and wrong: "
+        "as "
+        "in the table above. Beyond: hits whose triangle the ray meets more than an ulp of float beyond the nearest "
+        "one. Rounded: hits whose t is the exact one of their triangle, correctly rounded; error of t: the largest "
+        "against it. %s; methods run interleaved.",
+        ray_count, run->rounds_note);
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "rays", "");
+    result_add_column(table, "method", "");
+    result_add_column(table, "time", "ns/ray");
+    result_add_column(table, "missed", "");
+    result_add_column(table, "wrong", "");
+    result_add_column(table, "beyond", "");
+    result_add_column(table, "rounded", "%");
+    result_add_column(table, "error of t", "ulp");
+    return table;
+}
+
+static void add_input_row(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
+{
+    if (one->named == 0) { /* voxels alone */
+        return;
+    }
+    result_add_number(table, (double)triangle_count);
+    result_add_text(table, "%s", ray_target_name(target));
+    result_add_text(table, "%s", one->method);
+    result_add_number(table, one->ms * 1e6 / (double)one->rays);
+    result_add_number(table, (double)one->missed);
+    result_add_number(table, (double)one->wrong);
+    result_add_number(table, (double)one->beyond);
+    result_add_number(table, 100.0 * (double)one->rounded / (double)one->named);
+    result_add_number(table, one->ulps_max);
+}
+
 static void add_row(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
 {
     result_add_number(table, (double)triangle_count);
@@ -52,25 +93,39 @@ static void add_row(result_table *table, size_t triangle_count, ray_target targe
     result_add_number(table, one->t_error_max);
 }
 
-static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mesh, svo_ray *rays, size_t ray_count)
+/* What is measured: rays against a mesh, into the rows of a table. */
+typedef struct ray_subject {
+    const svo_mesh *mesh;
+    double unit, edge; /* of quantized coordinates and their grid; 0: neither */
+    svo_ray *rays;
+    size_t ray_count;
+    result_table *table;
+    void (*add_row)(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one);
+} ray_subject;
+
+static int measure_mesh(error_run *run, const ray_subject *subject)
 {
     int exit_code = PROGRAM_DONE;
     for (ray_target target = TARGET_RANDOM; target < TARGET_COUNT && exit_code == PROGRAM_DONE; ++target) {
         ray_method_result results[RAY_METHODS_MAX] = {0};
         size_t result_count = 0;
-        const ray_case given = {
-            .mesh = mesh, .edge = GRID_EDGE, .rays = rays, .ray_count = ray_count, .levels = {6, 8, 10}};
+        ray_case given = {
+            .mesh = subject->mesh, .edge = subject->edge, .rays = subject->rays, .ray_count = subject->ray_count};
+        if (subject->unit > 0.0) {
+            memcpy(given.levels, (const unsigned[]){6, 8, 10}, sizeof given.levels);
+        }
         progress_step(run->state->progress, "E2: rays");
-        adversarial_rays(mesh, &(adversarial_set){.target = target, .unit = UNIT}, ray_count, rays);
+        adversarial_rays(subject->mesh, &(adversarial_set){.target = target, .unit = subject->unit}, subject->ray_count,
+                         subject->rays);
         exit_code = ray_methods_measure(run, &given, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, mesh->triangle_count, target, &results[i]);
+            subject->add_row(subject->table, subject->mesh->triangle_count, target, &results[i]);
         }
     }
     return exit_code;
 }
 
-static int measure_scene(error_run *run, result_table *table, const char *spec, svo_ray *rays, size_t ray_count)
+static int measure_quantized(error_run *run, ray_subject *subject, const char *spec)
 {
     scene *made = errors_scene(run, spec);
     if (made == NULL) {
@@ -83,11 +138,24 @@ static int measure_scene(error_run *run, result_table *table, const char *spec, 
     }
     if (positions != NULL) {
         const svo_mesh mesh = quantization_mesh(scene_mesh(made), positions);
-        exit_code = measure_mesh(run, table, &mesh, rays, ray_count);
+        subject->mesh = &mesh;
+        exit_code = measure_mesh(run, subject);
     } else {
         errors_fail(run);
     }
     free(positions);
+    scene_destroy(&made);
+    return exit_code;
+}
+
+static int measure_input(error_run *run, ray_subject *subject, const char *spec)
+{
+    scene *made = errors_scene(run, spec);
+    if (made == NULL) {
+        return PROGRAM_FAILED;
+    }
+    subject->mesh = scene_mesh(made);
+    const int exit_code = measure_mesh(run, subject);
     scene_destroy(&made);
     return exit_code;
 }
@@ -98,11 +166,18 @@ static int measure(error_run *run)
     static const char *const full[] = {"statue:2000", "statue:15000", "statue:120000", NULL};
     const char *const *specs = run->quick ? quick : full;
     const size_t ray_count = run->quick ? QUICK_RAYS : FULL_RAYS;
-    result_table *table = begin_table(run, ray_count);
-    svo_ray *rays = calloc(ray_count, sizeof *rays);
+    const size_t input_count = run->quick ? QUICK_RAYS : INPUT_RAYS;
+    svo_ray *rays = calloc(INPUT_RAYS, sizeof *rays);
+    ray_subject quantized = {.unit = UNIT, .edge = GRID_EDGE, .rays = rays, .ray_count = ray_count, .add_row = add_row};
+    ray_subject raw = {.rays = rays, .ray_count = input_count, .add_row = add_input_row};
     int exit_code = rays != NULL ? PROGRAM_DONE : errors_fail(run);
+    quantized.table = begin_table(run, ray_count);
     for (size_t i = 0; specs[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = measure_scene(run, table, specs[i], rays, ray_count);
+        exit_code = measure_quantized(run, &quantized, specs[i]);
+    }
+    raw.table = begin_input_table(run, input_count);
+    for (size_t i = 0; specs[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = measure_input(run, &raw, specs[i]);
     }
     free(rays);
     return exit_code;
@@ -119,5 +194,5 @@ const suite_subject errors_rays = {
     .group = "errors",
     .summary = "error and run time of ray tracing: missed and wrong rays of each ray-triangle test",
     .run_all = run_all,
-    .step_count = 12,
+    .step_count = 24,
 };

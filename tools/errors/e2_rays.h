@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* E2: rays. Table "e2-rays". */
+/* E2: rays. Tables "e2-rays" and "e2-input". */
 #ifndef SVOCL_TOOLS_ERRORS_E2_RAYS_H
 #define SVOCL_TOOLS_ERRORS_E2_RAYS_H
 

@@ -36,8 +36,8 @@ struct ray_bench {
     svo_tree *tree;
     svo_tree_info info;
     svo_tree_arrays arrays;
-    oracle_ray_scene snapped;
-    float *vertices; /* of the tree, in world coordinates */
+    oracle_ray_scene exact_mesh; /* the input's triangles */
+    float *vertices; /* of the input, rounded to float */
     bvh *host_bvh;
     cl_mem rays, hits; /* on the device */
     svo_hit *found; /* of all methods, one after the other */
@@ -157,17 +157,15 @@ static bool build_tree(ray_bench *bench)
         svo_tree_get_info(bench->tree, &bench->info);
         bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
         svo_tree_get_arrays(bench->tree, &bench->arrays);
-        bench->snapped =
-            (oracle_ray_scene){.vertices = bench->arrays.vertices,
-                               .indices = bench->arrays.indices,
-                               .triangle_count = (size_t)bench->info.list_triangle_count,
-                               .origin = {bench->info.origin[0], bench->info.origin[1], bench->info.origin[2]},
-                               .scale = bench->info.scale};
+        bench->exact_mesh = (oracle_ray_scene){.positions = bench->arrays.positions,
+                                               .positions_double = bench->arrays.positions_double,
+                                               .indices = bench->arrays.indices,
+                                               .triangle_count = (size_t)bench->info.list_triangle_count};
     }
     return worked;
 }
 
-/* World coordinates of the snapped triangles, and their BVH with bounds that allow for rounding to float. */
+/* The input's vertices as the other methods get them, and their BVH with bounds that allow for rounding to float. */
 static bool make_bvh(ray_bench *bench)
 {
     const size_t count = (size_t)bench->info.vertex_count * 3;
@@ -176,7 +174,8 @@ static bool make_bvh(ray_bench *bench)
     bench->vertices = calloc(count + 1, sizeof *bench->vertices);
     if (positions != NULL && bench->vertices != NULL) {
         for (size_t i = 0; i < count; ++i) {
-            positions[i] = bench->info.origin[i % 3] + bench->arrays.vertices[i] / bench->info.scale;
+            positions[i] = bench->arrays.positions != NULL ? (double)bench->arrays.positions[i]
+                                                           : bench->arrays.positions_double[i];
             bench->vertices[i] = (float)positions[i];
             largest = fmax(largest, fabs(positions[i]));
         }
@@ -202,7 +201,7 @@ static bool upload_rays(ray_bench *bench)
 static bool find_exact(ray_bench *bench)
 {
     const size_t count = bench->given->ray_count;
-    const exact_triangles triangles = {.snapped = &bench->snapped};
+    const exact_triangles triangles = {.mesh = &bench->exact_mesh};
     bench->exact = calloc(count + 1, sizeof *bench->exact);
     bench->exact_ts = calloc(count + 1, sizeof *bench->exact_ts);
     if (bench->exact == NULL || bench->exact_ts == NULL ||
@@ -214,7 +213,7 @@ static bool find_exact(ray_bench *bench)
         const oracle_ray wide = ray_widen(&bench->given->rays[i]);
         bench->exact_ts[i] = (double)INFINITY;
         if (bench->exact[i].triangle != SVO_NO_TRIANGLE) {
-            oracle_ray_meets(&bench->snapped, bench->exact[i].triangle, &wide, &bench->exact_ts[i]);
+            oracle_ray_meets(&bench->exact_mesh, bench->exact[i].triangle, &wide, &bench->exact_ts[i]);
         }
     }
     return true;
@@ -260,7 +259,7 @@ static bool fetch(ray_bench *bench, ray_method *method)
 static bool is_right_when_perturbed(const ray_bench *bench, size_t index, const svo_hit *hit)
 {
     for (int side = 0; side < PERTURBATIONS; ++side) {
-        exact_triangles triangles = {.snapped = &bench->snapped};
+        exact_triangles triangles = {.mesh = &bench->exact_mesh};
         svo_hit exact = {0};
         for (int k = 0; k < 3; ++k) {
             triangles.perturbation[k] = (side >> k & 1) != 0 ? PERTURBATION : -PERTURBATION;
@@ -275,6 +274,15 @@ static bool is_right_when_perturbed(const ray_bench *bench, size_t index, const 
     return false;
 }
 
+/* Whether the ray touches the triangle that the hit names, and meets no other before. */
+static bool touches_nearest(const ray_bench *bench, size_t index, const svo_hit *hit)
+{
+    const oracle_ray wide = ray_widen(&bench->given->rays[index]);
+    return hit->triangle < bench->info.list_triangle_count &&
+           oracle_ray_touches(&bench->exact_mesh, hit->triangle, &wide) &&
+           !ray_judge_t(&bench->exact_mesh, hit->triangle, &wide, hit->t, bench->exact_ts[index]).beyond;
+}
+
 static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, ray_method_result *result)
 {
     const double exact = bench->exact_ts[index];
@@ -286,15 +294,30 @@ static void judge_one(const ray_bench *bench, size_t index, const svo_hit *hit, 
         result->t_error_mean += error;
         result->t_error_max = fmax(result->t_error_max, error);
         ++result->compared;
-    } else if ((met || !isinf(exact)) && !is_right_when_perturbed(bench, index, hit)) {
+    } else if ((met || !isinf(exact)) && !touches_nearest(bench, index, hit) &&
+               !is_right_when_perturbed(bench, index, hit)) {
         ++*(met ? &result->wrong : &result->missed);
     }
+}
+
+/* Adds how a hit's t compares with the exact one of the triangle that it names, in ulps of float. */
+static void judge_t(const ray_bench *bench, size_t index, const svo_hit *hit, ray_method_result *result)
+{
+    const oracle_ray wide = ray_widen(&bench->given->rays[index]);
+    const ray_t_error error = ray_judge_t(&bench->exact_mesh, hit->triangle, &wide, hit->t, bench->exact_ts[index]);
+    result->named += 1;
+    result->beyond += error.beyond;
+    result->rounded += error.ulps <= 0.5;
+    result->ulps_max = fmax(result->ulps_max, error.ulps);
 }
 
 static void judge(const ray_bench *bench, const ray_method *method, ray_method_result *result)
 {
     for (size_t i = 0; i < result->rays; ++i) {
         judge_one(bench, i, &method->hits[i], result);
+        if (method->hits[i].triangle < bench->info.list_triangle_count) {
+            judge_t(bench, i, &method->hits[i], result);
+        }
     }
     result->t_error_mean /= result->compared > 0 ? (double)result->compared : 1.0;
 }

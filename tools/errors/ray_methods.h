@@ -19,6 +19,10 @@ typedef struct ray_method_result {
     size_t wrong; /* another triangle at another t, or a false hit */
     size_t compared; /* rays with a correct hit */
     double t_error_mean, t_error_max; /* |t - exact| / exact, over those */
+    size_t named; /* hits that name a triangle */
+    size_t beyond; /* of those, with an exact t of that triangle more than an ulp of float beyond the nearest one */
+    size_t rounded; /* of those, whose t is the exact one of their triangle, correctly rounded */
+    double ulps_max; /* the largest error of t against it, in ulps of float */
 } ray_method_result;
 
 typedef struct ray_case {

@@ -129,7 +129,7 @@ bool ray_test_exact(const void *triangles, size_t triangle, const svo_ray *ray, 
     for (int k = 0; k < 3; ++k) {
         wide.direction[k] += longest * exact->perturbation[k];
     }
-    if (!oracle_ray_meets(exact->snapped, triangle, &wide, &t) || t > (double)hit->t) {
+    if (!oracle_ray_meets(exact->mesh, triangle, &wide, &t) || t > (double)hit->t) {
         return false;
     }
     hit->t = (float)t;

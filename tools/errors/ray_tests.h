@@ -18,9 +18,9 @@ bvh_test ray_test_moller_trumbore;
 /* Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", 2013: edge functions in ray space, again in double
    where one of them is 0. triangles: a float_triangles. */
 bvh_test ray_test_watertight;
-/* The snapped triangles, and what is added to the rays' directions, in units of their longest component. */
+/* The triangles, and what is added to the rays' directions, in units of their longest component. */
 typedef struct exact_triangles {
-    const oracle_ray_scene *snapped;
+    const oracle_ray_scene *mesh;
     double perturbation[3];
 } exact_triangles;
 

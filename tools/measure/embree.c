@@ -220,10 +220,10 @@ static bool is_valid(const svo_ray *ray)
 
 static void lay_out_ray(const ray_batch *batch, size_t index)
 {
-    const unsigned width = batch->call.width;
+    const size_t width = batch->call.width;
     const svo_ray *ray = &batch->rays[index];
     float *lane = batch->packets + index / width * width * RAY_ROWS + index % width;
-    for (unsigned axis = 0; axis < 3; ++axis) {
+    for (size_t axis = 0; axis < 3; ++axis) {
         lane[(ROW_ORIGIN + axis) * width] = ray->origin[axis];
         lane[(ROW_DIRECTION + axis) * width] = ray->direction[axis];
     }

@@ -9,6 +9,23 @@ bool ray_ties(double a, double b)
     return fabs(a - b) <= 0x1p-21 * fmax(fabs(a), fabs(b));
 }
 
+/* The distance from a number's float to the next one. */
+static long double float_ulp(long double number)
+{
+    int exponent = 0;
+    (void)frexpl(number, &exponent);
+    return ldexpl(1, exponent - 24 < -149 ? -149 : exponent - 24);
+}
+
+ray_t_error ray_judge_t(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, float t, double nearest)
+{
+    const long double exact = oracle_ray_plane(scene, triangle, ray);
+    const long double ulp = float_ulp(exact);
+    const ray_t_error error = {.beyond = exact > (long double)nearest + ulp,
+                               .ulps = (double)(fabsl((long double)t - exact) / ulp)};
+    return error;
+}
+
 oracle_ray ray_widen(const svo_ray *ray)
 {
     oracle_ray wide = {.t_min = (double)ray->t_min, .t_max = (double)ray->t_max};

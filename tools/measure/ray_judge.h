@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares two tracers of the same rays, and decides where they differ by testing every triangle in long double. */
+/* Compares tracers of the same rays with each other and with the triangles in long double. */
 #ifndef SVOCL_TOOLS_MEASURE_RAY_JUDGE_H
 #define SVOCL_TOOLS_MEASURE_RAY_JUDGE_H
 
@@ -10,6 +10,16 @@
 bool ray_ties(double a, double b);
 /* The ray in the reference's type. */
 oracle_ray ray_widen(const svo_ray *ray);
+
+/* How a hit compares with the triangle that it names, in exact numbers. */
+typedef struct ray_t_error {
+    bool beyond; /* the triangle's t is more than an ulp of float beyond that of the nearest one */
+    double ulps; /* of its t to the triangle's */
+} ray_t_error;
+
+/* triangle: its index in the scene. t: as the hit has it. nearest: the exact t of the nearest triangle; infinity: the
+   ray meets none. */
+ray_t_error ray_judge_t(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, float t, double nearest);
 
 typedef struct ray_verdict {
     size_t hits; /* of svocl */

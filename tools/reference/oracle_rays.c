@@ -64,6 +64,17 @@ static vector corner_of(const oracle_ray_scene *scene, size_t triangle, size_t c
     return (vector){vertex[0], vertex[1], vertex[2]};
 }
 
+long double oracle_ray_plane(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray)
+{
+    const vector direction = {ray->direction[0], ray->direction[1], ray->direction[2]};
+    const vector a = subtract(corner_of(scene, triangle, 0), to_units(scene, ray->origin));
+    const vector b = subtract(corner_of(scene, triangle, 1), to_units(scene, ray->origin));
+    const vector c = subtract(corner_of(scene, triangle, 2), to_units(scene, ray->origin));
+    const vector normal = cross(subtract(b, a), subtract(c, a));
+    const long double towards = dot(normal, direction);
+    return towards != 0 ? dot(normal, a) / towards / scale_of(scene) : HUGE_VALL;
+}
+
 bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, double *t)
 {
     const vector start = to_units(scene, ray->origin);
@@ -77,13 +88,8 @@ bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const orac
     if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) {
         return false;
     }
-    const vector normal = cross(subtract(b, a), subtract(c, a));
-    const long double towards = dot(normal, direction);
-    if (towards == 0) {
-        return false;
-    }
-    const double found = (double)(dot(normal, a) / towards / scale_of(scene));
-    if (!(found >= ray->t_min && found <= ray->t_max)) {
+    const double found = (double)oracle_ray_plane(scene, triangle, ray);
+    if (isinf(found) || !(found >= ray->t_min && found <= ray->t_max)) {
         return false;
     }
     *t = found;
@@ -155,4 +161,16 @@ double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size
         }
     }
     return best;
+}
+
+bool oracle_ray_touches(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray)
+{
+    const double t = (double)oracle_ray_plane(scene, triangle, ray);
+    double point[3];
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = ray->origin[axis] + t * ray->direction[axis];
+        largest = fmax(largest, fmax(fabs(point[axis]), fabs(ray->origin[axis])));
+    }
+    return isfinite(t) && oracle_triangle_distance(scene, triangle, point) <= largest * 0x1p-48;
 }

@@ -36,6 +36,9 @@ typedef struct oracle_ray_hit {
    met. */
 bool oracle_ray_meets(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray, double *t);
 
+/* The t at which the ray meets the triangle's plane, wherever on it; infinity for a plane seen edge-on. */
+long double oracle_ray_plane(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray);
+
 /* The closest hit; equal t: the lower index. */
 oracle_ray_hit oracle_ray_closest(const oracle_ray_scene *scene, const oracle_ray *ray);
 
@@ -46,5 +49,9 @@ size_t oracle_ray_count(const oracle_ray_scene *scene, const oracle_ray *ray);
    index. */
 double oracle_triangle_distance(const oracle_ray_scene *scene, size_t triangle, const double point[3]);
 double oracle_nearest(const oracle_ray_scene *scene, const double point[3], size_t *triangle);
+
+/* Whether the ray passes the triangle no farther than double can tell. Long double may take a ray that meets exactly a
+   corner for one beside it. */
+bool oracle_ray_touches(const oracle_ray_scene *scene, size_t triangle, const oracle_ray *ray);
 
 #endif

@@ -164,6 +164,18 @@ const origins = {
   full: "The full run."
 };
 
+// What charts of probes by time have in common.
+const probeErrors = {
+  table: "e8-probes",
+  panels: "rays",
+  curves: "method",
+  x: "time",
+  ys: ["wrong"],
+  xLabel: "time, ns per ray",
+  yLabel: "wrong hits and misses, %",
+  front: "all"
+};
+
 /*
  * A figure has one panel for each text in its panel column, and all panels share their axes.
  *   table, name: where the values come from; the charts' ids begin with the name
@@ -332,18 +344,11 @@ const figures = [
     front: "all"
   },
   {
-    table: "e8-probes",
+    ...probeErrors,
     name: "e8",
     caption: "Wrong hits and misses against time, in the atrium. The points of a curve are resolutions. Rings mark " +
       "the Pareto front of each kind of rays.",
-    only: ["scene", "atrium"],
-    panels: "rays",
-    curves: "method",
-    x: "time",
-    ys: ["wrong"],
-    xLabel: "time, ns per ray",
-    yLabel: "wrong hits and misses, %",
-    front: "all"
+    only: ["scene", "atrium"]
   },
   {
     table: "e8-probes",
@@ -358,17 +363,10 @@ const figures = [
     yLabel: "unknown, %"
   },
   {
-    table: "e8-probes",
+    ...probeErrors,
     name: "e8c",
     caption: "Wrong hits and misses against time, in the Cornell box.",
-    only: ["scene", "cornell"],
-    panels: "rays",
-    curves: "method",
-    x: "time",
-    ys: ["wrong"],
-    xLabel: "time, ns per ray",
-    yLabel: "wrong hits and misses, %",
-    front: "all"
+    only: ["scene", "cornell"]
   },
   {
     table: "e8-light",

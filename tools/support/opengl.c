@@ -77,6 +77,11 @@ bool opengl_may_share(const svo_device *device)
     return svo_gl_device_may_share(device) != 0;
 }
 
+bool opengl_is_software(const options *given)
+{
+    return given->gl_device == NULL && given->context == OPTION_CONTEXT_AUTO && svo_gl_egl_is_software() != 0;
+}
+
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
 {
     svo_device *joined = NULL;

@@ -14,6 +14,8 @@ typedef struct opengl opengl;
 
 /* Whether the device may share with OpenGL, whose context must then be opened first. Starts no OpenGL. */
 bool opengl_may_share(const svo_device *device);
+/* Whether OpenGL would draw on the CPU, as far as that is known without a context. False for a forced context. */
+bool opengl_is_software(const options *given);
 /* Opens a context by --context and --gl-device. NULL if that fails; the reason names the option that forced it. */
 opengl *opengl_open(const options *given, svo_message *reason);
 /* The same device on an OpenCL context that shares with the context if the two can; NULL otherwise. Destroy it

@@ -7,6 +7,12 @@
 
 #define WITHOUT "this svocl was built without OpenGL"
 
+bool opengl_is_software(const options *given)
+{
+    (void)given;
+    return false;
+}
+
 bool opengl_may_share(const svo_device *device)
 {
     (void)device;

@@ -82,7 +82,7 @@ typedef struct options {
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
-    const char *kernels_path; /* folder of saved kernels; NULL: none */
+    const char *kernels_path; /* folder of saved kernels; NULL: the user's */
 
     uint64_t depth;
     int frontend; /* option_frontend */

@@ -353,7 +353,7 @@ static const rule rules[] = {
     {"threads", '\0', OPTION_DEVICE, "N", read_count, FIELD(threads), 1, 1024, NULL,
      "threads of PoCL and llvmpipe, 1 to 1024 (all cores)"},
     {"kernels", '\0', OPTION_DEVICE, "DIR", read_text, FIELD(kernels_path), 0, 0, NULL,
-     "load the kernels that svocl kernels saved into DIR instead of compiling them"},
+     "where svocl kernels saves, and others load instead of compiling ($XDG_CACHE_HOME/svocl)"},
     {"output", 'o', OPTION_OUTPUT, "FILE", read_text, FIELD(output_path), 0, 0, NULL,
      "file to write; - is standard output"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_count, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,

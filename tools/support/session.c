@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/kernel_folder.h"
 #include "support/options_parse.h"
 
 /* The drivers read their thread counts once, at their first call, so the counts are set before it. */
@@ -42,10 +43,14 @@ static int open_queue(program *state, session *opened)
     return PROGRAM_DONE;
 }
 
-/* --kernels. What the folder lacks is compiled. */
+/* --kernels, or the user's folder if there is one. What the folder lacks is compiled. */
 static int load_kernels(program *state, svo_device *device)
 {
+    char own[KERNEL_FOLDER_BYTES];
     const char *folder = state->options.kernels_path;
+    if (folder == NULL && kernel_folder_name(own) && kernel_folder_is_own(own)) {
+        (void)svo_device_load_kernels(device, own, NULL);
+    }
     return folder == NULL || svo_device_load_kernels(device, folder, NULL) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(state, svo_device_message(device));
@@ -199,6 +204,11 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
     }
     opened->frontend = opened->cl;
     if (svo_frontend_cl_suffices(plan, &opened->reason)) {
+        return;
+    }
+    if (opened->gl == NULL && opengl_is_software(&state->options)) {
+        snprintf(opened->reason.text, sizeof opened->reason.text, "OpenGL draws in software, OpenCL on %s is faster",
+                 svo_device_name(opened->device));
         return;
     }
     if (try_opengl(state, opened)) {

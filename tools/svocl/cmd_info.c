@@ -14,6 +14,17 @@ typedef struct file_facts {
     char nodes_hash[SVO_HASH_TEXT_BYTES];
 } file_facts;
 
+/* Which mesh rays meet; NULL where they meet no triangles. */
+static const char *mesh_of_rays(const svo_tree_info *info)
+{
+    if ((info->need & SVO_NEED_RAYS) == 0 || info->coverage == SVO_COVERAGE_THIN) {
+        return NULL;
+    }
+    return info->positions == SVO_POSITIONS_SNAPPED ? "the snapped mesh"
+           : info->positions == SVO_POSITIONS_FLOAT ? "the input, in floats"
+                                                    : "the input, in doubles";
+}
+
 static cJSON *to_json(const program *state, const file_facts *facts)
 {
     const svo_tree_info *info = &facts->info;
@@ -26,6 +37,7 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
     json_add_needs(document, "need", info->need);
     json_add_needs(document, "constant", info->constant);
+    json_add_text(document, "rays_meet", mesh_of_rays(info));
     json_add_text(document, "weights", svo_weights_name((svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
     cJSON_AddNumberToObject(document, "edge", info->edge);
@@ -68,6 +80,10 @@ static void print_header(const program *state, const file_facts *facts)
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
                (info->need & SVO_NEED_PROJECTED_AREA) != 0 ? ", projected areas" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    if (mesh_of_rays(info) != NULL) {
+        table_cell(rows, "rays meet");
+        table_cell(rows, "%s", mesh_of_rays(info));
+    }
     if (info->constant != 0) {
         table_cell(rows, "stored once");
         table_cell(rows, "%s: the same in every node", figure_needs(info->constant).text);

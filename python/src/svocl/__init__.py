@@ -40,6 +40,7 @@ from ._compact import COMPACT_ARGUMENTS, Compact, CompactArrays, Solid
 from ._device import Device
 from ._enums import (
     Builder,
+    BvhQuality,
     Certainty,
     CompactBuffer,
     Coverage,
@@ -50,6 +51,7 @@ from ._enums import (
     March,
     Need,
     Opacity,
+    Positions,
     SceneTrace,
     SolidRule,
     SourceKind,
@@ -114,6 +116,7 @@ __all__ = [
     "TREE_ARGUMENTS",
     "BuildReport",
     "Builder",
+    "BvhQuality",
     "CLError",
     "Camera",
     "CanceledError",
@@ -156,6 +159,7 @@ __all__ = [
     "Plan",
     "PlanBuffer",
     "PlanInfo",
+    "Positions",
     "Scene",
     "SceneLight",
     "SceneInfo",

@@ -37,7 +37,7 @@ class Need(IntFlag):
     NORMAL = lib.SVO_NEED_NORMAL
     """3 x int16 per node."""
     RAYS = lib.SVO_NEED_RAYS
-    """Leaf lists, snapped vertices and indices: for Tree.trace and Tree.nearest."""
+    """Leaf lists, vertices as given and snapped, and indices: for Tree.trace and Tree.nearest."""
     MATERIAL = lib.SVO_NEED_MATERIAL
     """The material with the largest weight per node."""
     FILL = lib.SVO_NEED_FILL
@@ -90,6 +90,15 @@ class TraceMode(IntEnum):
     """The number of triangles hit, in the field "count"."""
 
 
+class BvhQuality(IntEnum):
+    """How the BVH of rays is made. Hits are the same."""
+
+    BEST = lib.SVO_BVH_BEST
+    """The most rays per second."""
+    FAST = lib.SVO_BVH_FAST
+    """Made in about half the time, for what changes often."""
+
+
 class View(IntEnum):
     """What a picture shows."""
 
@@ -124,6 +133,19 @@ class TreeBuffer(IntEnum):
     MATERIALS = lib.SVO_TREE_MATERIALS
     FILLS = lib.SVO_TREE_FILLS
     AREAS = lib.SVO_TREE_AREAS
+    POSITIONS = lib.SVO_TREE_POSITIONS
+    POSITIONS_DOUBLE = lib.SVO_TREE_POSITIONS_DOUBLE
+
+
+class Positions(IntEnum):
+    """Which mesh rays and nearest points meet."""
+
+    SNAPPED = lib.SVO_POSITIONS_SNAPPED
+    """The snapped one: the tree is from a file of version 1, or has no rays."""
+    FLOAT = lib.SVO_POSITIONS_FLOAT
+    """The input's, given as float32."""
+    DOUBLE = lib.SVO_POSITIONS_DOUBLE
+    """The input's, given as float64."""
 
 
 class Form(IntEnum):

@@ -3,7 +3,7 @@
 
 from typing import Any, NamedTuple, Optional, TypeVar
 
-from ._enums import Certainty, Coverage, Form, LightForm, Need, Opacity, Weights
+from ._enums import Certainty, Coverage, Form, LightForm, Need, Opacity, Positions, Weights
 from ._errors import text
 from ._native import ffi, lib
 
@@ -151,11 +151,13 @@ class TreeInfo(NamedTuple):
     list_count: int
     """Entries of all leaf lists."""
     vertex_count: int
-    """Snapped vertices kept for rays."""
+    """Vertices kept for rays."""
     list_triangle_count: int
     """Accepted triangles kept for rays."""
     level_begin: tuple[int, ...]
     """depth + 2 entries: level l has the nodes level_begin[l] .. level_begin[l + 1] - 1."""
+    positions: Positions
+    """Which mesh rays meet."""
 
 
 class CompactInfo(NamedTuple):
@@ -363,6 +365,7 @@ _KINDS: dict[str, Any] = {
     "constant": Need,
     "weights": Weights,
     "certainty": Certainty,
+    "positions": Positions,
     "persistent": bool,
 }
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _arrays, _opencl, _structs
 from ._callbacks import call
-from ._enums import TraceMode, TreeBuffer, View
+from ._enums import BvhQuality, TraceMode, TreeBuffer, View
 from ._errors import error, text
 from ._handle import Guard, Native, view
 from ._mesh import Path, encode, need_io
@@ -49,6 +49,10 @@ class TreeArrays(NamedTuple):
     """(payload_count,): surface area inside, 4096 = a face of the node; 65535 = that or more."""
     areas: Optional[npt.NDArray[np.uint16]]
     """(leaf_count, 6): the surface that rays along +x, -x, +y, -y, +z and -z see in a leaf, 4096 = a face of it."""
+    positions: Optional[npt.NDArray[np.float32]]
+    """(vertex_count, 3): the mesh's own vertices, which rays meet; 0 where no triangle has them."""
+    positions_double: Optional[npt.NDArray[np.float64]]
+    """The same of a mesh that was given in float64."""
 
 
 class Camera(NamedTuple):
@@ -163,6 +167,8 @@ class Tree(Resident):
             "materials": (np.uint16, (payload,)),
             "fills": (np.uint16, (payload,)),
             "areas": (np.uint16, (info.leaf_count, 6)),
+            "positions": (np.float32, (info.vertex_count, 3)),
+            "positions_double": (np.float64, (info.vertex_count, 3)),
         }
         with self._downloaded(queue) as pointer:
             status = call(lib.svo_tree_get_arrays, pointer, struct)
@@ -256,10 +262,10 @@ class Tree(Resident):
 
     # --- rays -------------------------------------------------------------------------------------------------------
 
-    def prepare_rays(self, *, queue: Any = None) -> None:
-        """Makes the BVH for rays now, rather than with the first batch."""
+    def prepare_rays(self, *, quality: BvhQuality = BvhQuality.BEST, queue: Any = None) -> None:
+        """Makes the BVH for rays now, rather than with the first batch. One of the other quality is replaced."""
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._device_call("prepare_rays", lib.svo_tree_prepare_rays, cl_queue)
+        self._device_call("prepare_rays", lib.svo_tree_make_bvh, BvhQuality(quality), cl_queue)
 
     @property
     def ray_bytes(self) -> int:

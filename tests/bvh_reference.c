@@ -1,24 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The BVH that rays traverse: nodes of up to eight children, leaves of up to eight triangles, each triangle in one
- * leaf. It is built when a tree's rays are first used; kernels/rays/rays.clh reads it.
- *
- * The surface area heuristic decides where a set of triangles is split, estimated with bins along the three axes (Wald,
- * "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). A node splits the set with the largest area
- * until it has eight sets, or all fit leaves (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008). Bounds are
- * whole grid units, exact in floats; nodes store them rounded outwards to 16 bits (after Mahovsky and Wyvill,
- * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006). Floats are only added, multiplied
- * and compared, so the same geometry gives the same BVH everywhere.
+ * The reference of bvh_make, quality SVO_BVH_BEST: the same splits, one after the other on the host. Where
+ * kernels/bvh works by levels and in parallel, this recurses, and its nodes are in depth-first order.
  */
-#include "rays/bvh.h"
+#include "bvh_reference.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Bins along an axis. Sets of fewer items use half as many, since evaluating the bins would cost more than filling
    them. */
 #define BINS      16
 #define FEW_ITEMS 64
-
 /* Least x, y, z, and the greatest ones negated, so that one minimum over all components joins two boxes. */
 typedef struct box {
     float least[8];
@@ -31,16 +25,15 @@ typedef struct item {
 
 /* Consecutive items that become one child. */
 typedef struct range {
-    box bounds;
+    float area; /* half of the bounds'; an estimate after a split by count */
     uint32_t first, count;
     uint32_t halvings; /* splits from the set of all items down to this one */
 } range;
 
 typedef struct maker {
-    const svo_i_memory *memory;
-    const svo_i_bvh_source *source;
-    svo_i_bvh *out;
-    item *items;
+    const bvh_source *source;
+    bvh *out;
+    item *items, *spare;
     uint32_t item_count;
 } maker;
 
@@ -74,7 +67,7 @@ static float box_center(const box *b, int axis)
     return b->least[axis] - b->least[4 + axis];
 }
 
-static void box_of_triangle(const svo_i_bvh_source *source, uint32_t triangle, box *out)
+static void box_of_triangle(const bvh_source *source, uint32_t triangle, box *out)
 {
     const float width = (float)(1u << source->snap_bits);
     box_clear(out);
@@ -112,6 +105,18 @@ static int bin_of(const binning *by, const box *bounds, int axis)
     return (int)((box_center(bounds, axis) - by->begin[axis]) * by->per_unit[axis]);
 }
 
+/* About 1 / value, for 2^-60 < value < 2^60, by Newton's iteration as kernels/bvh/boxes.clh has it. */
+static float reciprocal(float value)
+{
+    int exponent = 0;
+    const float mantissa = frexpf(value, &exponent);
+    float inverse = 2.9142136f - 2.0f * mantissa;
+    for (int i = 0; i < 4; ++i) {
+        inverse = inverse * (2.0f - mantissa * inverse);
+    }
+    return ldexpf(inverse, -exponent);
+}
+
 static void place_bins(const item *items, uint32_t count, binning *out)
 {
     float least[3] = {0x1p40f, 0x1p40f, 0x1p40f};
@@ -127,7 +132,7 @@ static void place_bins(const item *items, uint32_t count, binning *out)
     for (int axis = 0; axis < 3; ++axis) {
         const float width = greatest[axis] - least[axis];
         out->begin[axis] = least[axis];
-        out->per_unit[axis] = width > 0.0f ? (float)out->bin_count * 0.9999f / width : 0.0f;
+        out->per_unit[axis] = width > 0x1p-40f ? (float)out->bin_count * 0.9999f * reciprocal(width) : 0.0f;
     }
 }
 
@@ -148,12 +153,12 @@ static void fill_bins(const item *items, uint32_t count, const binning *by, bin 
     }
 }
 
-/* A split of a set, and the bounds of the two parts. */
+/* A split of a set, and half the areas of the two parts. */
 typedef struct cut {
     float cost;
     int axis; /* negative: none found */
     int at; /* the first bin of the second part */
-    box parts[2];
+    float areas[2];
 } cut;
 
 static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *best)
@@ -179,25 +184,25 @@ static void find_cut_along(const bin bins[BINS], int bin_count, int axis, cut *b
         }
         const float cost = box_half_area(&sum) * (float)count + box_half_area(&after[k]) * (float)count_after[k];
         if (best->axis < 0 || cost < best->cost) {
-            *best = (cut){.cost = cost, .axis = axis, .at = k, .parts = {sum, after[k]}};
+            *best =
+                (cut){.cost = cost, .axis = axis, .at = k, .areas = {box_half_area(&sum), box_half_area(&after[k])}};
         }
     }
 }
 
-/* Moves the items of the first part to the front. Returns their number. */
-static uint32_t part_items(item *items, uint32_t count, const binning *by, const cut *where)
+/* Moves the items of the first part to the front; all stay in order. Returns their number. */
+static uint32_t part_items(item *items, item *spare, uint32_t count, const binning *by, const cut *where)
 {
     uint32_t front = 0;
-    uint32_t back = count;
-    while (front < back) {
-        if (bin_of(by, &items[front].bounds, where->axis) < where->at) {
-            ++front;
+    uint32_t back = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (bin_of(by, &items[i].bounds, where->axis) < where->at) {
+            items[front++] = items[i];
         } else {
-            const item moved = items[front];
-            items[front] = items[--back];
-            items[back] = moved;
+            spare[back++] = items[i];
         }
     }
+    memcpy(items + front, spare, back * sizeof *spare);
     return front;
 }
 
@@ -223,10 +228,10 @@ static uint32_t halvings_by_count(uint32_t count)
 
 /* Splits a range that is too large for a leaf in two: by area, while enough levels remain to split the parts by count;
    otherwise by count. */
-static void halve(item *all, const range *whole, range *first, range *second)
+static void halve(maker *m, const range *whole, range *first, range *second)
 {
-    item *items = all + whole->first;
-    cut where = {.axis = -1};
+    item *items = m->items + whole->first;
+    cut where = {.axis = -1, .areas = {0.5f * whole->area, 0.5f * whole->area}};
     uint32_t front = whole->count / 2;
     if (whole->halvings + 1 + halvings_by_count(whole->count) <= SVO_BVH_DEPTH_MAX) {
         binning by;
@@ -236,16 +241,12 @@ static void halve(item *all, const range *whole, range *first, range *second)
         for (int axis = 0; axis < 3; ++axis) {
             find_cut_along(bins[axis], by.bin_count, axis, &where);
         }
-        front = where.axis < 0 ? front : part_items(items, whole->count, &by, &where);
-    }
-    if (where.axis < 0) {
-        where.parts[0] = bounds_of(items, front);
-        where.parts[1] = bounds_of(items + front, whole->count - front);
+        front = where.axis < 0 ? front : part_items(items, m->spare, whole->count, &by, &where);
     }
     const uint32_t halvings = whole->halvings + 1;
     const range parts[2] = {
-        {.bounds = where.parts[0], .first = whole->first, .count = front, .halvings = halvings},
-        {.bounds = where.parts[1], .first = whole->first + front, .count = whole->count - front, .halvings = halvings}};
+        {.area = where.areas[0], .first = whole->first, .count = front, .halvings = halvings},
+        {.area = where.areas[1], .first = whole->first + front, .count = whole->count - front, .halvings = halvings}};
     *first = parts[0];
     *second = parts[1];
 }
@@ -253,7 +254,7 @@ static void halve(item *all, const range *whole, range *first, range *second)
 /* ---- records ---- */
 
 /* Grows an array to at least needed elements. Returns false, with the array unchanged, when out of memory. */
-static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, size_t needed, size_t element_bytes)
+static bool reserve(void **array, size_t *capacity, size_t needed, size_t element_bytes)
 {
     if (needed <= *capacity) {
         return true;
@@ -262,7 +263,7 @@ static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, 
     while (grown < needed) {
         grown += grown / 2;
     }
-    void *moved = grown <= SIZE_MAX / element_bytes ? svo_i_grow(memory, *array, grown * element_bytes) : NULL;
+    void *moved = grown <= SIZE_MAX / element_bytes ? realloc(*array, grown * element_bytes) : NULL;
     if (moved == NULL) {
         return false;
     }
@@ -272,7 +273,7 @@ static bool reserve(const svo_i_memory *memory, void **array, size_t *capacity, 
 }
 
 /* Least and greatest snapped coordinates of whole triangles. */
-static void find_leaf_bounds(const svo_i_bvh_source *source, const item *items, uint32_t count, int32_t low[3],
+static void find_leaf_bounds(const bvh_source *source, const item *items, uint32_t count, int32_t low[3],
                              int32_t high[3])
 {
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -289,68 +290,50 @@ static void find_leaf_bounds(const svo_i_bvh_source *source, const item *items, 
     }
 }
 
-/* A coordinate of a vertex, world units. at: of the coordinate in its array. */
-static double world_coordinate(const svo_i_bvh_source *source, size_t at)
+size_t bvh_reference_ids_begin(bool has_doubles, uint32_t count)
 {
-    if (source->positions != NULL) {
-        return (double)source->positions[at];
-    }
-    return source->positions_double != NULL ? source->positions_double[at]
-                                            : source->origin[at % 3] + (double)source->vertices[at] / source->scale;
+    const size_t words = 9 * (size_t)count;
+    return has_doubles ? (words + 1) / 2 * 2 + 2 * words : words;
 }
 
-/* The coordinate as floats have it. */
-static float row_coordinate(const svo_i_bvh_source *source, size_t at)
+size_t bvh_reference_leaf_words(bool has_doubles, uint32_t count)
 {
-    return source->rows == SVO_I_ROWS_WORLD
-               ? source->positions[at]
-               : (float)((world_coordinate(source, at) - source->origin[at % 3]) * source->scale);
-}
-
-/* Where the rows of doubles begin, in words after the head, and where the positions in the mesh do. */
-static size_t doubles_begin(uint32_t count)
-{
-    return (9 * (size_t)count + 1) & ~(size_t)1;
-}
-
-static size_t ids_begin(svo_i_leaf_rows rows, uint32_t count)
-{
-    return rows == SVO_I_ROWS_DOUBLE ? doubles_begin(count) + 18 * (size_t)count : 9 * (size_t)count;
+    return (SVO_RAY_LEAF_HEAD_WORDS + bvh_reference_ids_begin(has_doubles, count) + count + 3) / 4 * 4;
 }
 
 /* Writes what follows the head: nine rows, nine of doubles where there are any, and the positions in the mesh. */
-static void write_triangles(const svo_i_bvh_source *source, const item *items, uint32_t count, uint32_t *words)
+static void write_triangles(const bvh_source *source, const item *items, uint32_t count, uint32_t *words)
 {
     float *floats = (float *)words;
-    double *doubles = (double *)(words + doubles_begin(count));
+    uint32_t *doubles = words + (9 * (size_t)count + 1) / 2 * 2;
     size_t entry = 0;
     for (size_t axis = 0; axis < 3; ++axis) {
         for (size_t corner = 0; corner < 3; ++corner) {
             for (uint32_t i = 0; i < count; ++i, ++entry) {
                 const size_t at = (size_t)source->indices[(size_t)items[i].triangle * 3 + corner] * 3 + axis;
-                floats[entry] = row_coordinate(source, at);
-                if (source->rows == SVO_I_ROWS_DOUBLE) {
-                    doubles[entry] = world_coordinate(source, at);
+                floats[entry] = source->floats[at];
+                if (source->doubles != NULL) {
+                    memcpy(doubles + 2 * entry, &source->doubles[at], sizeof(double));
                 }
             }
         }
     }
     for (uint32_t i = 0; i < count; ++i) {
-        words[ids_begin(source->rows, count) + i] = source->triangle_ids[items[i].triangle];
+        words[bvh_reference_ids_begin(source->doubles != NULL, count) + i] = source->triangle_ids[items[i].triangle];
     }
 }
 
 /* Adds a leaf. *reference receives a node's reference to it. */
 static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *reference)
 {
-    svo_i_bvh *out = m->out;
+    bvh *out = m->out;
     int32_t low[3];
     int32_t high[3];
-    const size_t words = (SVO_RAY_LEAF_HEAD_WORDS + ids_begin(m->source->rows, count) + count + 3) / 4 * 4;
+    const size_t words = bvh_reference_leaf_words(m->source->doubles != NULL, count);
     const size_t position = out->leaf_words / 4;
     if (position >= SVO_RAY_LEAF ||
-        !reserve(m->memory, (void **)&out->leaves, &out->leaf_capacity,
-                 out->leaf_words + words + SVO_RAY_LEAF_PADDING_WORDS, sizeof *out->leaves)) {
+        !reserve((void **)&out->leaves, &out->leaf_capacity, out->leaf_words + words + SVO_RAY_LEAF_PADDING_WORDS,
+                 sizeof *out->leaves)) {
         return false;
     }
     uint32_t *record = out->leaves + out->leaf_words;
@@ -370,9 +353,9 @@ static bool add_leaf(maker *m, const item *items, uint32_t count, uint32_t *refe
 /* Adds a node without children: all references are to the empty leaf. */
 static bool add_node(maker *m, uint32_t *index)
 {
-    svo_i_bvh *out = m->out;
+    bvh *out = m->out;
     if (out->node_count >= SVO_RAY_LEAF ||
-        !reserve(m->memory, (void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
+        !reserve((void **)&out->nodes, &out->node_capacity, out->node_count + 1, sizeof *out->nodes)) {
         return false;
     }
     svo_ray_node *node = &out->nodes[out->node_count];
@@ -414,7 +397,7 @@ static int largest_range(const range *ranges, int count)
     int best = -1;
     float most = 0.0f;
     for (int i = 0; i < count; ++i) {
-        const float area = box_half_area(&ranges[i].bounds);
+        const float area = ranges[i].area;
         if (ranges[i].count > SVO_RAY_LEAF_TRIANGLES && (best < 0 || area > most)) {
             best = i;
             most = area;
@@ -431,7 +414,7 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
     int count = whole->count > 0 ? 1 : 0;
     for (int best = largest_range(ranges, count); best >= 0 && count < 8; best = largest_range(ranges, count)) {
         const range whole_set = ranges[best];
-        halve(m->items, &whole_set, &ranges[best], &ranges[count]);
+        halve(m, &whole_set, &ranges[best], &ranges[count]);
         ++count;
     }
     if (!add_node(m, index)) {
@@ -445,7 +428,8 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
         if (!made) {
             return false;
         }
-        set_child(&m->out->nodes[*index], i, &ranges[i].bounds, m->source->snap_bits - SVO_RAY_BOX_BITS, reference);
+        const box bounds = bounds_of(m->items + ranges[i].first, ranges[i].count);
+        set_child(&m->out->nodes[*index], i, &bounds, m->source->snap_bits - SVO_RAY_BOX_BITS, reference);
     }
     return true;
 }
@@ -455,12 +439,13 @@ static bool make_node(maker *m, const range *whole, uint32_t *index)
 /* Collects the triangles to include, each once, in their order. */
 static bool gather_items(maker *m)
 {
-    const svo_i_bvh_source *source = m->source;
+    const bvh_source *source = m->source;
     const uint32_t count = source->triangle_count;
-    uint8_t *listed = source->list != NULL ? svo_i_alloc_zeroed(m->memory, (size_t)count + 1, 1) : NULL;
-    m->items = svo_i_alloc_zeroed(m->memory, (size_t)count + 1, sizeof *m->items);
-    if (m->items == NULL || (source->list != NULL && listed == NULL)) {
-        svo_i_free(listed);
+    uint8_t *listed = source->list != NULL ? calloc((size_t)count + 1, 1) : NULL;
+    m->items = calloc((size_t)count + 1, sizeof *m->items);
+    m->spare = calloc((size_t)count + 1, sizeof *m->spare);
+    if (m->items == NULL || m->spare == NULL || (source->list != NULL && listed == NULL)) {
+        free(listed);
         return false;
     }
     for (uint64_t i = 0; listed != NULL && i < source->list_count; ++i) {
@@ -473,28 +458,29 @@ static bool gather_items(maker *m)
             box_of_triangle(source, i, &added->bounds);
         }
     }
-    svo_i_free(listed);
+    free(listed);
     return true;
 }
 
-bool svo_i_bvh_make(const svo_i_memory *memory, const svo_i_bvh_source *source, svo_i_bvh *out)
+bool bvh_reference_make(const bvh_source *source, bvh *out)
 {
-    maker m = {.memory = memory, .source = source, .out = out};
+    maker m = {.source = source, .out = out};
     uint32_t unread = 0;
-    *out = (svo_i_bvh){.nodes = NULL};
+    *out = (bvh){.nodes = NULL};
     bool made = gather_items(&m) && add_leaf(&m, NULL, 0, &unread);
     if (made) {
-        const range all = {.bounds = bounds_of(m.items, m.item_count), .first = 0, .count = m.item_count};
+        const range all = {.area = 1.0f, .first = 0, .count = m.item_count};
         made = make_node(&m, &all, &unread);
     }
     out->leaf_words += made ? SVO_RAY_LEAF_PADDING_WORDS : 0;
-    svo_i_free(m.items);
+    free(m.items);
+    free(m.spare);
     return made;
 }
 
-void svo_i_bvh_free(svo_i_bvh *bvh)
+void bvh_reference_free(bvh *made)
 {
-    svo_i_free(bvh->nodes);
-    svo_i_free(bvh->leaves);
-    *bvh = (svo_i_bvh){.nodes = NULL};
+    free(made->nodes);
+    free(made->leaves);
+    *made = (bvh){.nodes = NULL};
 }

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Scratch buffers, copies and launches of encoders; scans by kernels/stages/scan.cl. */
-#include "compact/work.h"
+/* Scratch buffers, copies and launches; scans by kernels/stages/scan.cl. */
+#include "core/work.h"
 
 #include "shared/layout.h"
 
-svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_compact_work *out)
+svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_device_work *out)
 {
-    *out = (svo_i_compact_work){.device = device, .function = function};
+    *out = (svo_i_device_work){.device = device, .function = function};
     return svo_i_device_queue(device, function, queue, &out->queue);
 }
 
-void svo_i_work_end(svo_i_compact_work *work)
+void svo_i_work_end(svo_i_device_work *work)
 {
     if (work->last != NULL) {
         (void)svo_i_event_settle(work->last);
@@ -21,29 +21,29 @@ void svo_i_work_end(svo_i_compact_work *work)
             clReleaseMemObject(work->buffers[i]);
         }
     }
-    *work = (svo_i_compact_work){.device = NULL};
+    *work = (svo_i_device_work){.device = NULL};
 }
 
-svo_status svo_i_work_wait(svo_i_compact_work *work)
+svo_status svo_i_work_wait(svo_i_device_work *work)
 {
     const cl_int error = work->last != NULL ? clWaitForEvents(1, &work->last) : CL_SUCCESS;
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(work->device, work->function, "clWaitForEvents", error);
 }
 
-svo_status svo_i_work_use(svo_i_compact_work *work, svo_i_program_kind kind, const char *defines)
+svo_status svo_i_work_use(svo_i_device_work *work, svo_i_program_kind kind, const char *defines)
 {
     return svo_i_program_get(work->device, work->function, kind, defines, &work->program, NULL);
 }
 
 /* ---- buffers ---- */
 
-svo_status svo_i_work_result(svo_i_compact_work *work, const char *name, uint64_t bytes, cl_mem *out)
+svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out)
 {
     return svo_i_device_buffer(work->device, work->function, name, CL_MEM_READ_WRITE, (size_t)bytes, out);
 }
 
 /* The place of a new scratch buffer: one that was released early, else the end. */
-static size_t find_slot(const svo_i_compact_work *work)
+static size_t find_slot(const svo_i_device_work *work)
 {
     size_t slot = 0;
     while (slot < work->buffer_count && work->buffers[slot] != NULL) {
@@ -52,7 +52,7 @@ static size_t find_slot(const svo_i_compact_work *work)
     return slot;
 }
 
-svo_status svo_i_work_alloc(svo_i_compact_work *work, const char *name, uint64_t bytes, cl_mem *out)
+svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out)
 {
     const size_t slot = find_slot(work);
     if (slot == SVO_I_WORK_BUFFERS_MAX) {
@@ -68,7 +68,7 @@ svo_status svo_i_work_alloc(svo_i_compact_work *work, const char *name, uint64_t
     return SVO_OK;
 }
 
-void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
+void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer)
 {
     for (size_t i = 0; i < work->buffer_count; ++i) {
         if (*buffer != NULL && work->buffers[i] == *buffer) {
@@ -82,7 +82,7 @@ void svo_i_work_free(svo_i_compact_work *work, cl_mem *buffer)
 
 /* ---- commands ---- */
 
-void svo_i_work_follow(svo_i_compact_work *work, cl_event event)
+void svo_i_work_follow(svo_i_device_work *work, cl_event event)
 {
     if (work->last != NULL) {
         clReleaseEvent(work->last);
@@ -91,7 +91,7 @@ void svo_i_work_follow(svo_i_compact_work *work, cl_event event)
 }
 
 /* Makes event the newest command, or converts the error of its call into a status. */
-static svo_status follow(svo_i_compact_work *work, const char *call, cl_int error, cl_event event)
+static svo_status follow(svo_i_device_work *work, const char *call, cl_int error, cl_event event)
 {
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(work->device, work->function, call, error);
@@ -100,17 +100,17 @@ static svo_status follow(svo_i_compact_work *work, const char *call, cl_int erro
     return SVO_OK;
 }
 
-static cl_uint wait_count(const svo_i_compact_work *work)
+static cl_uint wait_count(const svo_i_device_work *work)
 {
     return work->last != NULL ? 1 : 0;
 }
 
-static const cl_event *wait_list(const svo_i_compact_work *work)
+static const cl_event *wait_list(const svo_i_device_work *work)
 {
     return work->last != NULL ? &work->last : NULL;
 }
 
-svo_status svo_i_work_write(svo_i_compact_work *work, cl_mem buffer, const void *data, uint64_t bytes)
+svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes)
 {
     cl_event event = NULL;
     const cl_int error = bytes > 0 ? clEnqueueWriteBuffer(work->queue, buffer, CL_TRUE, 0, (size_t)bytes, data,
@@ -120,7 +120,7 @@ svo_status svo_i_work_write(svo_i_compact_work *work, cl_mem buffer, const void 
 }
 
 /* Fills with a pattern of pattern_bytes. */
-static svo_status fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, size_t pattern_bytes, uint64_t bytes)
+static svo_status fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, size_t pattern_bytes, uint64_t bytes)
 {
     cl_event event = NULL;
     if (bytes == 0) {
@@ -131,17 +131,17 @@ static svo_status fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, si
     return follow(work, "clEnqueueFillBuffer", error, event);
 }
 
-svo_status svo_i_work_fill_zero(svo_i_compact_work *work, cl_mem buffer, uint64_t bytes)
+svo_status svo_i_work_fill_zero(svo_i_device_work *work, cl_mem buffer, uint64_t bytes)
 {
     return fill(work, buffer, 0, bytes % sizeof(cl_uint) == 0 ? sizeof(cl_uint) : 1, bytes);
 }
 
-svo_status svo_i_work_fill(svo_i_compact_work *work, cl_mem buffer, cl_uint word, uint64_t bytes)
+svo_status svo_i_work_fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, uint64_t bytes)
 {
     return fill(work, buffer, word, sizeof word, bytes);
 }
 
-svo_status svo_i_work_copy(svo_i_compact_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
+svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
                            uint64_t bytes)
 {
     cl_event event = NULL;
@@ -153,7 +153,7 @@ svo_status svo_i_work_copy(svo_i_compact_work *work, cl_mem from, uint64_t from_
     return follow(work, "clEnqueueCopyBuffer", error, event);
 }
 
-svo_status svo_i_work_read(svo_i_compact_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
+svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
 {
     cl_event event = NULL;
     if (bytes == 0) {
@@ -164,8 +164,8 @@ svo_status svo_i_work_read(svo_i_compact_work *work, cl_mem buffer, uint64_t off
     return follow(work, "clEnqueueReadBuffer", error, event);
 }
 
-svo_status svo_i_work_launch(svo_i_compact_work *work, const char *name, const svo_i_argument *arguments,
-                             cl_uint argument_count, uint64_t items)
+svo_status svo_i_work_launch_groups(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                                    cl_uint argument_count, uint64_t items, size_t group_items)
 {
     cl_kernel kernel = NULL;
     svo_status status = SVO_OK;
@@ -174,16 +174,21 @@ svo_status svo_i_work_launch(svo_i_compact_work *work, const char *name, const s
     }
     SVO_I_TRY(svo_i_kernel_create(work->device, work->function, work->program, name, &kernel));
     SVO_I_TRY_CLEANUP(svo_i_kernel_set(work->device, work->function, kernel, arguments, argument_count));
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)((items + local - 1) / local) * local;
+    const size_t global = (size_t)((items + group_items - 1) / group_items) * group_items;
     cl_event event = NULL;
-    const cl_int error = clEnqueueNDRangeKernel(work->queue, kernel, 1, NULL, &global, &local, wait_count(work),
+    const cl_int error = clEnqueueNDRangeKernel(work->queue, kernel, 1, NULL, &global, &group_items, wait_count(work),
                                                 wait_list(work), &event);
     SVO_I_TRY_CLEANUP(follow(work, "clEnqueueNDRangeKernel", error, event));
 
 cleanup:
     clReleaseKernel(kernel);
     return status;
+}
+
+svo_status svo_i_work_launch(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                             cl_uint argument_count, uint64_t items)
+{
+    return svo_i_work_launch_groups(work, name, arguments, argument_count, items, SVO_GROUP_ITEMS);
 }
 
 /* ---- scans ---- */
@@ -196,7 +201,7 @@ static uint32_t scan_groups(uint64_t numbers)
     return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
 }
 
-svo_status svo_i_work_scan(svo_i_compact_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
+svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
 {
     const svo_filter_params params = {.leaf_count = (cl_uint)count, .scan_groups = scan_groups(count)};
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;

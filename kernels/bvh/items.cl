@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The first step of a BVH: which triangles it holds, and their boxes.
+ *
+ *   svo_k_bvh_reach   the largest coordinate of a vertex, and whether one lies outside the grid
+ *   svo_k_bvh_mark    only then: a one for each triangle that the tree lists; scan.cl turns them into places
+ *   svo_k_bvh_begin   the root: a range, or a job if it is small
+ *   svo_k_bvh_items   an item per triangle, and the bounds of all centers
+ *
+ * Launch: reach: any number of work-items, each of which takes a strip; mark: one per entry of the list; begin: one;
+ * items: one per chunk of params.chunk_items triangles. Atomics: maxima, minima and bits, which no order changes. No
+ * local memory.
+ */
+#include "bvh/ranges.clh"
+#include "bvh/triangles.clh"
+
+__kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_state *state, uint vertex_count,
+                              uint snap_bits)
+{
+    const ulong all = 3 * (ulong)vertex_count;
+    const ulong length = all / get_global_size(0) + 1u;
+    const ulong begin = min(get_global_id(0) * length, all);
+    const ulong end = min(begin + length, all);
+    uint reach = 0u;
+    uint outside = 0u;
+    for (ulong i = begin; i < end; ++i) {
+        reach = max(reach, abs(vertices[i]));
+        outside |= (uint)vertices[i] >> snap_bits;
+    }
+    atomic_max(&state->reach, reach);
+    atomic_or(&state->outside, outside != 0u ? 1u : 0u);
+}
+
+__kernel void svo_k_bvh_mark(__global const uint *list, __global uint *listed, uint list_count)
+{
+    const uint i = (uint)get_global_id(0);
+    if (i < list_count) {
+        listed[list[i]] = 1u;
+    }
+}
+
+__kernel void svo_k_bvh_begin(__global svo_bvh_range *ranges, __global svo_bvh_job *jobs,
+                              __global svo_bvh_branch *branches, __global svo_bvh_state *state, svo_bvh_params params)
+{
+    const svo_bvh_job root = {0u, params.item_count, 0u, 0u};
+    const bool is_job = params.item_count <= params.subtree_items;
+    svo_bvh_begin_range(ranges, root, 0u);
+    jobs[0] = root;
+    state->range_count = is_job ? 0u : 1u;
+    state->chunk_count = is_job ? 0u : svo_bvh_chunks_of(params.item_count, params.chunk_items);
+    state->job_count = is_job ? 1u : 0u;
+    branches[0].part[0] = 0u;
+    branches[0].area[0] = 1.0f;
+}
+
+/* listed, places: the triangle's mark and the number of those before it, where params.use_list is set. */
+__kernel void svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, __global const uint *listed, __global const uint *places,
+                              __global float8 *items, __global svo_bvh_range *ranges, svo_bvh_params params)
+{
+    SVO_BVH_MESH_MAKE(mesh);
+    const uint chunk = (uint)get_global_id(0);
+    const uint begin = min(chunk * params.chunk_items, params.triangle_count);
+    const uint end = min(begin + params.chunk_items, params.triangle_count);
+    svo_bvh_centers centers = SVO_BVH_NO_CENTERS;
+    for (uint i = begin; i < end; ++i) {
+        if (params.use_list == 0u || listed[i] != 0u) {
+            float8 item = svo_bvh_triangle_box(&mesh, i, params.snap_bits);
+            svo_bvh_centers_grow(&centers, svo_bvh_center(item));
+            item.s3 = as_float(i);
+            items[params.use_list != 0u ? places[i] : i] = item;
+        }
+    }
+    if (begin < end) {
+        svo_bvh_centers_publish(&centers, ranges);
+    }
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What is made on the device outside a build: scratch buffers, copies, launches. Each command waits for the previous
+ * one by an event, so the caller's queue may be out-of-order.
+ */
+#ifndef SVO_LIB_CORE_WORK_H
+#define SVO_LIB_CORE_WORK_H
+
+#include "core/program.h"
+
+/* Most scratch buffers of one work. */
+#define SVO_I_WORK_BUFFERS_MAX 24
+
+typedef struct svo_i_device_work {
+    svo_device *device;
+    const char *function; /* for messages */
+    cl_command_queue queue;
+    cl_program program; /* of svo_i_work_launch */
+    cl_event last; /* the newest command; NULL at first */
+    cl_mem partials; /* of scans; NULL before the first */
+    cl_mem buffers[SVO_I_WORK_BUFFERS_MAX]; /* scratch, owned */
+    uint64_t buffer_bytes[SVO_I_WORK_BUFFERS_MAX];
+    size_t buffer_count;
+    uint64_t live_bytes, peak_bytes; /* of scratch: now, and the most so far */
+} svo_i_device_work;
+
+/* Begins a work. queue: NULL for the device's own. */
+svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_device_work *out);
+/* Waits for the newest command, also after a failure, and releases what the work owns. */
+void svo_i_work_end(svo_i_device_work *work);
+
+/* Waits for the newest command. */
+svo_status svo_i_work_wait(svo_i_device_work *work);
+
+/* Selects the program of the launches that follow. */
+svo_status svo_i_work_use(svo_i_device_work *work, svo_i_program_kind kind, const char *defines);
+
+/* A scratch buffer, which the work owns. */
+svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
+/* Releases a scratch buffer early. */
+void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
+/* A buffer that the caller owns. */
+svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
+
+svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes);
+svo_status svo_i_work_fill_zero(svo_i_device_work *work, cl_mem buffer, uint64_t bytes);
+/* Fills whole words. */
+svo_status svo_i_work_fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, uint64_t bytes);
+svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
+                           uint64_t bytes);
+/* Reads bytes from an offset of a buffer and waits. */
+svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes);
+
+/* Launches a kernel of the program for so many work-items, in whole groups. Launches nothing if items is 0. */
+svo_status svo_i_work_launch(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                             cl_uint argument_count, uint64_t items);
+/* The same in groups of so many. */
+svo_status svo_i_work_launch_groups(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                                    cl_uint argument_count, uint64_t items, size_t group_items);
+/* Takes the event of a command that the caller enqueued after work->last, which becomes the newest. */
+void svo_i_work_follow(svo_i_device_work *work, cl_event event);
+/* Exclusive sums of count numbers, u32 each, into sums, which has an element more: the total. */
+svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count);
+
+#endif

@@ -1,0 +1,519 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Launches kernels/bvh: items, the binary tree over them, its collapse into nodes of eight children, leaves, and the
+ * boxes of nodes. Only sizes are read back: the ranges of a level, its nodes, and the words of all leaves.
+ */
+#include "rays/bvh_device.h"
+
+#include "core/work.h"
+
+/* SVO_SORT: the scan that adds up numbers of any kind. */
+#define DEFINES " -DSVO_SORT"
+/* Work-items that look through the vertices. */
+#define REACH_ITEMS 1024u
+/* Numbers that a pass of the sort counts. */
+#define SORT_CELLS ((uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
+/* Bits of the codes of SVO_BVH_FAST. */
+#define CODE_BITS 30
+
+/* Temporary buffers. */
+typedef enum work_buffer {
+    STATE,
+    ITEMS_A,
+    ITEMS_B,
+    LISTED, /* marks of triangles; later the units of leaves */
+    PLACES, /* sums of the former */
+    RANGES_A,
+    RANGES_B,
+    JOBS,
+    BRANCHES,
+    CHUNK_BOXES,
+    CHUNK_COUNTS,
+    CHUNK_FRONTS,
+    FRAGMENTS, /* of SVO_BVH_FAST: codes and items */
+    FRAGMENTS_2,
+    NODES, /* three words each: see svo_k_bvh_open */
+    COUNTS, /* of children that are nodes */
+    WORK_BUFFERS
+} work_buffer;
+
+static const char *const names[WORK_BUFFERS] = {
+    "bvh_state",     "bvh_items",       "bvh_items_2",  "bvh_listed",      "bvh_places",       "bvh_ranges",
+    "bvh_ranges_2",  "bvh_jobs",        "bvh_branches", "bvh_chunk_boxes", "bvh_chunk_counts", "bvh_chunk_fronts",
+    "bvh_fragments", "bvh_fragments_2", "bvh_nodes",    "bvh_counts"};
+
+typedef struct maker {
+    svo_i_device_work work;
+    const svo_i_bvh_mesh *mesh;
+    svo_i_device_bvh *out;
+    cl_mem buffers[WORK_BUFFERS]; /* of the work */
+    cl_mem nodes, leaves; /* new ones, which take the place of the BVH's */
+    svo_bvh_params params;
+    size_t serial_group; /* work-items of a group that take a chunk or a job each */
+} maker;
+
+/* ---- buffers ---- */
+
+static void free_buffer(cl_mem *buffer)
+{
+    if (*buffer != NULL) {
+        clReleaseMemObject(*buffer);
+        *buffer = NULL;
+    }
+}
+
+/* Makes those of the temporary buffers that have bytes. */
+static svo_status make_works(maker *m, const uint64_t bytes[WORK_BUFFERS])
+{
+    for (int i = 0; i < WORK_BUFFERS; ++i) {
+        if (bytes[i] > 0) {
+            SVO_I_TRY(svo_i_work_alloc(&m->work, names[i], bytes[i], &m->buffers[i]));
+        }
+    }
+    return SVO_OK;
+}
+
+/* The most nodes: a node has eight children unless all of them are leaves, and those of a lowest node hold more
+   triangles than a leaf. */
+static uint64_t nodes_max(uint64_t item_count)
+{
+    return item_count / 7 + 1;
+}
+
+/* ---- launches ---- */
+
+static svo_status run(maker *m, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
+                      uint64_t items)
+{
+    return svo_i_work_launch(&m->work, name, arguments, argument_count, items);
+}
+
+/* For work-items with loops of their own: on CPUs each is a group, so that threads share them evenly. */
+static svo_status run_serial(maker *m, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
+                             uint64_t items)
+{
+    return svo_i_work_launch_groups(&m->work, name, arguments, argument_count, items, m->serial_group);
+}
+
+/* A kernel for one work-item. */
+static svo_status run_one(maker *m, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
+{
+    return svo_i_work_launch_groups(&m->work, name, arguments, argument_count, 1, 1);
+}
+
+/* Exclusive sums of so many numbers of LISTED into PLACES, and all of them after the last, which *total receives. */
+static svo_status scan(maker *m, uint32_t count, uint32_t *total)
+{
+    SVO_I_TRY(svo_i_work_scan(&m->work, m->buffers[LISTED], m->buffers[PLACES], count));
+    return svo_i_work_read(&m->work, m->buffers[PLACES], (uint64_t)count * sizeof(cl_uint), total, sizeof *total);
+}
+
+static svo_status read_state(maker *m, svo_bvh_state *state)
+{
+    return svo_i_work_read(&m->work, m->buffers[STATE], 0, state, sizeof *state);
+}
+
+/* ---- items ---- */
+
+/* Counts the triangles that the tree lists, and places them. */
+static svo_status place_listed(maker *m)
+{
+    const uint32_t count = m->mesh->triangle_count;
+    const cl_uint list_count = (cl_uint)m->mesh->list_count;
+    const svo_i_argument mark[] = {SVO_I_ARGUMENT(m->mesh->list), SVO_I_ARGUMENT(m->buffers[LISTED]),
+                                   SVO_I_ARGUMENT(list_count)};
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[LISTED], (uint64_t)count * sizeof(cl_uint)));
+    SVO_I_TRY(run(m, "svo_k_bvh_mark", SVO_I_ARGUMENTS(mark), list_count));
+    m->params.use_list = 1;
+    return scan(m, count, &m->params.item_count);
+}
+
+/* Finds the reach of the vertices, and how many triangles the BVH holds. */
+static svo_status find_extent(maker *m)
+{
+    const cl_uint vertex_count = (cl_uint)m->mesh->vertex_count;
+    const float width = (float)(1u << m->mesh->snap_bits);
+    svo_bvh_state state = {.reach = 0};
+    const svo_i_argument reach[] = {SVO_I_ARGUMENT(m->mesh->vertices), SVO_I_ARGUMENT(m->buffers[STATE]),
+                                    SVO_I_ARGUMENT(vertex_count), SVO_I_ARGUMENT(m->mesh->snap_bits)};
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[STATE], sizeof state));
+    SVO_I_TRY(run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS));
+    SVO_I_TRY(read_state(m, &state));
+    m->out->reach = (float)state.reach > width ? (float)state.reach : width;
+    m->out->clips = state.outside != 0;
+    m->params.item_count = m->mesh->triangle_count;
+    return state.outside != 0 && m->params.item_count > 0 ? place_listed(m) : SVO_OK;
+}
+
+/* Buffers whose sizes follow from the number of triangles. */
+static svo_status make_first_buffers(maker *m)
+{
+    const uint64_t count = m->mesh->triangle_count > SORT_CELLS ? m->mesh->triangle_count : SORT_CELLS;
+    const uint64_t bytes[WORK_BUFFERS] = {[STATE] = sizeof(svo_bvh_state),
+                                          [LISTED] = (count + 1) * sizeof(cl_uint),
+                                          [PLACES] = (count + 1) * sizeof(cl_uint)};
+    return make_works(m, bytes);
+}
+
+/* Buffers whose sizes follow from the number of items. Each level of the binary tree has at most as many ranges as
+   there are jobs' worth of items. */
+static svo_status make_buffers(maker *m)
+{
+    const bool fast = m->out->quality == SVO_BVH_FAST;
+    const uint64_t count = m->params.item_count;
+    const uint64_t ranges = count / m->params.subtree_items + 1;
+    const uint64_t chunks = fast ? 0 : count / m->params.chunk_items + ranges;
+    const uint64_t jobs = SVO_BVH_DEPTH_MAX * ranges + 1;
+    const uint64_t bytes[WORK_BUFFERS] = {
+        [ITEMS_A] = (count + 1) * sizeof(cl_float8),
+        [ITEMS_B] = (count + 1) * sizeof(cl_float8),
+        [RANGES_A] = (fast ? 1 : ranges) * sizeof(svo_bvh_range),
+        [RANGES_B] = fast ? 0 : ranges * sizeof(svo_bvh_range),
+        [JOBS] = (jobs < count + 1 ? jobs : count + 1) * sizeof(svo_bvh_job),
+        [BRANCHES] = (count + 1) * sizeof(svo_bvh_branch),
+        [CHUNK_BOXES] = chunks * SVO_BVH_CELLS * sizeof(cl_float8),
+        [CHUNK_COUNTS] = chunks * SVO_BVH_CELLS * sizeof(cl_uint),
+        [CHUNK_FRONTS] = chunks * sizeof(cl_uint),
+        [FRAGMENTS] = fast ? (count + 1) * SVO_FRAGMENT_WORDS_30 * sizeof(cl_uint) : 0,
+        [FRAGMENTS_2] = fast ? (count + 1) * SVO_FRAGMENT_WORDS_30 * sizeof(cl_uint) : 0,
+        [NODES] = nodes_max(count) * 3 * sizeof(cl_uint),
+        [COUNTS] = nodes_max(count) * sizeof(cl_uint),
+    };
+    SVO_I_TRY(make_works(m, bytes));
+    SVO_I_TRY(
+        svo_i_work_result(&m->work, "bvh_children", nodes_max(count) * sizeof(svo_bvh_children), &m->out->children));
+    SVO_I_TRY(svo_i_work_result(&m->work, "bvh_order", (count + 1) * sizeof(cl_uint), &m->out->order));
+    return svo_i_work_result(&m->work, "bvh_item_counts", (count + 1) * sizeof(cl_uint), &m->out->item_counts);
+}
+
+/* The root, and the items with the bounds of their centers. */
+static svo_status make_items(maker *m)
+{
+    const svo_i_bvh_mesh *mesh = m->mesh;
+    const svo_bvh_params *params = &m->params;
+    const svo_i_argument begin[] = {SVO_I_ARGUMENT(m->buffers[RANGES_A]), SVO_I_ARGUMENT(m->buffers[JOBS]),
+                                    SVO_I_ARGUMENT(m->buffers[BRANCHES]), SVO_I_ARGUMENT(m->buffers[STATE]),
+                                    SVO_I_ARGUMENT(*params)};
+    const svo_i_argument items[] = {SVO_I_ARGUMENT(mesh->vertices),       SVO_I_ARGUMENT(mesh->indices),
+                                    SVO_I_ARGUMENT(mesh->triangle_ids),   SVO_I_ARGUMENT(m->buffers[LISTED]),
+                                    SVO_I_ARGUMENT(m->buffers[PLACES]),   SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
+                                    SVO_I_ARGUMENT(m->buffers[RANGES_A]), SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(run_one(m, "svo_k_bvh_begin", SVO_I_ARGUMENTS(begin)));
+    return run_serial(m, "svo_k_bvh_items", SVO_I_ARGUMENTS(items),
+                      (mesh->triangle_count + params->chunk_items - 1) / params->chunk_items);
+}
+
+/* ---- the binary tree ---- */
+
+/* Splits all ranges of a level. */
+static svo_status split_level(maker *m)
+{
+    svo_bvh_params *params = &m->params;
+    cl_mem *from = &m->buffers[params->in_b != 0 ? ITEMS_B : ITEMS_A];
+    cl_mem *to = &m->buffers[params->in_b != 0 ? ITEMS_A : ITEMS_B];
+    cl_mem *ranges = &m->buffers[params->in_b != 0 ? RANGES_B : RANGES_A];
+    cl_mem *next_ranges = &m->buffers[params->in_b != 0 ? RANGES_A : RANGES_B];
+    cl_mem *work = m->buffers;
+    const svo_i_argument bin[] = {SVO_I_ARGUMENT(*ranges), SVO_I_ARGUMENT(*from), SVO_I_ARGUMENT(work[CHUNK_BOXES]),
+                                  SVO_I_ARGUMENT(work[CHUNK_COUNTS]), SVO_I_ARGUMENT(*params)};
+    const svo_i_argument cut[] = {SVO_I_ARGUMENT(*ranges),
+                                  SVO_I_ARGUMENT(work[BRANCHES]),
+                                  SVO_I_ARGUMENT(work[CHUNK_BOXES]),
+                                  SVO_I_ARGUMENT(work[CHUNK_COUNTS]),
+                                  SVO_I_ARGUMENT(work[CHUNK_FRONTS]),
+                                  SVO_I_ARGUMENT(*params),
+                                  SVO_I_LOCAL(SVO_BVH_CELLS * sizeof(cl_float8)),
+                                  SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
+    const svo_i_argument next[] = {SVO_I_ARGUMENT(*ranges), SVO_I_ARGUMENT(*next_ranges), SVO_I_ARGUMENT(work[JOBS]),
+                                   SVO_I_ARGUMENT(work[STATE]), SVO_I_ARGUMENT(*params)};
+    const svo_i_argument part[] = {
+        SVO_I_ARGUMENT(*ranges), SVO_I_ARGUMENT(*next_ranges),       SVO_I_ARGUMENT(*from),
+        SVO_I_ARGUMENT(*to),     SVO_I_ARGUMENT(work[CHUNK_FRONTS]), SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(run_serial(m, "svo_k_bvh_bin", SVO_I_ARGUMENTS(bin), params->chunk_count));
+    SVO_I_TRY(run(m, "svo_k_bvh_cut", SVO_I_ARGUMENTS(cut), (uint64_t)params->range_count * SVO_GROUP_ITEMS));
+    SVO_I_TRY(run_one(m, "svo_k_bvh_next", SVO_I_ARGUMENTS(next)));
+    return run_serial(m, "svo_k_bvh_part", SVO_I_ARGUMENTS(part), params->chunk_count);
+}
+
+/* Splits all items: large ranges level by level, small ones as jobs. */
+static svo_status split_items(maker *m)
+{
+    svo_bvh_state state = {.reach = 0};
+    for (;;) {
+        SVO_I_TRY(read_state(m, &state));
+        m->params.range_count = state.range_count;
+        m->params.chunk_count = state.chunk_count;
+        if (state.range_count == 0) {
+            break;
+        }
+        SVO_I_TRY(split_level(m));
+        m->params.in_b = m->params.in_b != 0 ? 0 : 1;
+    }
+    const svo_i_argument subtrees[] = {SVO_I_ARGUMENT(m->buffers[JOBS]),    SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
+                                       SVO_I_ARGUMENT(m->buffers[ITEMS_B]), SVO_I_ARGUMENT(m->buffers[BRANCHES]),
+                                       SVO_I_ARGUMENT(m->out->order),       SVO_I_ARGUMENT(state.job_count)};
+    return run_serial(m, "svo_k_bvh_subtrees", SVO_I_ARGUMENTS(subtrees), state.job_count);
+}
+
+/* ---- the binary tree of SVO_BVH_FAST ---- */
+
+/* One pass over a digit of the codes; it swaps the list and the spare buffer. */
+static svo_status sort_pass(maker *m, uint32_t shift)
+{
+    cl_mem *work = m->buffers;
+    const svo_sort_params params = {.fragment_count = m->params.item_count, .shift = shift};
+    const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
+    const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
+    const svo_i_argument count[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[LISTED]),
+                                    SVO_I_ARGUMENT(params), digits};
+    const svo_i_argument scatter[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[FRAGMENTS_2]),
+                                      SVO_I_ARGUMENT(work[PLACES]), SVO_I_ARGUMENT(params), digits};
+    SVO_I_TRY(run(m, "svo_k_sort_count", SVO_I_ARGUMENTS(count), items));
+    SVO_I_TRY(svo_i_work_scan(&m->work, work[LISTED], work[PLACES], SORT_CELLS));
+    SVO_I_TRY(run(m, "svo_k_sort_scatter", SVO_I_ARGUMENTS(scatter), items));
+    cl_mem sorted = work[FRAGMENTS_2];
+    work[FRAGMENTS_2] = work[FRAGMENTS];
+    work[FRAGMENTS] = sorted;
+    return SVO_OK;
+}
+
+/* The items in the order of their codes, in the second buffer. */
+static svo_status sort_items(maker *m)
+{
+    cl_mem *work = m->buffers;
+    const cl_uint item_count = m->params.item_count;
+    const svo_i_argument codes[] = {SVO_I_ARGUMENT(work[RANGES_A]), SVO_I_ARGUMENT(work[ITEMS_A]),
+                                    SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(item_count)};
+    SVO_I_TRY(run(m, "svo_k_bvh_codes", SVO_I_ARGUMENTS(codes), item_count));
+    for (uint32_t shift = 0; shift < CODE_BITS; shift += SVO_SORT_BITS) {
+        SVO_I_TRY(sort_pass(m, shift));
+    }
+    const svo_i_argument gather[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[ITEMS_A]),
+                                     SVO_I_ARGUMENT(work[ITEMS_B]), SVO_I_ARGUMENT(m->out->order),
+                                     SVO_I_ARGUMENT(item_count)};
+    return run(m, "svo_k_bvh_gather", SVO_I_ARGUMENTS(gather), item_count);
+}
+
+static svo_status split_sorted(maker *m)
+{
+    svo_bvh_state state = {.reach = 0};
+    cl_mem *work = m->buffers;
+    const cl_uint item_count = m->params.item_count;
+    SVO_I_TRY(sort_items(m));
+    const svo_i_argument top[] = {SVO_I_ARGUMENT(work[RANGES_A]), SVO_I_ARGUMENT(work[FRAGMENTS]),
+                                  SVO_I_ARGUMENT(work[BRANCHES]), SVO_I_ARGUMENT(work[JOBS]),
+                                  SVO_I_ARGUMENT(work[STATE]),    SVO_I_ARGUMENT(item_count)};
+    SVO_I_TRY(run_one(m, "svo_k_bvh_top", SVO_I_ARGUMENTS(top)));
+    SVO_I_TRY(read_state(m, &state));
+    const svo_i_argument sweep[] = {SVO_I_ARGUMENT(work[JOBS]), SVO_I_ARGUMENT(work[ITEMS_B]),
+                                    SVO_I_ARGUMENT(work[BRANCHES]), SVO_I_ARGUMENT(state.job_count)};
+    return run_serial(m, "svo_k_bvh_sweep", SVO_I_ARGUMENTS(sweep), state.job_count);
+}
+
+/* ---- nodes ---- */
+
+static svo_status open_level(maker *m, cl_uint level_begin, cl_uint level_end)
+{
+    cl_mem *work = m->buffers;
+    const svo_i_argument open[] = {
+        SVO_I_ARGUMENT(work[NODES]),  SVO_I_ARGUMENT(work[BRANCHES]),      SVO_I_ARGUMENT(m->out->children),
+        SVO_I_ARGUMENT(work[COUNTS]), SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(level_begin),
+        SVO_I_ARGUMENT(level_end)};
+    const svo_i_argument number[] = {SVO_I_ARGUMENT(work[NODES]),
+                                     SVO_I_ARGUMENT(m->out->children),
+                                     SVO_I_ARGUMENT(work[COUNTS]),
+                                     SVO_I_ARGUMENT(work[STATE]),
+                                     SVO_I_ARGUMENT(level_begin),
+                                     SVO_I_ARGUMENT(level_end),
+                                     SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
+    SVO_I_TRY(run(m, "svo_k_bvh_open", SVO_I_ARGUMENTS(open), level_end - level_begin));
+    return run(m, "svo_k_bvh_number", SVO_I_ARGUMENTS(number), SVO_GROUP_ITEMS);
+}
+
+/* Collapses the binary tree, level by level. */
+static svo_status make_nodes(maker *m)
+{
+    svo_i_device_bvh *out = m->out;
+    svo_bvh_state state = {.node_count = 1};
+    const svo_i_argument root[] = {SVO_I_ARGUMENT(m->buffers[BRANCHES]), SVO_I_ARGUMENT(m->buffers[NODES]),
+                                   SVO_I_ARGUMENT(m->params.item_count)};
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, out->item_counts, ((uint64_t)m->params.item_count + 1) * sizeof(cl_uint)));
+    SVO_I_TRY(run_one(m, "svo_k_bvh_root", SVO_I_ARGUMENTS(root)));
+    out->level_begin[0] = 0;
+    do {
+        out->level_begin[++out->level_count] = state.node_count;
+        SVO_I_TRY(open_level(m, out->level_begin[out->level_count - 1], state.node_count));
+        SVO_I_TRY(read_state(m, &state));
+    } while (state.node_count > out->level_begin[out->level_count]);
+    return SVO_OK;
+}
+
+/* ---- leaves and boxes ---- */
+
+/* Places the leaves. *units: of 16 bytes, beside the empty leaf. */
+static svo_status place_leaves(maker *m, uint32_t *units)
+{
+    const svo_i_bvh_mesh *mesh = m->mesh;
+    const cl_uint item_count = m->params.item_count;
+    const cl_uint has_doubles = mesh->doubles != NULL;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[LISTED]),
+                                        SVO_I_ARGUMENT(has_doubles), SVO_I_ARGUMENT(item_count)};
+    if (item_count == 0) {
+        *units = 0;
+        return svo_i_work_fill_zero(&m->work, m->buffers[PLACES], sizeof(cl_uint));
+    }
+    SVO_I_TRY(run(m, "svo_k_bvh_leaf_units", SVO_I_ARGUMENTS(arguments), item_count));
+    return scan(m, item_count, units);
+}
+
+static svo_status write_leaves(maker *m)
+{
+    const svo_i_bvh_mesh *mesh = m->mesh;
+    const svo_bvh_params *params = &m->params;
+    const cl_uint has_doubles = mesh->doubles != NULL;
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),      SVO_I_ARGUMENT(mesh->triangle_ids),
+        SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),      SVO_I_ARGUMENT(m->out->order),
+        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]), SVO_I_ARGUMENT(m->leaves),
+        SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count), SVO_I_ARGUMENT(params->snap_bits),
+        SVO_I_ARGUMENT(has_doubles)};
+    return run(m, "svo_k_bvh_leaves", SVO_I_ARGUMENTS(arguments), (uint64_t)params->item_count + 1);
+}
+
+static svo_status fit_nodes(maker *m)
+{
+    svo_i_device_bvh *out = m->out;
+    const cl_uint box_log2 = m->params.snap_bits - SVO_RAY_BOX_BITS;
+    for (uint32_t level = out->level_count; level-- > 0;) {
+        const cl_uint begin = out->level_begin[level];
+        const cl_uint end = out->level_begin[level + 1];
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(out->children),
+                                            SVO_I_ARGUMENT(m->buffers[PLACES]),
+                                            SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
+                                            SVO_I_ARGUMENT(m->buffers[ITEMS_B]),
+                                            SVO_I_ARGUMENT(m->nodes),
+                                            SVO_I_ARGUMENT(begin),
+                                            SVO_I_ARGUMENT(end),
+                                            SVO_I_ARGUMENT(box_log2)};
+        SVO_I_TRY(run(m, "svo_k_bvh_refit", SVO_I_ARGUMENTS(arguments), end - begin));
+    }
+    return SVO_OK;
+}
+
+/* Writes what rays read, into new buffers which take the place of the BVH's. */
+static svo_status write_records(maker *m)
+{
+    svo_i_device_bvh *out = m->out;
+    uint32_t units = 0;
+    SVO_I_TRY(place_leaves(m, &units));
+    const uint64_t node_bytes = (uint64_t)out->level_begin[out->level_count] * sizeof(svo_ray_node);
+    const uint64_t leaf_bytes =
+        (uint64_t)units * 16 + (SVO_RAY_LEAF_HEAD_WORDS + SVO_RAY_LEAF_PADDING_WORDS) * sizeof(cl_uint);
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", node_bytes, &m->nodes));
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", leaf_bytes, &m->leaves));
+    SVO_I_TRY(write_leaves(m));
+    SVO_I_TRY(fit_nodes(m));
+    SVO_I_TRY(svo_i_work_wait(&m->work));
+    const cl_mem old[] = {out->nodes, out->leaves};
+    out->nodes = m->nodes;
+    out->leaves = m->leaves;
+    out->node_bytes = node_bytes;
+    out->leaf_bytes = leaf_bytes;
+    m->nodes = old[0];
+    m->leaves = old[1];
+    return SVO_OK;
+}
+
+/* ---- all of it ---- */
+
+static void release_refit(svo_i_device_bvh *bvh)
+{
+    free_buffer(&bvh->children);
+    free_buffer(&bvh->order);
+    free_buffer(&bvh->item_counts);
+}
+
+static svo_status begin(maker *m, svo_device *device, const char *function, cl_command_queue queue,
+                        const svo_i_bvh_mesh *mesh)
+{
+    m->mesh = mesh;
+    m->params.triangle_count = mesh->triangle_count;
+    m->params.snap_bits = mesh->snap_bits;
+    m->serial_group = device->is_cpu ? 1 : SVO_GROUP_ITEMS;
+    SVO_I_TRY(svo_i_work_begin(device, function, queue, &m->work));
+    return svo_i_work_use(&m->work, SVO_I_PROGRAM_BVH, DEFINES);
+}
+
+/* Waits for all commands and releases what the maker holds. */
+static void end(maker *m)
+{
+    svo_i_work_end(&m->work);
+    free_buffer(&m->nodes);
+    free_buffer(&m->leaves);
+}
+
+static svo_status make(maker *m)
+{
+    SVO_I_TRY(make_first_buffers(m));
+    SVO_I_TRY(find_extent(m));
+    SVO_I_TRY(make_buffers(m));
+    SVO_I_TRY(make_items(m));
+    SVO_I_TRY(m->out->quality == SVO_BVH_FAST ? split_sorted(m) : split_items(m));
+    SVO_I_TRY(make_nodes(m));
+    m->out->item_count = m->params.item_count;
+    return write_records(m);
+}
+
+svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
+                          const svo_i_bvh_options *options, svo_i_device_bvh *out)
+{
+    maker m = {.out = out};
+    *out = (svo_i_device_bvh){.quality = options->quality};
+    m.params.chunk_items = options->chunk_items != 0 ? options->chunk_items : device->is_cpu ? 1024 : 256;
+    m.params.subtree_items = options->quality == SVO_BVH_FAST ? SVO_BVH_SWEEP_ITEMS
+                             : options->subtree_items != 0    ? options->subtree_items
+                             : device->is_cpu                 ? 2048
+                                                              : 128;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
+    SVO_I_TRY_CLEANUP(make(&m));
+    if (!options->can_refit) {
+        release_refit(out);
+    }
+
+cleanup:
+    end(&m);
+    if (status != SVO_OK) {
+        svo_i_bvh_release(out);
+    }
+    return status;
+}
+
+static svo_status refit(maker *m)
+{
+    const uint64_t boxes = m->params.item_count + 1;
+    const uint64_t bytes[WORK_BUFFERS] = {[ITEMS_A] = boxes * sizeof(cl_float8), [ITEMS_B] = boxes * sizeof(cl_float8)};
+    SVO_I_TRY(make_first_buffers(m));
+    SVO_I_TRY(make_works(m, bytes));
+    return write_records(m);
+}
+
+svo_status svo_i_bvh_refit(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
+                           svo_i_device_bvh *bvh)
+{
+    maker m = {.out = bvh, .params = {.item_count = bvh->item_count}};
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
+    SVO_I_TRY_CLEANUP(refit(&m));
+
+cleanup:
+    end(&m);
+    return status;
+}
+
+void svo_i_bvh_release(svo_i_device_bvh *bvh)
+{
+    release_refit(bvh);
+    free_buffer(&bvh->nodes);
+    free_buffer(&bvh->leaves);
+}
