@@ -24,7 +24,7 @@ for processor in x86-64 haswell; do
         rays/trace_voxels rays/view compact/expand compact/gather compact/implied compact/minimize compact/payload \
         compact/places compact/sizes compact/words; do
         compile "-march=$processor" -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COMPARE -DSVO_COLOR \
-            -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_RAY_STREAMS -DSVO_CAST_TILES \
+            -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_PAIR_LANES -DSVO_RAY_STREAMS -DSVO_CAST_TILES \
             -DSVO_NARROW -DSVO_COLUMN_LANES -DSVO_MARK_BATCHES "kernels/$kernel.cl" ||
             failed=1
     done

@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "agree/clip_probe.clh"
+#include "core/device.h"
 #include "fixture.h"
 #include "machine.h"
 #include "meshes.h"
@@ -24,6 +25,7 @@
 
 extern const char clip_probe_source_cl[];
 extern const char clip_probe_source_gl[];
+extern const char clip_lanes_source_cl[];
 
 enum { RECORDS = 20000 };
 
@@ -112,6 +114,59 @@ static void glsl_agrees_with_c(void **state)
     free(found);
     free(given);
     svo_gl_context_destroy(&context);
+}
+
+/* Eight records of one voxel size. Beside those of make_record: planes with slopes of at most 1, larger than the voxel,
+   whose triangles fill it or nearly so. */
+static void make_lane_records(uint64_t *state, clip_probe_input *out)
+{
+    make_record(state, &out[0]);
+    for (uint32_t lane = 1; lane < 8; ++lane) {
+        do {
+            make_record(state, &out[lane]);
+        } while (out[lane].voxel_log2 != out[0].voxel_log2);
+    }
+    const int32_t w = 1 << out[0].voxel_log2;
+    for (uint32_t lane = 0; lane < 8; lane += 1 + random_below(state, 3)) {
+        int32_t *corners = out[lane].corners;
+        const int32_t reach = 1 + (int32_t)random_below(state, 8 * (uint32_t)w);
+        const int32_t rise = (int32_t)random_below(state, 3) * w / 4;
+        for (uint32_t corner = 0; corner < 3; ++corner, corners += 3) {
+            corners[0] = corner == 1 ? w + reach : -(int32_t)random_below(state, (uint32_t)reach) - 1;
+            corners[1] = corner == 2 ? w + reach : -(int32_t)random_below(state, (uint32_t)reach) - 1;
+            corners[2] = (int32_t)random_below(state, (uint32_t)(w + 1)) +
+                         (rise > 0 ? (int32_t)random_below(state, (uint32_t)rise) - rise / 2 : 0);
+            corners[2] = random_below(state, 4) == 0 ? (corners[2] > w / 2 ? w : 0) : corners[2];
+        }
+    }
+}
+
+static void eight_lanes_agree_with_c(void **state)
+{
+    enum { ROUNDS = 128 };
+    (void)state;
+    svo_device *device = machine_device_or_skip();
+    if (!device->has_fp64) {
+        svo_device_destroy(&device);
+        print_message("skipped: no fp64 in OpenCL\n");
+        skip();
+    }
+    uint64_t seed = 20260102;
+    clip_probe_input *given = calloc(RECORDS, sizeof *given);
+    clip_probe_output *found = calloc(RECORDS, sizeof *found);
+    assert_non_null(given);
+    assert_non_null(found);
+    for (int round = 0; round < ROUNDS; ++round) {
+        for (uint32_t i = 0; i < RECORDS; i += 8) {
+            make_lane_records(&seed, &given[i]);
+        }
+        const machine_job job = {given, RECORDS * sizeof *given, found, RECORDS * sizeof *found, RECORDS};
+        machine_run_kernel(device, clip_lanes_source_cl, "-cl-std=CL1.2 -DSVO_PAIR_LANES", "clip_lanes_all", &job);
+        compare(given, found, "eight lanes");
+    }
+    free(found);
+    free(given);
+    svo_device_destroy(&device);
 }
 
 /* The error of a position along an edge, in voxels: 2^-31 of the edge's length, plus a sub-unit. */
@@ -259,11 +314,9 @@ static void t2_areas_of_the_clipped_pieces_sum_to_the_mesh(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(opencl_agrees_with_c),
-        cmocka_unit_test(glsl_agrees_with_c),
-        cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
-        cmocka_unit_test(weights_are_stretched_areas),
-        cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
+        cmocka_unit_test(opencl_agrees_with_c),        cmocka_unit_test(glsl_agrees_with_c),
+        cmocka_unit_test(eight_lanes_agree_with_c),    cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
+        cmocka_unit_test(weights_are_stretched_areas), cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

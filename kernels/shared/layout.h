@@ -21,6 +21,8 @@
 
 /* Work-items of a work-group; kernels are compiled for exactly this size. */
 #define SVO_GROUP_ITEMS 64
+/* Nodes or leaves that a work-item gathers on CPUs, where it evaluates their pairs together. */
+#define SVO_GATHER_NODES 32
 /* The most groups of a scan's reduce and add passes. Each has one partial sum; one group scans them all, so this is a
    multiple of SVO_GROUP_ITEMS. */
 #define SVO_SCAN_GROUPS 256

@@ -139,9 +139,9 @@ static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
 static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTER"};
-    (void)snprintf(text, bytes, "%s%s%s%s", plan->work.vertex_colors ? " -DSVO_VERTEX_COLOR" : "",
+    (void)snprintf(text, bytes, "%s%s%s%s%s", plan->work.vertex_colors ? " -DSVO_VERTEX_COLOR" : "",
                    plan->work.textures ? " -DSVO_TEXTURE" : "", plan->work.vertex_normals ? " -DSVO_VERTEX_NORMAL" : "",
-                   weights[plan->options.weights]);
+                   weights[plan->options.weights], plan->work.pair_lanes ? " -DSVO_PAIR_LANES" : "");
 }
 
 static void material_defines(const svo_plan *plan, char *text, size_t bytes)

@@ -133,6 +133,7 @@ static void configure_payload(svo_plan *plan)
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
     const bool areas = (work->made & SVO_NEED_PROJECTED_AREA) != 0;
     work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
+    work->pair_lanes = work->filter && plan->device->is_cpu && plan->device->has_fp64;
     work->surface = work->made != 0;
     work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && svo_i_plan_has(plan->colors, plan->memory.colors);

@@ -123,16 +123,17 @@ static void release(filterer *f)
     }
 }
 
-/* Launches one work-item per node, in parts. One of the arguments is f->params. */
+/* Launches one work-item per node, or per that many nodes, in parts. One of the arguments is f->params. */
 static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argument *arguments, cl_uint argument_count,
-                               uint64_t nodes)
+                               uint64_t nodes, uint32_t per_item)
 {
     const uint64_t parts = svo_i_commands_parts(&f->build->commands, nodes);
     for (uint64_t part = 0; part < parts; ++part) {
         const uint64_t first = part * SVO_I_PART_ITEMS;
+        const uint64_t count = part + 1 < parts ? SVO_I_PART_ITEMS : nodes - first;
         f->params.first_index = (cl_uint)first;
         SVO_I_TRY(svo_i_commands_launch(&f->build->commands, kernel, arguments, argument_count,
-                                        part + 1 < parts ? SVO_I_PART_ITEMS : nodes - first));
+                                        (count + per_item - 1) / per_item));
     }
     f->params.first_index = 0;
     return SVO_OK;
@@ -180,9 +181,10 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     }
     svo_i_stage_begin(&build->commands);
     const uint64_t nodes = f->one_chunk ? f->params.level_count : f->params.leaf_count;
-    const double fragments = (double)build->list.chunks[chunk].needed;
-    svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, nodes > 0 ? GATHER_NS * fragments / (double)nodes : 0.0);
-    SVO_I_TRY(launch_parts(f, f->gather, arguments, count, nodes));
+    const uint32_t per_item = build->commands.plan->work.pair_lanes ? SVO_GATHER_NODES : 1;
+    const double item_fragments = (double)build->list.chunks[chunk].needed * per_item / (double)(nodes > 0 ? nodes : 1);
+    svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, GATHER_NS * item_fragments);
+    SVO_I_TRY(launch_parts(f, f->gather, arguments, count, nodes, per_item));
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }
 
@@ -230,7 +232,7 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count);
+    return launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
 }
 
 static svo_status filter_levels(filterer *f)
