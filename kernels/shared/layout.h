@@ -354,7 +354,7 @@ SVO_RECORD(svo_ray_node)
 #define SVO_RAY_LEAF_HEAD_WORDS    8
 #define SVO_RAY_LEAF_PADDING_WORDS 8
 
-/* ---- the making of BVHs ---- */
+    /* ---- the making of BVHs ---- */
 
 #define SVO_BVH_BINS     16 /* along an axis */
 #define SVO_BVH_CELLS    48 /* along all three */
@@ -362,7 +362,7 @@ SVO_RECORD(svo_ray_node)
 #define SVO_BVH_NO_RANGE 0xffffffffu
 /* The most items of a job of SVO_BVH_FAST, on every device, since the BVH depends on it. */
 #define SVO_BVH_SWEEP_ITEMS 512
-#define SVO_BVH_IN_B     0x80000000u /* of a job's halvings: its items are in the second of two buffers */
+#define SVO_BVH_IN_B        0x80000000u /* of a job's halvings: its items are in the second of two buffers */
 
 /* A range of items to split, as a level of the binary tree lists them. 64 bytes. */
 SVO_RECORD(svo_bvh_range)
