@@ -105,8 +105,8 @@ static void stages_that_do_not_run(void **state)
 static void lists_and_their_packing(void **state)
 {
     (void)state;
-    static const char *const buffers[] = {"list",         "list_spare", "long_leaves", "vertices",   "indices",
-                                          "triangle_ids", "positions",  "list_begin",  "list_counts"};
+    static const char *const buffers[] = {"list",         "list_spare",       "long_leaves", "vertices",   "indices",
+                                          "triangle_ids", "positions_double", "list_begin",  "list_counts"};
     sheet_mesh sheet;
     measured full;
     measured less;
