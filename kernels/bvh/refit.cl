@@ -12,7 +12,7 @@
 /* Both bounds are rounded down: a box ends where the step after its high bound begins. */
 static uint4 svo_bvh_steps(float4 bounds, uint box_log2)
 {
-    return min(convert_uint4(bounds) >> box_log2, 0xffffu);
+    return min(convert_uint4(bounds) >> box_log2, (uint4)(0xffffu));
 }
 
 static void svo_bvh_set_bounds(uint *words, uint child, uint4 value)
