@@ -111,7 +111,7 @@ matrix_runner()
     "PoCL 3.1") printf '%s\n' env OCL_ICD_VENDORS=$vendors/pocl.icd "$program" ;;
     # Without optimization: oclgrind 21.10 does not support everything that the optimizer emits.
     oclgrind)
-        printf '%s\n' oclgrind --build-options '-DSVO_FUNCTION=__attribute__((optnone,noinline))static' "$program"
+        printf '%s\n' oclgrind --build-options -cl-opt-disable "$program"
         ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
