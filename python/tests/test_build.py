@@ -89,12 +89,12 @@ def test_arrays_are_views_of_the_right_shape(device, torus):
         "materials": ((info.node_count,), np.uint16),
         "fills": ((info.node_count,), np.uint16),
         "areas": ((info.leaf_count, 6), np.uint16),
-        "positions": ((info.vertex_count, 3), np.float32),
+        "positions_double": ((info.vertex_count, 3), np.float64),
     }
-    assert set(shapes) | {"positions_double"} == set(svocl.TreeArrays._fields)
-    assert arrays.positions_double is None
-    assert info.positions == svocl.Positions.FLOAT
-    assert np.array_equal(arrays.positions, torus.positions)
+    assert set(shapes) | {"positions"} == set(svocl.TreeArrays._fields)
+    assert info.positions == svocl.Positions.DOUBLE
+    assert arrays.positions is None
+    assert np.array_equal(arrays.positions_double, torus.positions)
     again = tree.arrays
     for name, (shape, dtype) in shapes.items():
         array = getattr(arrays, name)
