@@ -334,7 +334,7 @@ SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxe
     const uint count = width * (uint)(window.end_v - window.v);
     const uint rows = 65536u / width + 1u; /* i * rows >> 16 is i / width for i below SVO_TILE_COLUMNS */
     for (uint first = 0; first < count; first += 8u) {
-        const uint8 column = min(first + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u), count - 1u);
+        const uint8 column = min(first + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u), (uint8)(count - 1u));
         const uint8 v = column * rows >> 16;
         const uint8 u = column - v * width;
         const int8 inside = first + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u) < count;
