@@ -89,9 +89,8 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
     if (build->list.chunks == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a chunk");
     }
-    return frontend->on_device
-               ? svo_i_frontend_voxelize(frontend, &build->commands, &workspace->chunking, &build->list)
-               : draw_now(workspace, pending);
+    return frontend->on_device ? svo_i_frontend_voxelize(frontend, &build->commands, &workspace->chunking, &build->list)
+                               : draw_now(workspace, pending);
 }
 
 /* Enqueues the copies of the counts to the tree, for kernels, and to the host. */
