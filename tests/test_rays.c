@@ -390,7 +390,11 @@ static void hits_after_a_refit_are_those_of_a_new_bvh(void **state)
         assert_int_equal(svo_i_rays_make(tree.tree, "test", opened->queue, &options), SVO_OK);
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, anew);
         assert_same_hits(refit, anew, RAYS, 6);
-        assert_int_not_equal(memcmp(before, anew, sizeof before), 0);
+        unsigned moved_hits = 0;
+        for (size_t k = 0; k < RAYS; ++k) {
+            moved_hits += before[k].triangle != anew[k].triangle ? 1 : 0;
+        }
+        assert_int_not_equal(moved_hits, 0);
     }
     free(moved);
     built_destroy(&tree);
@@ -584,7 +588,7 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
     for (size_t i = 0; i < RAYS; ++i) {
         rays[i] = random_ray(&random, 1.0);
         for (int axis = 0; axis < 3; ++axis) {
-            const double pixel[3] = {0.35 + 1e-3 * (double)(i % 50), 0.2 + 2e-2 * (double)(i / 50), 0.5};
+            const double pixel[3] = {0.35 + 1e-3 * (double)(i % 50), 0.2 + 2e-2 * floor((double)i / 50), 0.5};
             const double at = i < RAYS / 2 ? pixel[axis] : random_unit(&random);
             const double eye = i < RAYS / 2 ? 1.5 + 0.25 * axis : axis == (int)(i % 3) ? 2.0 : random_unit(&random);
             rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * eye);

@@ -75,7 +75,8 @@ static svo_status make_records(attributes_run *r)
     SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
                                     &memory->records));
     SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials",
-                                    svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong), &r->partials));
+                                    (uint64_t)svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong),
+                                    &r->partials));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(memory->indices),
                                         SVO_I_ARGUMENT(memory->triangle_ids),

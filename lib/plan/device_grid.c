@@ -32,7 +32,8 @@ typedef struct grid_run {
 
 uint32_t svo_i_run_groups(uint64_t elements)
 {
-    return (uint32_t)((elements + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE);
+    const uint32_t tile = SVO_SCAN_TILE;
+    return (uint32_t)((elements + tile - 1) / tile);
 }
 
 uint64_t svo_i_run_items(uint64_t elements)
@@ -90,8 +91,8 @@ static svo_status alloc(grid_run *r)
     SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_used", vertices, &r->used));
     SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fates", triangles, &r->fates));
     SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fragments", triangles * 4, &r->fragments));
-    SVO_I_TRY(
-        svo_i_launcher_buffer(r->launcher, "plan_partials", groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong),
+                                    &r->partials));
     return svo_i_launcher_buffer(r->launcher, "plan_vertices", vertices * 12, &r->plan->memory.vertices);
 }
 
@@ -186,8 +187,8 @@ static svo_status find_closed(grid_run *r)
     uint64_t sums[2] = {0};
     cl_mem partials = NULL; /* the rows of classification are still needed */
     const uint64_t triangles = r->params.triangle_count;
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials", svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
-                                    &partials));
+    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials",
+                                    (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong), &partials));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->fates),

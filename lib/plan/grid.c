@@ -365,7 +365,10 @@ static bool is_large(const placed *p, unsigned axis)
 {
     const unsigned u = (axis + 1) % 3;
     const unsigned v = (axis + 2) % 3;
-    return (int64_t)(p->last[u] - p->first[u] + 1) * (p->last[v] - p->first[v] + 1) > SVO_TILE_COLUMNS;
+    const int64_t width = p->last[u] - p->first[u] + 1;
+    const int64_t height = p->last[v] - p->first[v] + 1;
+    const int32_t most = SVO_TILE_COLUMNS;
+    return width * height > most;
 }
 
 static bool item_is_large(const svo_plan *plan, uint32_t item)
