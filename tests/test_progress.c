@@ -171,7 +171,7 @@ static void builds_with_opengl_report_and_stop(void **state)
 static void large_launches_are_divided(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_plan_options options = {.need = SVO_NEED_COLOR, .struct_size = sizeof options};
+    const svo_plan_options options = {.need = SVO_NEED_COLOR, .struct_size = sizeof options, .place = SVO_PLACE_HOST};
     scene *made = fixture_scene("knot:600000");
     built expected;
     fixture_build(&opened, scene_mesh(made), 10, &options, &expected);
