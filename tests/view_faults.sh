@@ -18,7 +18,7 @@ export SDL_VIDEODRIVER=offscreen XDG_CONFIG_HOME=$work
 
 view()
 {
-    env "$@" LD_PRELOAD="$shim" timeout 120 "$program" view scene:cube -d 3 --probes 1,1,1 --probe-resolution 64 \
+    timeout 120 env "$@" LD_PRELOAD="$shim" "$program" view scene:cube -d 3 --probes 1,1,1 --probe-resolution 64 \
         --width 160 --height 160 --script "$script"
 }
 
