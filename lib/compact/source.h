@@ -10,8 +10,8 @@
 #ifndef SVO_LIB_COMPACT_SOURCE_H
 #define SVO_LIB_COMPACT_SOURCE_H
 
-#include "core/work.h"
 #include "core/compact.h"
+#include "core/work.h"
 
 typedef struct svo_i_compact_source {
     svo_compact_info info; /* all of the tree; form and directory_step_log2 as asked for; the levels' counts */

@@ -3,8 +3,8 @@
 #ifndef SVO_LIB_LIGHT_CELLS_H
 #define SVO_LIB_LIGHT_CELLS_H
 
-#include "core/work.h"
 #include "core/tree.h"
+#include "core/work.h"
 #include "light/light_view.h"
 
 /* The Morton codes of a level's nodes; released by svo_i_free. */

@@ -3,8 +3,8 @@
 #ifndef SVO_LIB_LIGHT_PHOTONS_H
 #define SVO_LIB_LIGHT_PHOTONS_H
 
-#include "core/work.h"
 #include "core/tree.h"
+#include "core/work.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
 #include "light/viewer.h"

@@ -3,8 +3,8 @@
 #ifndef SVO_LIB_LIGHT_STATE_H
 #define SVO_LIB_LIGHT_STATE_H
 
-#include "core/work.h"
 #include "core/tree.h"
+#include "core/work.h"
 #include "shared/light_layout.h"
 #include "svocl/light.h"
 

@@ -15,8 +15,7 @@ typedef struct svo_i_probe_bands {
 } svo_i_probe_bands;
 
 /* Makes the buffers, which the work owns. with_hits: not for radiance alone. */
-svo_status svo_i_probe_bands_begin(svo_probes *probes, svo_i_device_work *work, bool with_hits,
-                                   svo_i_probe_bands *out);
+svo_status svo_i_probe_bands_begin(svo_probes *probes, svo_i_device_work *work, bool with_hits, svo_i_probe_bands *out);
 /* Launches svo_k_probe_rays for the band that begins with texel ray step->first. Sets step->count and hit_words. */
 svo_status svo_i_probe_bands_aim(const svo_i_probe_bands *bands, svo_probe_step *step);
 /* Texel rays of all probes. */

@@ -3,8 +3,8 @@
 #ifndef SVO_LIB_SOLID_CLASSIFY_H
 #define SVO_LIB_SOLID_CLASSIFY_H
 
-#include "core/work.h"
 #include "core/tree.h"
+#include "core/work.h"
 #include "svocl/solid.h"
 
 /* What the device found. */
