@@ -127,13 +127,25 @@ static void leave_out_inputs(svo_plan *plan)
     }
 }
 
+/* Whether lanes of pairs get the sums of single pairs: kernels/shared/clip_lanes.clh undoes roundings by fma, and needs
+   doubles without any other error. rusticl on llvmpipe (Mesa 25.0) claims them and gives other sums. */
+static bool has_exact_doubles(const svo_device *device)
+{
+    static const char *const drivers[] = {"Portable Computing Language", "Oclgrind"};
+    bool is_known = false;
+    for (size_t i = 0; i < sizeof drivers / sizeof drivers[0]; ++i) {
+        is_known = is_known || strncmp(device->name, drivers[i], strlen(drivers[i])) == 0;
+    }
+    return device->has_fp64 && is_known;
+}
+
 static void configure_payload(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
     const bool areas = (work->made & SVO_NEED_PROJECTED_AREA) != 0;
     work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
-    work->pair_lanes = work->filter && plan->device->is_cpu && plan->device->has_fp64;
+    work->pair_lanes = work->filter && plan->device->is_cpu && has_exact_doubles(plan->device);
     work->surface = work->made != 0;
     work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && svo_i_plan_has(plan->colors, plan->memory.colors);
