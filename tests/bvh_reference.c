@@ -304,14 +304,13 @@ size_t bvh_reference_leaf_words(bool has_doubles, uint32_t count)
 /* Writes what follows the head: nine rows, nine of doubles where there are any, and the positions in the mesh. */
 static void write_triangles(const bvh_source *source, const item *items, uint32_t count, uint32_t *words)
 {
-    float *floats = (float *)words;
     uint32_t *doubles = words + (9 * (size_t)count + 1) / 2 * 2;
     size_t entry = 0;
     for (size_t axis = 0; axis < 3; ++axis) {
         for (size_t corner = 0; corner < 3; ++corner) {
             for (uint32_t i = 0; i < count; ++i, ++entry) {
                 const size_t at = (size_t)source->indices[(size_t)items[i].triangle * 3 + corner] * 3 + axis;
-                floats[entry] = source->floats[at];
+                memcpy(words + entry, &source->floats[at], sizeof *words);
                 if (source->doubles != NULL) {
                     memcpy(doubles + 2 * entry, &source->doubles[at], sizeof(double));
                 }

@@ -12,7 +12,7 @@ readonly program=$1 tour=$2
 source "${BASH_SOURCE[0]%/*}/complain.sh"
 cd "$work"
 export SDL_VIDEODRIVER=offscreen XDG_CONFIG_HOME=$work/config
-readonly scene=(scene:atrium -d 6) probes=(--probes 3,3,3 --probe-resolution 64)
+readonly scene=(scene:atrium -d 6) probes=(--probes '3,3,3' --probe-resolution 64)
 
 take_tour()
 {

@@ -78,7 +78,7 @@ cmp -s before.png edited.png && complain "another instance shows nothing"
 cmp -s removed.png edited.png && complain "a removed instance still shows"
 
 # Through probes: as it is, and after an instance was moved; without light.
-readonly probes=(--probes 3,3,3 --probe-resolution 64)
+readonly probes=(--probes '3,3,3' --probe-resolution 64)
 cp before.json probes.json
 view probes.json "${probes[@]}" <<'SCRIPT'
 key tab

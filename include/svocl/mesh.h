@@ -89,11 +89,10 @@ typedef struct svo_mesh_buffers {
     svo_mesh_view uvs; /**< 2 floats per vertex */
     svo_mesh_view triangle_materials; /**< uint16_t per triangle */
     const svo_memory_callbacks *memory; /**< host memory of the mesh that is read; NULL: malloc and free */
-    /** Materials and textures as in svo_mesh, on the host. svo_mesh_read refers to them. */
-    const svo_material *materials;
-    size_t material_count;
-    const svo_texture *textures;
-    size_t texture_count;
+    const svo_material *materials; /**< as in svo_mesh, on the host; svo_mesh_read refers to them */
+    size_t material_count; /**< of materials */
+    const svo_texture *textures; /**< as in svo_mesh, on the host; svo_mesh_read refers to them */
+    size_t texture_count; /**< of textures */
 } svo_mesh_buffers;
 
 /** No arrays. */

@@ -437,7 +437,7 @@ static int run_narrower(suite *all, const input *source, unsigned depth)
                                ray_count, "--repeat", repeats,
                                /* ends here for the recommended depth */
                                depth == SUITE_DEPTH_FOR_RAYS ? NULL : "--depths", depth_text, NULL};
-    child_cache cache;
+    child_cache cache = {.path = ""};
     cJSON *document = NULL;
     if (!child_cache_create(&cache)) {
         return program_fail(all->state, PROGRAM_FAILED, "bench rays: no folder for compiled kernels");

@@ -140,6 +140,7 @@ static int measure_quantized(error_run *run, ray_subject *subject, const char *s
         const svo_mesh mesh = quantization_mesh(scene_mesh(made), positions);
         subject->mesh = &mesh;
         exit_code = measure_mesh(run, subject);
+        subject->mesh = NULL;
     } else {
         errors_fail(run);
     }
