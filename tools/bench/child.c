@@ -21,6 +21,7 @@
 bool child_cache_create(child_cache *made)
 {
     const char *folder = getenv("TMPDIR");
+    *made = (child_cache){.path = ""};
     const int length =
         snprintf(made->path, sizeof made->path, "%s/svocl_bench_XXXXXX", folder != NULL ? folder : "/tmp");
     return length > 0 && (size_t)length < sizeof made->path && mkdtemp(made->path) != NULL;
