@@ -15,6 +15,7 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_save.h"
+#include "io/file_tree.h"
 #include "io/file_zstd.h"
 #include "output/output.h"
 
@@ -209,15 +210,18 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
     *state = (svo_i_file_save){
         .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
     fill_header(&state->head.header, &tree->info);
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        const svo_tree_buffer kind = (svo_tree_buffer)i;
-        if (svo_i_tree_holds(&tree->info, kind)) {
-            state->arrays[state->array_count++] = (svo_i_file_array){
-                .kind = i,
-                .name = svo_tree_buffer_name(kind),
-                .plain = tree->host[i],
-                .bytes = svo_i_tree_element_count(&tree->info, kind) * svo_i_tree_element_bytes(kind)};
-        }
+    file_part parts[FILE_CHUNKS_MAX];
+    state->array_count = file_list_parts(&tree->info, FILE_VERSION, parts);
+    for (uint32_t i = 0; i < state->array_count; ++i) {
+        const file_part *part = &parts[i];
+        const size_t element_bytes = svo_i_tree_element_bytes(part->buffer);
+        const uint8_t *array = tree->host[part->buffer];
+        const uint64_t begin = file_part_begin(&tree->info, FILE_VERSION, part);
+        state->arrays[i] =
+            (svo_i_file_array){.kind = file_part_kind(part),
+                               .name = svo_tree_buffer_name(part->buffer),
+                               .plain = array != NULL ? array + begin * element_bytes : NULL,
+                               .bytes = file_part_count(&tree->info, FILE_VERSION, part) * element_bytes};
     }
     return SVO_OK;
 }

@@ -40,7 +40,8 @@ enum option_group {
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
-    OPTION_VIEW_COMMAND = 33554432 /* the window, script */
+    OPTION_VIEW_COMMAND = 33554432, /* the window, script */
+    OPTION_LEVELS = 67108864 /* how much of a .svo file is read */
 };
 
 enum option_frontend {
@@ -106,6 +107,7 @@ typedef struct options {
     uint64_t repeat, compress;
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
+    uint64_t last_level; /* of a .svo file; 0: all */
     bool has_repeat;
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
