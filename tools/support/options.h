@@ -41,7 +41,8 @@ enum option_group {
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
     OPTION_VIEW_COMMAND = 33554432, /* the window, script */
-    OPTION_LEVELS = 67108864 /* how much of a .svo file is read */
+    OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
+    OPTION_LEVELS = 134217728 /* how much of a .svo file is read */
 };
 
 enum option_frontend {
@@ -83,6 +84,7 @@ typedef struct options {
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
+    int path; /* svo_path */
     const char *kernels_path; /* folder of saved kernels; NULL: the user's */
 
     uint64_t depth;
