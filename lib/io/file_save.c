@@ -78,7 +78,7 @@ static svo_status measure_chunk(const svo_i_file_save *state, const svo_i_file_a
     return SVO_OK;
 }
 
-static void fill_header(file_header *header, const svo_tree_info *info)
+void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
 {
     memcpy(header->magic, FILE_MAGIC, FILE_MAGIC_BYTES);
     header->version = FILE_VERSION;
@@ -206,9 +206,13 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "%s: the tree has no host arrays; call svo_tree_download first", function);
     }
+    if (tree->part.header.depth != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree is a part of another; call svo_part_save",
+                          function);
+    }
     *state = (svo_i_file_save){
         .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
-    fill_header(&state->head.header, &tree->info);
+    svo_i_file_fill_header(&state->head.header, &tree->info);
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const svo_tree_buffer kind = (svo_tree_buffer)i;
         if (svo_i_tree_holds(&tree->info, kind)) {
