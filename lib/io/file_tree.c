@@ -28,7 +28,7 @@ static bool is_in_file(const svo_tree_info *info, uint32_t version, svo_tree_buf
     return svo_i_tree_holds(info, buffer) && (buffer != SVO_TREE_FIRST_CHILD || version < FILE_BY_LEVELS);
 }
 
-uint32_t file_list_parts(const svo_tree_info *info, uint32_t version, file_part parts[FILE_CHUNKS_MAX])
+uint32_t file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX])
 {
     const uint32_t last_level = version < FILE_BY_LEVELS ? 0 : info->depth;
     uint32_t count = 0;
@@ -40,16 +40,16 @@ uint32_t file_list_parts(const svo_tree_info *info, uint32_t version, file_part 
                 find_levels(info, buffer, &first, &last);
             }
             if (is_in_file(info, version, buffer) && level >= first && level <= last) {
-                parts[count++] = (file_part){buffer, level};
+                entries[count++] = (file_entry){buffer, level};
             }
         }
     }
     return count;
 }
 
-uint32_t file_part_kind(const file_part *part)
+uint32_t file_entry_kind(const file_entry *entry)
 {
-    return (uint32_t)part->buffer | part->level << FILE_KIND_BITS;
+    return (uint32_t)entry->buffer | entry->level << FILE_KIND_BITS;
 }
 
 /* Nodes before a level, in an array whose first element is the first node of another level. */
@@ -58,7 +58,7 @@ static uint64_t nodes_before(const svo_tree_info *info, uint32_t level, uint32_t
     return info->level_begin[level] - info->level_begin[first_level];
 }
 
-/* Whether the array is in pieces, so that a part is one level of it. */
+/* Whether the array is in pieces, so that a entry is one level of it. */
 static bool is_divided(const svo_tree_info *info, uint32_t version, svo_tree_buffer buffer, uint32_t *first)
 {
     uint32_t last = 0;
@@ -66,15 +66,15 @@ static bool is_divided(const svo_tree_info *info, uint32_t version, svo_tree_buf
     return version >= FILE_BY_LEVELS && last > *first;
 }
 
-uint64_t file_part_begin(const svo_tree_info *info, uint32_t version, const file_part *part)
+uint64_t file_entry_begin(const svo_tree_info *info, uint32_t version, const file_entry *entry)
 {
     uint32_t first = 0;
-    return is_divided(info, version, part->buffer, &first) ? nodes_before(info, part->level, first) : 0;
+    return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level, first) : 0;
 }
 
-uint64_t file_part_count(const svo_tree_info *info, uint32_t version, const file_part *part)
+uint64_t file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry)
 {
     uint32_t first = 0;
-    return is_divided(info, version, part->buffer, &first) ? nodes_before(info, part->level + 1, part->level)
-                                                           : svo_i_tree_element_count(info, part->buffer);
+    return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level + 1, entry->level)
+                                                            : svo_i_tree_element_count(info, entry->buffer);
 }

@@ -9,19 +9,19 @@
 #include "core/tree.h"
 #include "io/file_format.h"
 
-typedef struct file_part {
+typedef struct file_entry {
     svo_tree_buffer buffer;
     uint32_t level; /* whose nodes or leaves the elements belong to; 0 in files before version 3 */
-} file_part;
+} file_entry;
 
 /* Lists the chunks of a tree's file. Returns their count. */
-uint32_t file_list_parts(const svo_tree_info *info, uint32_t version, file_part parts[FILE_CHUNKS_MAX]);
+uint32_t file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX]);
 
-/* The kind of a part's chunk. */
-uint32_t file_part_kind(const file_part *part);
+/* The kind of an entry's chunk. */
+uint32_t file_entry_kind(const file_entry *entry);
 
-/* A part's elements: the first of them in the tree's array, and their count. */
-uint64_t file_part_begin(const svo_tree_info *info, uint32_t version, const file_part *part);
-uint64_t file_part_count(const svo_tree_info *info, uint32_t version, const file_part *part);
+/* An entry's elements: the first of them in the tree's array, and their count. */
+uint64_t file_entry_begin(const svo_tree_info *info, uint32_t version, const file_entry *entry);
+uint64_t file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry);
 
 #endif

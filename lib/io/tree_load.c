@@ -19,7 +19,7 @@
 typedef struct tree_file {
     svo_i_file_load *load;
     svo_tree_info info; /* of the whole tree */
-    file_part parts[FILE_CHUNKS_MAX]; /* in the order of the chunks */
+    file_entry entries[FILE_CHUNKS_MAX]; /* in the order of the chunks */
 } tree_file;
 
 static void fill_info(svo_tree_info *info, const file_header *header)
@@ -76,45 +76,45 @@ static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
     }
 }
 
-/* Names a part in messages: the array, and its level if it has several. */
-typedef struct part_name {
+/* Names a entry in messages: the array, and its level if it has several. */
+typedef struct entry_name {
     char text[48];
-} part_name;
+} entry_name;
 
-static part_name name_part(const tree_file *file, uint32_t chunk_index)
+static entry_name name_entry(const tree_file *file, uint32_t chunk_index)
 {
-    const file_part *part = &file->parts[chunk_index];
-    part_name name;
-    const char *array = svo_tree_buffer_name(part->buffer);
+    const file_entry *entry = &file->entries[chunk_index];
+    entry_name name;
+    const char *array = svo_tree_buffer_name(entry->buffer);
     if (file->load->head.header.version < FILE_BY_LEVELS) {
         (void)snprintf(name.text, sizeof name.text, "%s", array);
     } else {
-        (void)snprintf(name.text, sizeof name.text, "%s of level %" PRIu32, array, part->level);
+        (void)snprintf(name.text, sizeof name.text, "%s of level %" PRIu32, array, entry->level);
     }
     return name;
 }
 
-static svo_status check_part(tree_file *file, uint32_t chunk_index, uint64_t offset)
+static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t offset)
 {
     const svo_i_file_load *load = file->load;
-    const file_part *part = &file->parts[chunk_index];
-    const part_name name = name_part(file, chunk_index);
+    const file_entry *entry = &file->entries[chunk_index];
+    const entry_name name = name_entry(file, chunk_index);
     if (chunk_index == load->head.header.chunk_count) {
         return svo_i_file_damaged(load, "chunk %s is missing", name.text);
     }
     const file_chunk *chunk = &load->head.chunks[chunk_index];
-    const uint32_t kind = file_part_kind(part);
+    const uint32_t kind = file_entry_kind(entry);
     if (chunk->kind != kind) {
         return svo_i_file_damaged(load, "chunk %" PRIu32 ": kind is 0x%" PRIx32 ", 0x%" PRIx32 " (%s) expected",
                                   chunk_index, chunk->kind, kind, name.text);
     }
     SVO_I_TRY(svo_i_file_check_place(load, chunk, name.text, offset));
-    const uint64_t element_bytes = svo_i_tree_element_bytes(part->buffer);
-    uint64_t *count = count_from_length(&file->info, part->buffer);
+    const uint64_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
+    uint64_t *count = count_from_length(&file->info, entry->buffer);
     if (count != NULL) {
         *count = chunk->plain_bytes / element_bytes;
     }
-    const uint64_t element_count = file_part_count(&file->info, load->head.header.version, part);
+    const uint64_t element_count = file_entry_count(&file->info, load->head.header.version, entry);
     return chunk->plain_bytes == element_count * element_bytes && element_count <= UINT32_MAX
                ? SVO_OK
                : svo_i_file_damaged(load, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
@@ -122,33 +122,33 @@ static svo_status check_part(tree_file *file, uint32_t chunk_index, uint64_t off
 }
 
 /* Checks all chunks of the table, also those that are not going to be read. */
-static svo_status check_parts(tree_file *file)
+static svo_status check_entries(tree_file *file)
 {
     const svo_i_file_load *load = file->load;
-    const uint32_t part_count = file_list_parts(&file->info, load->head.header.version, file->parts);
+    const uint32_t entry_count = file_list_entries(&file->info, load->head.header.version, file->entries);
     uint64_t offset = load->head.header.header_bytes;
-    for (uint32_t i = 0; i < part_count; ++i) {
-        SVO_I_TRY(check_part(file, i, offset));
+    for (uint32_t i = 0; i < entry_count; ++i) {
+        SVO_I_TRY(check_entry(file, i, offset));
         offset += load->head.chunks[i].stored_bytes;
     }
-    return svo_i_file_check_end(load, part_count, offset);
+    return svo_i_file_check_end(load, entry_count, offset);
 }
 
-static svo_status read_part(const tree_file *file, uint32_t chunk_index, svo_tree *tree)
+static svo_status read_entry(const tree_file *file, uint32_t chunk_index, svo_tree *tree)
 {
     const svo_i_file_load *load = file->load;
-    const file_part *part = &file->parts[chunk_index];
-    const part_name name = name_part(file, chunk_index);
-    const size_t element_bytes = svo_i_tree_element_bytes(part->buffer);
-    const uint64_t array_bytes = svo_i_tree_element_count(&tree->info, part->buffer) * element_bytes;
-    void **array = &tree->host[part->buffer];
+    const file_entry *entry = &file->entries[chunk_index];
+    const entry_name name = name_entry(file, chunk_index);
+    const size_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
+    const uint64_t array_bytes = svo_i_tree_element_count(&tree->info, entry->buffer) * element_bytes;
+    void **array = &tree->host[entry->buffer];
     if (*array == NULL && array_bytes > 0) {
         *array = array_bytes <= SIZE_MAX ? svo_i_alloc(&load->host_memory, (size_t)array_bytes) : NULL;
         if (*array == NULL) {
             return svo_i_file_no_memory(load, name.text, array_bytes);
         }
     }
-    const uint64_t begin = file_part_begin(&tree->info, load->head.header.version, part);
+    const uint64_t begin = file_entry_begin(&tree->info, load->head.header.version, entry);
     uint8_t *plain = *array != NULL ? (uint8_t *)*array + begin * element_bytes : NULL;
     return svo_i_file_read_chunk(load, &load->head.chunks[chunk_index], name.text, plain);
 }
@@ -172,15 +172,15 @@ static svo_status number_children(const svo_i_file_load *load, svo_tree *tree)
 }
 
 /* Reads those of the file's arrays that the tree, all of the file's or its upper levels, holds. */
-static svo_status read_parts(const tree_file *file, svo_tree *tree)
+static svo_status read_entries(const tree_file *file, svo_tree *tree)
 {
     const svo_i_file_load *load = file->load;
     for (uint32_t i = 0; i < load->head.header.chunk_count; ++i) {
-        const file_part *part = &file->parts[i];
-        const bool above =
-            part->level < tree->info.depth || (part->level == tree->info.depth && part->buffer != SVO_TREE_CHILD_MASK);
-        if (svo_i_tree_holds(&tree->info, part->buffer) && above) {
-            SVO_I_TRY(read_part(file, i, tree));
+        const file_entry *entry = &file->entries[i];
+        const bool above = entry->level < tree->info.depth ||
+                           (entry->level == tree->info.depth && entry->buffer != SVO_TREE_CHILD_MASK);
+        if (svo_i_tree_holds(&tree->info, entry->buffer) && above) {
+            SVO_I_TRY(read_entry(file, i, tree));
         }
     }
     return tree->host[SVO_TREE_FIRST_CHILD] == NULL ? number_children(load, tree) : SVO_OK;
@@ -248,7 +248,7 @@ static svo_status load_tree(tree_file *file, uint32_t last_level, svo_tree *tree
     if (last_level != 0 && by_levels) {
         keep_levels(&tree->info, last_level);
     }
-    SVO_I_TRY(read_parts(file, tree));
+    SVO_I_TRY(read_entries(file, tree));
     if (last_level != 0 && !by_levels) {
         shorten(tree, last_level);
     }
@@ -265,7 +265,7 @@ static svo_status load(svo_i_file_load *state, uint32_t last_level, svo_tree **o
     SVO_I_TRY(svo_i_file_read_head(state, &kind));
     fill_info(&file.info, &state->head.header);
     file.info.positions = find_positions(&state->head);
-    SVO_I_TRY(check_parts(&file));
+    SVO_I_TRY(check_entries(&file));
     const uint32_t depth = file.info.depth;
     if (last_level > depth) {
         return svo_i_fail(state->message, SVO_INVALID_ARGUMENT,
