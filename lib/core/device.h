@@ -41,9 +41,6 @@ svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const 
 /* Makes a buffer of at least one byte. SVO_OUT_OF_DEVICE_MEMORY names buffer, bytes and limit. */
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
-/* The same for a buffer that kernels only read, with its content. No command is enqueued, so nothing waits. */
-svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
-                                  size_t bytes, cl_mem *out);
 
 /* The device's message; NULL without a device (a tree from a file has none). */
 svo_message *svo_i_device_message(svo_device *device);
@@ -58,12 +55,18 @@ bool svo_i_event_settle(cl_event event);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
+/* Refuses a caller's events that are of another context, or NULL. */
+svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
+
 SVO_I_SHARED_END
+
+/* svo_i_device_buffer for what kernels only read, with its content. No command is enqueued, so nothing waits. */
+svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
+                                  size_t bytes, cl_mem *out);
 
 /* Refuse a caller's objects that are of another context, or NULL; name: of the argument, for the message. A queue must
    also be of this device, and memory a buffer of at least so many bytes. */
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue);
-svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
 svo_status svo_i_device_check_memory(svo_device *device, const char *function, const char *name, cl_mem memory,
                                      size_t bytes);
 /* The same for memory that kernels write: CL_MEM_READ_ONLY is refused too. */
