@@ -33,7 +33,7 @@ static svo_status run_context(subject *of)
     return status;
 }
 
-/* Each EGL device is tried, and OSMesa. */
+/* Each EGL device is tried, and OSMesa, and what suits the device. */
 static svo_status run_other_contexts(subject *of)
 {
     svo_gl_context *context = NULL;
@@ -43,7 +43,9 @@ static svo_status run_other_contexts(subject *of)
     (void)snprintf(name, sizeof name, "%.4s", info.renderer);
     SVO_I_TRY(svo_gl_context_create_named(name, &context, &of->message));
     svo_gl_context_destroy(&context);
-    const svo_status status = svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message);
+    SVO_I_TRY(svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message));
+    svo_gl_context_destroy(&context);
+    const svo_status status = svo_gl_context_create_for(world.device, NULL, &context, &of->message);
     svo_gl_context_destroy(&context);
     return status;
 }
