@@ -666,7 +666,7 @@ static void upper_levels_of_a_file(void **state)
     run_well("$SVOCL render whole.svo --levels 4 --view level --size 40x40 -o upper.png");
     run_well("$SVOCL convert whole.svo upper.binvox --levels 4");
     run_badly("$SVOCL info whole.svo --levels 7", 1, "last_level 7 is not in 1 .. 6, the depth of whole.svo");
-    run_badly("$SVOCL info whole.svo --levels 0", 2, "--levels 0 is below 1");
+    run_badly("$SVOCL info whole.svo --levels 0", 2, "levels 0 is below 1");
     run_badly("$SVOCL hash scene:cube --levels 3", 2, "--levels applies to .svo files, not to scene:cube");
     run_badly("$SVOCL info - --levels 3 <whole.svo", 2, "standard input is read whole");
 }
