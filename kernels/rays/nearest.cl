@@ -101,6 +101,19 @@ static float8 svo_nearest_distances(const svo_tree *tree, const svo_nearest_sear
     return sqrt(x * x + y * y + z * z) * (1.0f - 0x1p-20f) - search->margin;
 }
 
+/* The same of one child, for its order among those that wait. */
+static float svo_nearest_distance(const svo_tree *tree, const svo_nearest_search *search,
+                                  __global const svo_ray_node *node, uint lane)
+{
+    __global const ushort *bounds = (__global const ushort *)node + lane;
+    const float step = (float)(1u << (tree->params.snap_bits - SVO_RAY_BOX_BITS));
+    const float4 at = search->point_f;
+    const float4 low = (float4)((float)bounds[0], (float)bounds[8], (float)bounds[16], 0.0f) * step - at;
+    const float4 high = at - (float4)((float)bounds[24], (float)bounds[32], (float)bounds[40], 0.0f) * step - step;
+    const float4 away = max(max(low, high), 0.0f);
+    return sqrt(away.x * away.x + away.y * away.y + away.z * away.z) * (1.0f - 0x1p-20f) - search->margin;
+}
+
 static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_search *search)
 {
     __global const int4 *leaf = tree->leaves + place;
@@ -112,28 +125,32 @@ static void svo_nearest_leaf(const svo_tree *tree, uint place, svo_nearest_searc
     ++search->leaves;
 }
 
+/* The next child that waits and that may hold something nearer; SVO_RAY_NO_LEAF when there is none. */
+static uint svo_nearest_pop(const svo_tree *tree, const svo_nearest_search *search, svo_ray_stack *stack)
+{
+    for (; stack->height > 0u; --stack->height) {
+        const uint2 top = svo_ray_top(stack);
+        if (!svo_ray_is_beyond(svo_nearest_distance(tree, search, tree->nodes + top.x, top.y & 7u), search->limit)) {
+            return svo_ray_take(tree, stack);
+        }
+    }
+    return SVO_RAY_NO_LEAF;
+}
+
 static void svo_nearest_traverse(const svo_tree *tree, svo_nearest_search *search)
 {
-    svo_ray_stack stack;
-    svo_ray_begin(&stack);
-    while (stack.height > 0u) {
-        const svo_stack_entry next = stack.entries[--stack.height];
-        if (svo_entry_s(next) > search->limit) {
-            continue;
-        }
-        uint at = svo_entry_child(next);
-        while ((at & SVO_RAY_LEAF) == 0u) {
-            __global const svo_ray_node *node = tree->nodes + at;
-            const float8 distances = svo_nearest_distances(tree, search, node);
-            const uint near = svo_lanes(distances <= search->limit);
-            if (near == 0u) {
-                break;
-            }
-            at = svo_ray_pick(node, near, distances, &stack);
-        }
+    SVO_RAY_STACK(stack);
+    for (uint at = SVO_RAY_ROOT; at != SVO_RAY_NO_LEAF;) {
+        int8 near = 0;
+        float8 distances = 0.0f;
         if ((at & SVO_RAY_LEAF) != 0u) {
             svo_nearest_leaf(tree, at & ~SVO_RAY_LEAF, search);
+        } else {
+            distances = svo_nearest_distances(tree, search, tree->nodes + at);
+            near = distances <= search->limit;
         }
+        at = svo_lanes(near) != 0u ? svo_ray_pick(tree, at, near, distances, &stack)
+                                   : svo_nearest_pop(tree, search, &stack);
     }
 }
 
