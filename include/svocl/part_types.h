@@ -46,6 +46,7 @@ typedef struct svo_part_header {
     uint64_t refused_triangles; /**< of the mesh */
     uint64_t kept_triangles; /**< those accepted whose bounds meet the grid; leaf lists have positions among these */
     uint64_t vertex_count; /**< of the mesh */
+    uint64_t input_hash; /**< of the triangles and materials that svo_parts_create wrote; 0 without it */
     double expected_fragments; /**< the fragment estimate of the whole */
     /** Nodes of all levels that the mesh's area alone accounts for: by the fragment estimate without its terms for the
      *  edges of triangles. */

@@ -8,6 +8,14 @@
  *     svo_part_save             the part's tree -> a part file
  *     svo_parts_stitch          part files, in any order -> a .svo file
  *
+ * svo_parts_create does all of this in a folder, with parts that fit a number of bytes:
+ *
+ *     svo_parts_create          mesh -> folder: header, triangles by part, list of parts
+ *     svo_parts_open            folder -> svo_parts, in any process on any machine that sees the folder
+ *     svo_parts_build           builds one part of the list, unless it is there
+ *     svo_parts_finish          all parts are there -> the .svo file
+ *     svo_parts_remove          removes what is in the folder
+ *
  * A part file is a head, a table of segments and the segments: of each level of the part the child masks and the
  * payload, of the leaves also areas and lists, in Morton order. The head has the sums of the part's root, unrounded: the
  * levels above the parts are rounded once, from sums, by the same integer arithmetic as all others. Numbers are
@@ -24,11 +32,13 @@
  * A kind is a svo_tree_buffer; 14 are the root's materials and weights, a u64 each: material << 48 | weight. list_begin
  * has an entry per leaf, and lists have positions among the kept triangles of the whole mesh.
  *
- * Thread-safety: functions may be called at the same time for different files.
+ * Thread-safety: functions may be called at the same time, also by several processes for one folder: files appear whole
+ * or not at all, and two that build the same part write the same bytes. A svo_parts belongs to one thread at a time.
  */
 #ifndef SVOCL_PARTS_H
 #define SVOCL_PARTS_H
 
+#include "svocl/build.h"
 #include "svocl/plan.h"
 #include "svocl/tree.h"
 
@@ -94,6 +104,114 @@ SVO_API svo_status svo_part_check(const svo_part_header *header, const char *pat
  *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_parts_stitch(const svo_part_header *header, const char *const *paths, size_t part_count,
                                     const char *mesh_path, const char *path, svo_message *message);
+
+/** A folder with the parts of one tree. */
+typedef struct svo_parts svo_parts;
+
+/** A part of the list of a folder. */
+typedef struct svo_parts_entry {
+    size_t struct_size; /**< sizeof(svo_parts_entry) */
+    uint32_t level; /**< of the node that the part lies under */
+    uint32_t reserved; /**< 0 */
+    uint64_t code; /**< the node's Morton code */
+    uint64_t triangles; /**< that may meet the part */
+    uint64_t expected_bytes; /**< memory that its build is expected to take at most, buffers and host together */
+} svo_parts_entry;
+
+/** An empty output. */
+#define SVO_PARTS_ENTRY_INIT SVO_STRUCT_INIT(svo_parts_entry)
+
+/** Plans the parts of a mesh: makes one plan of the whole mesh for the header, writes the triangles and the materials to
+ *  the folder, and splits parts, eight children each, until each is expected to fit max_bytes. Parts that no triangle
+ *  meets do not exist. Part files that are there already stay; svo_parts_build checks whether they are of this tree.
+ *
+ * \param device whose memory the parts are planned for
+ * \param mesh the whole mesh
+ * \param depth of the whole tree
+ * \param options of the whole tree; NULL means all defaults. part_header must be NULL
+ * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's
+ * \param folder is made where it is not there
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_CAPACITY_EXCEEDED (max_bytes is too small for any part, or more than 2^32 - 2 nodes are expected; nothing
+ *          is written), SVO_FILE_ERROR, and what svo_plan_create returns. */
+SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
+                                    const svo_plan_options *options, uint64_t max_bytes, const char *folder,
+                                    svo_message *message);
+
+/** Opens a folder of svo_parts_create.
+ *
+ * \param folder its path
+ * \param out receives the parts
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_FILE_DAMAGED, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_parts_open(const char *folder, svo_parts **out, svo_message *message);
+
+/** Closes a folder; its files stay.
+ *
+ * \param parts set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_parts_close(svo_parts **parts);
+
+/** Number of parts in the list.
+ *
+ * \param parts not NULL
+ * \returns the number. */
+SVO_API size_t svo_parts_count(const svo_parts *parts);
+
+/** What all parts share.
+ *
+ * \param parts not NULL
+ * \param header receives it
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT when header is NULL or its struct_size is too small. */
+SVO_API svo_status svo_parts_get_header(const svo_parts *parts, svo_part_header *header, svo_message *message);
+
+/** Describes a part as it was planned.
+ *
+ * \param parts not NULL
+ * \param index below svo_parts_count
+ * \param entry receives the description
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_get(const svo_parts *parts, size_t index, svo_parts_entry *entry, svo_message *message);
+
+/** Whether a part is built: its file is there, or those of the parts that it was split into, and every byte is right.
+ *
+ * \param parts not NULL
+ * \param index below svo_parts_count
+ * \param is_built receives 1 or 0
+ * \param message receives the reason for a failure, or why a file that is there does not count; else it is empty. NULL
+ *        allowed
+ * \returns SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int *is_built, svo_message *message);
+
+/** Builds a part, unless its file is there and whole. A part that takes more memory than expected is split, and its
+ *  children are built instead. A damaged file is replaced.
+ *
+ * \param parts not NULL
+ * \param index below svo_parts_count
+ * \param device any; with a budget (max_device_bytes), parts that exceed it are split
+ * \param frontend of the device; NULL: OpenCL's. Builders of OpenGL make no parts
+ * \param queue of the device; NULL: the device's own
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_FILE_DAMAGED (triangles that are not those that were written), SVO_CAPACITY_EXCEEDED (a
+ *          part that cannot be split does not fit), SVO_INVALID_ARGUMENT and what svo_build returns. */
+SVO_API svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
+                                   cl_command_queue queue, svo_message *message);
+
+/** Stitches all parts of a folder.
+ *
+ * \param parts not NULL
+ * \param path the .svo file, see svo_parts_stitch
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (a part is missing; the message names it) and what svo_parts_stitch returns. */
+SVO_API svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_message *message);
+
+/** Removes the files of a folder, and the folder if nothing else is in it.
+ *
+ * \param folder of svo_parts_create
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR or SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_remove(const char *folder, svo_message *message);
 
 #ifdef __cplusplus
 }

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "core/tree.h"
+#include "svocl/plan.h"
 
 #define PART_MAGIC       "\x89SVP\r\n\x1a\n"
 #define PART_MAGIC_BYTES 8
@@ -52,7 +53,7 @@ typedef struct part_file {
     part_segment segments[PART_SEGMENTS_MAX];
 } part_file;
 
-static_assert(sizeof(svo_part_header) == 160, "no padding: its bytes are hashed");
+static_assert(sizeof(svo_part_header) == 168, "no padding: its bytes are hashed");
 static_assert(offsetof(part_head, whole) == PART_HASH_BEGIN, "parts.h: whole");
 static_assert(sizeof(part_head) == 200, "parts.h: head");
 static_assert(sizeof(part_segment) == 32, "parts.h: segment");
@@ -60,5 +61,8 @@ static_assert(offsetof(part_file, segments) == 200, "parts.h: table");
 
 /* Checksum of a header's values, by which part files know their whole. */
 uint64_t svo_i_part_header_hash(const svo_part_header *header);
+
+/* svo_part_save_mesh for a header that has more than the plan knows. */
+svo_status svo_i_part_save_mesh(svo_plan *plan, const svo_part_header *header, const char *path, svo_message *message);
 
 #endif

@@ -194,28 +194,36 @@ static void add_mesh(writer *w, const svo_plan *plan)
     }
 }
 
-svo_status svo_part_save_mesh(svo_plan *plan, const char *path, svo_message *message)
+svo_status svo_i_part_save_mesh(svo_plan *plan, const svo_part_header *header, const char *path, svo_message *message)
 {
-    static const char function[] = "svo_part_save_mesh";
-    if (plan == NULL || path == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, plan == NULL ? "plan" : "path");
+    const svo_status brought = svo_i_plan_copy_to_host(plan);
+    if (brought != SVO_OK) {
+        return svo_i_fail(message, brought, "%s", svo_device_message(plan->device));
     }
-    if ((plan->info.need & SVO_NEED_RAYS) == 0) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the plan has no SVO_NEED_RAYS", function);
-    }
-    svo_part_header header = SVO_PART_HEADER_INIT;
-    SVO_I_TRY(svo_plan_get_part_header(plan, &header));
-    SVO_I_TRY(svo_i_plan_copy_to_host(plan));
     writer *w = svo_i_alloc_zeroed(&plan->device->memory, 1, sizeof *w);
     if (w == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the head", function);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the head", path);
     }
     w->path = path;
     w->message = message;
-    w->file.head.whole = svo_i_part_header_hash(&header);
+    w->file.head.whole = svo_i_part_header_hash(header);
     w->file.head.is_mesh = 1;
     add_mesh(w, plan);
     const svo_status status = write_file(w);
     svo_i_free(w);
     return status;
+}
+
+svo_status svo_part_save_mesh(svo_plan *plan, const char *path, svo_message *message)
+{
+    static const char function[] = "svo_part_save_mesh";
+    svo_part_header header = SVO_PART_HEADER_INIT;
+    if (plan == NULL || path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, plan == NULL ? "plan" : "path");
+    }
+    if ((plan->info.need & SVO_NEED_RAYS) == 0 || svo_plan_get_part_header(plan, &header) != SVO_OK) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the plan is that of a part or has no SVO_NEED_RAYS",
+                          function);
+    }
+    return svo_i_part_save_mesh(plan, &header, path, message);
 }

@@ -46,7 +46,7 @@ static int show_progress(void *user, svo_stage stage, double fraction)
     return 0;
 }
 
-int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out)
+svo_plan_options job_plan_options(const program *state, uint32_t need)
 {
     const options *given = &state->options;
     const bool in_gl = given->builder == OPTION_BUILDER_GL_COMPUTE;
@@ -58,6 +58,13 @@ int job_plan(program *state, svo_device *device, const input *source, uint32_t n
                                      .payload_level = (uint32_t)given->payload_level,
                                      .edge = given->edge};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
+    return plan_options;
+}
+
+int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out)
+{
+    const options *given = &state->options;
+    svo_plan_options plan_options = job_plan_options(state, need);
     if (state->progress != NULL && given->repeat == 1) { /* builds that report wait more often: not where times count */
         plan_options.progress = show_progress;
         plan_options.progress_user = state->progress;

@@ -34,6 +34,8 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 int job_load(program *state, unsigned further_steps, job *done);
 void job_release(job *done);
 
+/* The options of a plan on the command line, with the svo_need bits of need. */
+svo_plan_options job_plan_options(const program *state, uint32_t need);
 /* Plans the source by the options, with the svo_need bits of need. Returns the exit code. */
 int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out);
 

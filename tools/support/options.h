@@ -42,7 +42,8 @@ enum option_group {
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
     OPTION_VIEW_COMMAND = 33554432, /* the window, script */
     OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
-    OPTION_LEVELS = 134217728 /* how much of a .svo file is read */
+    OPTION_LEVELS = 134217728, /* how much of a .svo file is read */
+    OPTION_PARTS_COMMAND = 268435456 /* an argument before INPUT, which part */
 };
 
 enum option_frontend {
@@ -78,7 +79,7 @@ typedef struct option_vector {
 
 typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
-    const char *subject; /* bench: what is measured, the argument before input */
+    const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     unsigned given_groups; /* groups of the options on the command line */
     uint64_t help, quiet, verbose, json; /* flags: 0 or 1 */
 
@@ -149,6 +150,9 @@ typedef struct options {
     uint64_t window_width, window_height; /* view: pixels; 0: not given */
     uint64_t fullscreen; /* view: a flag */
     const char *script_path; /* view: NULL: not given */
+    uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
+    uint64_t resume; /* build: a flag */
+    const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
 } options;
 
 enum option_output {

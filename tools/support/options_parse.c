@@ -9,6 +9,9 @@
 #include "support/suggest.h"
 #include "support/table.h"
 
+/* Commands whose INPUT comes after a subject. */
+#define SUBJECT_FIRST ((unsigned)OPTION_BENCH_COMMAND | (unsigned)OPTION_PARTS_COMMAND)
+
 /* Whether an argument names the option: -L, -LVALUE, --name or --name=VALUE. */
 static bool is_named(const rule *option, const char *argument)
 {
@@ -84,7 +87,7 @@ static int parse_all(program *state, const command *which, int argument_count, c
             if (result != PROGRAM_DONE) {
                 return result;
             }
-        } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.subject == NULL) {
+        } else if ((which->groups & SUBJECT_FIRST) != 0 && state->options.subject == NULL) {
             state->options.subject = arguments[i];
         } else if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0 && state->options.input != NULL &&
                    state->options.output_path == NULL) {
@@ -158,7 +161,7 @@ int options_parse(program *state, const command *which, int argument_count, char
 
 bool options_may_lack_input(const command *which)
 {
-    return !which->needs_input && (which->groups & (unsigned)OPTION_BENCH_COMMAND) == 0;
+    return !which->needs_input && (which->groups & SUBJECT_FIRST) == 0;
 }
 
 void options_print_help(const command *which)

@@ -124,6 +124,24 @@ static int read_count(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+/* A number of bytes, with K, M, G or T for powers of 1024. */
+static int read_bytes(program *state, const rule *option, const char *value)
+{
+    static const char units[] = "KMGT";
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long number = strtoull(value, &end, 10);
+    const char *unit = *end != '\0' ? strchr(units, *end) : NULL;
+    const unsigned shift = unit != NULL ? 10u * (unsigned)(unit - units + 1) : 0;
+    const bool whole = value[0] >= '0' && value[0] <= '9' && end[unit != NULL ? 1 : 0] == '\0' && errno == 0;
+    if (!whole || number == 0 || number > UINT64_MAX >> shift || number << shift > option->maximum) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of bytes, such as 65536 or 512M",
+                            option->name, value);
+    }
+    *(uint64_t *)field(state, option) = (uint64_t)number << shift;
+    return PROGRAM_DONE;
+}
+
 /* "auto, cl, gl-expand, gl-hw" */
 static void list_choices(const choice *choices, char *text, size_t text_bytes)
 {
@@ -437,6 +455,12 @@ static const rule rules[] = {
      "first level with payload, 0 to 16 (0: all levels)"},
     {"levels", '\0', OPTION_LEVELS, "L", read_count, FIELD(last_level), 1, SVO_DEPTH_MAX, NULL,
      "read levels 0 to L of a .svo file alone: a tree of depth L (all)"},
+    {"max-memory", '\0', OPTION_BUILD_COMMAND | OPTION_PARTS_COMMAND, "BYTES", read_bytes, FIELD(max_memory), 0,
+     UINT64_MAX, NULL, "build in parts that take at most so much memory each: 65536, 512M, 4G (build: in one piece)"},
+    {"resume", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(resume), 0, 0, NULL,
+     "with --max-memory: keep the parts that an earlier run has finished"},
+    {"part", '\0', OPTION_PARTS_COMMAND, "PART", read_text, FIELD(part), 0, 0, NULL,
+     "parts build: the part to build, its index or its LEVEL-CODE (all)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,

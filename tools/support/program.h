@@ -15,7 +15,7 @@
 #include "support/progress.h"
 #include "svocl/status.h"
 
-enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2 };
+enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2, PROGRAM_TRY_AGAIN = 75 /* as in sysexits.h */ };
 
 #define PROGRAM_WARNINGS_KEPT 16
 

@@ -29,7 +29,8 @@ static svo_device_options device_options_of(program *state)
                                 .log = program_log,
                                 .log_user = state,
                                 .device_name = state->options.device_name,
-                                .path = (svo_path)state->options.path};
+                                .path = (svo_path)state->options.path,
+                                .max_device_bytes = state->options.max_memory};
 }
 
 static int open_queue(program *state, session *opened)

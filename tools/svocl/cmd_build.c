@@ -7,6 +7,7 @@
 #include "support/solid_report.h"
 #include "support/table.h"
 #include "support/tree_output.h"
+#include "svocl/build_parts.h"
 #include "svocl/commands.h"
 
 /* Prints, or adds to *document, the plan of a source on a device. */
@@ -121,6 +122,9 @@ static int check_options(program *state)
 
 int command_build(program *state)
 {
+    if (state->options.max_memory != 0 || state->options.resume) {
+        return build_parts(state);
+    }
     int exit_code = check_options(state);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

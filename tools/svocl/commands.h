@@ -18,6 +18,7 @@ int command_export_web(program *state);
 int command_view(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
+int command_parts(program *state);
 int command_reference(program *state);
 int command_stress(program *state);
 int command_bench(program *state);

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Fills a folder of parts: the header from one plan of the whole mesh, the triangles of each part, and the list of
+ * parts, which are split until they fit.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <string.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "core/device.h"
+#include "core/struct_size.h"
+#include "parts/format.h"
+#include "parts/job.h"
+#include "plan/host_copy.h"
+
+#define NODES_MAX 4294967294.0
+/* Without a limit, parts take at most this share of the whole. */
+#define PARTS_LEAST 16u
+
+static svo_status copy_materials(svo_parts *parts, const svo_mesh *mesh, svo_message *message)
+{
+    parts->materials = svo_i_alloc(NULL, mesh->material_count * sizeof *parts->materials + 1);
+    parts->textures = svo_i_alloc_zeroed(NULL, mesh->texture_count + 1, sizeof *parts->textures);
+    if (parts->materials == NULL || parts->textures == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    if (mesh->material_count > 0) {
+        memcpy(parts->materials, mesh->materials, mesh->material_count * sizeof *parts->materials);
+    }
+    parts->material_count = mesh->material_count;
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const size_t bytes = (size_t)mesh->textures[i].width * mesh->textures[i].height * 4;
+        uint8_t *copy = svo_i_alloc(NULL, bytes + 1);
+        if (copy == NULL) {
+            return svo_i_folder_no_memory(parts, message);
+        }
+        memcpy(copy, mesh->textures[i].rgba, bytes);
+        parts->textures[i] = mesh->textures[i];
+        parts->textures[i].rgba = copy;
+        parts->texture_count = i + 1;
+    }
+    return SVO_OK;
+}
+
+/* Adds the materials to the hash of the triangles. */
+static uint64_t hash_input(const svo_parts *parts, uint64_t hash)
+{
+    hash = XXH3_64bits_withSeed(parts->materials, parts->material_count * sizeof *parts->materials, hash);
+    for (size_t i = 0; i < parts->texture_count; ++i) {
+        const svo_texture *texture = &parts->textures[i];
+        const uint32_t words[4] = {texture->width, texture->height, (uint32_t)texture->wrap_u,
+                                   (uint32_t)texture->wrap_v};
+        hash = XXH3_64bits_withSeed(words, sizeof words, hash);
+        hash = XXH3_64bits_withSeed(texture->rgba, (size_t)texture->width * texture->height * 4, hash);
+    }
+    return hash;
+}
+
+/* Writes the triangles of the whole tree as those of the part 0-0, and what rays meet. */
+static svo_status save_input(svo_parts *parts, svo_plan *plan, const svo_mesh *mesh, svo_message *message)
+{
+    uint64_t hash = 0;
+    svo_status status = svo_i_plan_copy_to_host(plan);
+    if (status != SVO_OK) {
+        return svo_i_fail(message, status, "%s", svo_device_message(plan->device));
+    }
+    char *path = svo_i_part_path(parts, 0, 0, "tri");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    parts->fields = svo_i_triangle_fields(mesh);
+    status = svo_i_triangles_save(mesh, plan->triangle_ids, plan->triangle_count, path, &hash, message);
+    svo_i_free(path);
+    SVO_I_TRY(status);
+    parts->header.input_hash = hash_input(parts, hash);
+    return SVO_OK;
+}
+
+static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message *message)
+{
+    if ((parts->header.need & SVO_NEED_RAYS) == 0) {
+        return SVO_OK;
+    }
+    char *path = svo_i_folder_path(parts, "mesh");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    const svo_status status = svo_i_part_save_mesh(plan, &parts->header, path, message);
+    svo_i_free(path);
+    return status;
+}
+
+/* ---- splitting ---- */
+
+typedef struct planner {
+    svo_parts *parts;
+    svo_device *device;
+    svo_message *message;
+} planner;
+
+/* Whether a part of so many triangles fits, and what it is expected to take. */
+static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t triangles, bool *fit, uint64_t *bytes)
+{
+    svo_plan *plan = NULL;
+    *bytes = svo_i_part_host_bytes(p->parts, triangles);
+    *fit = *bytes <= p->parts->max_bytes;
+    if (!*fit) {
+        return SVO_OK; /* even its plan is too large */
+    }
+    const svo_status status = svo_i_part_plan(p->parts, p->device, level, code, &plan, bytes, p->message);
+    svo_plan_destroy(&plan);
+    *fit = *bytes <= p->parts->max_bytes;
+    return status;
+}
+
+static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles);
+
+static svo_status plan_children(const planner *p, uint32_t level, uint64_t code)
+{
+    uint64_t counts[8];
+    if (level + 1 >= p->parts->header.depth) {
+        return svo_i_fail(p->message, SVO_CAPACITY_EXCEEDED,
+                          "svo_parts_create: max_bytes %llu is too small for the least part",
+                          (unsigned long long)p->parts->max_bytes);
+    }
+    SVO_I_TRY(svo_i_part_divide(p->parts, level, code, counts, p->message));
+    char *path = svo_i_part_path(p->parts, level, code, "tri");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(p->parts, p->message);
+    }
+    (void)unlink(path); /* its children have its triangles */
+    svo_i_free(path);
+    for (uint64_t octant = 0; octant < 8; ++octant) {
+        SVO_I_TRY(plan_part(p, level + 1, code << 3 | octant, counts[octant]));
+    }
+    return SVO_OK;
+}
+
+static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles)
+{
+    bool fit = false;
+    svo_i_part_entry entry = {.level = level, .code = code, .triangles = triangles};
+    if (triangles == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(fits(p, level, code, triangles, &fit, &entry.expected_bytes));
+    return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
+}
+
+/* ---- all together ---- */
+
+/* A plan of the whole mesh; sets the header and the limit. */
+static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
+                             const svo_plan_options *options, svo_plan **plan, svo_message *message)
+{
+    const svo_status status = svo_plan_create(device, mesh, depth, options, plan);
+    if (status != SVO_OK) {
+        return svo_i_fail(message, status, "%s", svo_device_message(device));
+    }
+    parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
+    if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
+    }
+    if (parts->header.expected_nodes > NODES_MAX) {
+        return svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
+                          "svo_parts_create: about %.0f nodes are expected at depth %u, above 2^32 - 2",
+                          parts->header.expected_nodes, depth);
+    }
+    if (parts->max_bytes == 0) {
+        parts->max_bytes = svo_plan_peak_bytes(*plan) / PARTS_LEAST + 1;
+    }
+    return SVO_OK;
+}
+
+static svo_status fill_folder(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
+                              const svo_plan_options *options, svo_message *message)
+{
+    svo_plan *plan = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(plan_whole(parts, device, mesh, depth, options, &plan, message));
+    SVO_I_TRY_CLEANUP(svo_i_folder_make(parts->folder, message));
+    SVO_I_TRY_CLEANUP(copy_materials(parts, mesh, message));
+    SVO_I_TRY_CLEANUP(save_input(parts, plan, mesh, message));
+    SVO_I_TRY_CLEANUP(save_mesh(parts, plan, message));
+    svo_plan_destroy(&plan);
+    const planner p = {parts, device, message};
+    SVO_I_TRY_CLEANUP(plan_part(&p, 0, 0, parts->header.kept_triangles));
+    status = svo_i_folder_save(parts, message);
+cleanup:
+    svo_plan_destroy(&plan);
+    return status;
+}
+
+svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                            uint64_t max_bytes, const char *folder, svo_message *message)
+{
+    static const char function[] = "svo_parts_create";
+    if (device == NULL || mesh == NULL || folder == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                          device == NULL ? "device"
+                          : mesh == NULL ? "mesh"
+                                         : "folder");
+    }
+    svo_mesh given;
+    SVO_I_TRY(svo_i_struct_read(message, function, "mesh", mesh, &given, SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
+    svo_parts *parts = svo_i_alloc_zeroed(NULL, 1, sizeof *parts);
+    svo_status status = SVO_OK;
+    if (parts != NULL) {
+        parts->folder = svo_i_copy_text(NULL, folder);
+        parts->max_bytes = max_bytes;
+    }
+    status = parts != NULL && parts->folder != NULL
+                 ? fill_folder(parts, device, &given, depth, options, message)
+                 : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
+    svo_parts_close(&parts);
+    return status;
+}

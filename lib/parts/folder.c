@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+/* The folder of a tree's parts: names of files, and the file "plan". */
+#define _POSIX_C_SOURCE 200809L
+#include "parts/folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "core/struct_size.h"
+#include "output/output.h"
+#include "parts/format.h"
+#include "parts/part_read.h"
+
+#define PLAN_NAME    "plan"
+#define PLAN_MAGIC   "\x89SVL\r\n\x1a\n"
+#define PLAN_VERSION 1
+#define NAME_BYTES   48
+
+/* The front of the file "plan"; entries, materials, sizes of textures and their texels follow. hash: of all bytes after
+   itself. */
+typedef struct plan_head {
+    uint8_t magic[8];
+    uint64_t hash;
+    uint32_t version;
+    uint32_t fields;
+    uint64_t file_bytes;
+    uint64_t max_bytes;
+    uint64_t entry_count, material_count, texture_count;
+    svo_part_header header;
+} plan_head;
+
+typedef struct plan_texture {
+    uint32_t width, height, wrap_u, wrap_v;
+} plan_texture;
+
+static_assert(sizeof(plan_head) == 56 + 8 + sizeof(svo_part_header), "no padding");
+static_assert(sizeof(svo_material) == 8 && sizeof(svo_i_part_entry) == 32, "no padding");
+
+char *svo_i_folder_path(const svo_parts *parts, const char *name)
+{
+    const size_t bytes = strlen(parts->folder) + strlen(name) + 2;
+    char *path = svo_i_alloc(NULL, bytes);
+    if (path != NULL) {
+        (void)snprintf(path, bytes, "%s/%s", parts->folder, name);
+    }
+    return path;
+}
+
+char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix)
+{
+    char name[NAME_BYTES];
+    (void)snprintf(name, sizeof name, "%u-%llx.%s", level, (unsigned long long)code, suffix);
+    return svo_i_folder_path(parts, name);
+}
+
+bool svo_i_file_exists(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISREG(found.st_mode);
+}
+
+svo_status svo_i_folder_no_memory(const svo_parts *parts, svo_message *message)
+{
+    return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", parts->folder);
+}
+
+/* Removes the files of a folder for which choose says so. Returns an errno. */
+static int remove_files(const char *folder, bool (*choose)(const char *name))
+{
+    DIR *opened = opendir(folder);
+    if (opened == NULL) {
+        return errno;
+    }
+    int error = 0;
+    for (const struct dirent *entry = readdir(opened); entry != NULL; entry = readdir(opened)) {
+        if (choose(entry->d_name) && unlinkat(dirfd(opened), entry->d_name, 0) != 0 && errno != ENOENT) {
+            error = errno;
+        }
+    }
+    (void)closedir(opened);
+    return error;
+}
+
+static bool ends_in(const char *name, const char *suffix)
+{
+    const size_t length = strlen(name);
+    return length >= strlen(suffix) && strcmp(name + length - strlen(suffix), suffix) == 0;
+}
+
+/* Part files know their whole; the other files may be of another tree. */
+static bool may_be_stale(const char *name)
+{
+    return strcmp(name, PLAN_NAME) == 0 || strcmp(name, "mesh") == 0 || ends_in(name, ".tri") ||
+           ends_in(name, ".split");
+}
+
+static bool is_ours(const char *name)
+{
+    return may_be_stale(name) || ends_in(name, ".part");
+}
+
+svo_status svo_i_folder_make(const char *folder, svo_message *message)
+{
+    int error = mkdir(folder, 0777) == 0 ? 0 : errno;
+    if (error == EEXIST) {
+        error = remove_files(folder, may_be_stale);
+    }
+    return error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be made: %s", folder, strerror(error));
+}
+
+svo_status svo_i_folder_add(svo_parts *parts, const svo_i_part_entry *entry, svo_message *message)
+{
+    if (parts->entry_count == parts->entry_capacity) {
+        const size_t capacity = parts->entry_capacity * 2 + 64;
+        svo_i_part_entry *grown = svo_i_grow(NULL, parts->entries, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return svo_i_folder_no_memory(parts, message);
+        }
+        parts->entries = grown;
+        parts->entry_capacity = capacity;
+    }
+    parts->entries[parts->entry_count++] = *entry;
+    return SVO_OK;
+}
+
+void svo_i_folder_free(svo_parts *parts)
+{
+    for (size_t i = 0; parts->textures != NULL && i < parts->texture_count; ++i) {
+        svo_i_free((void *)parts->textures[i].rgba);
+    }
+    svo_i_free(parts->textures);
+    svo_i_free(parts->materials);
+    svo_i_free(parts->entries);
+    svo_i_free(parts->folder);
+    svo_i_free(parts);
+}
+
+/* ---- writing ---- */
+
+/* Hashes bytes, and writes them where output is not NULL. Returns an errno. */
+static int put(XXH3_state_t *hash, const svo_i_output *output, const void *bytes, size_t byte_count)
+{
+    XXH3_64bits_update(hash, bytes, byte_count);
+    return output != NULL && byte_count > 0 ? svo_i_output_write(output, bytes, byte_count) : 0;
+}
+
+static size_t texel_bytes(const svo_texture *texture)
+{
+    return (size_t)texture->width * texture->height * 4;
+}
+
+/* All that follows the checksum. */
+static int put_plan(const svo_parts *parts, const plan_head *head, XXH3_state_t *hash, const svo_i_output *output)
+{
+    const size_t begin = offsetof(plan_head, version);
+    XXH3_INITSTATE(hash);
+    XXH3_64bits_reset(hash);
+    int error = put(hash, output, (const char *)head + begin, sizeof *head - begin);
+    error = error != 0 ? error : put(hash, output, parts->entries, parts->entry_count * sizeof *parts->entries);
+    error = error != 0 ? error : put(hash, output, parts->materials, parts->material_count * sizeof *parts->materials);
+    for (size_t i = 0; i < parts->texture_count && error == 0; ++i) {
+        const svo_texture *from = &parts->textures[i];
+        const plan_texture size = {from->width, from->height, (uint32_t)from->wrap_u, (uint32_t)from->wrap_v};
+        error = put(hash, output, &size, sizeof size);
+    }
+    for (size_t i = 0; i < parts->texture_count && error == 0; ++i) {
+        error = put(hash, output, parts->textures[i].rgba, texel_bytes(&parts->textures[i]));
+    }
+    return error;
+}
+
+static int write_plan(const svo_parts *parts, plan_head *head, const char *path)
+{
+    svo_i_output output = {.descriptor = -1};
+    XXH3_state_t hash;
+    (void)put_plan(parts, head, &hash, NULL);
+    head->hash = XXH3_64bits_digest(&hash);
+    int error = svo_i_output_open(path, NULL, &output);
+    if (error == 0) {
+        error = svo_i_output_write(&output, head, offsetof(plan_head, version));
+    }
+    if (error == 0) {
+        error = put_plan(parts, head, &hash, &output);
+    }
+    if (error == 0) {
+        error = svo_i_output_commit(&output);
+    }
+    svo_i_output_abandon(&output);
+    return error;
+}
+
+svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message)
+{
+    plan_head head = {.version = PLAN_VERSION,
+                      .fields = parts->fields,
+                      .max_bytes = parts->max_bytes,
+                      .entry_count = parts->entry_count,
+                      .material_count = parts->material_count,
+                      .texture_count = parts->texture_count,
+                      .header = parts->header};
+    memcpy(head.magic, PLAN_MAGIC, sizeof head.magic);
+    head.file_bytes = sizeof head + parts->entry_count * sizeof *parts->entries +
+                      parts->material_count * sizeof *parts->materials + parts->texture_count * sizeof(plan_texture);
+    for (size_t i = 0; i < parts->texture_count; ++i) {
+        head.file_bytes += texel_bytes(&parts->textures[i]);
+    }
+    char *path = svo_i_folder_path(parts, PLAN_NAME);
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    const int error = write_plan(parts, &head, path);
+    const svo_status status =
+        error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
+    svo_i_free(path);
+    return status;
+}
+
+/* ---- reading ---- */
+
+/* The bytes of "plan" that have not been taken yet. */
+typedef struct remainder {
+    const unsigned char *at;
+    size_t left;
+} remainder;
+
+/* A copy of the next count elements; NULL: out of memory, or there are not that many. */
+static void *take(remainder *from, uint64_t count, size_t element_bytes)
+{
+    size_t bytes = 0;
+    if (!svo_i_mul_size((size_t)count, element_bytes, &bytes) || bytes > from->left) {
+        return NULL;
+    }
+    void *copy = svo_i_alloc(NULL, bytes + 1);
+    if (copy != NULL) {
+        memcpy(copy, from->at, bytes);
+        from->at += bytes;
+        from->left -= bytes;
+    }
+    return copy;
+}
+
+static bool take_textures(svo_parts *parts, remainder *from, uint64_t count)
+{
+    plan_texture *sizes = take(from, count, sizeof *sizes);
+    parts->textures = sizes != NULL ? svo_i_alloc_zeroed(NULL, (size_t)count + 1, sizeof *parts->textures) : NULL;
+    bool whole = parts->textures != NULL;
+    for (size_t i = 0; i < count && whole; ++i) {
+        svo_texture *to = &parts->textures[parts->texture_count++];
+        *to = (svo_texture){.width = sizes[i].width,
+                            .height = sizes[i].height,
+                            .wrap_u = (svo_wrap)sizes[i].wrap_u,
+                            .wrap_v = (svo_wrap)sizes[i].wrap_v};
+        to->rgba = take(from, (uint64_t)to->width * to->height, 4);
+        whole = to->rgba != NULL;
+    }
+    svo_i_free(sizes);
+    return whole;
+}
+
+static bool take_plan(svo_parts *parts, const unsigned char *bytes, size_t byte_count)
+{
+    plan_head head;
+    memcpy(&head, bytes, sizeof head);
+    const size_t begin = offsetof(plan_head, version);
+    if (memcmp(head.magic, PLAN_MAGIC, sizeof head.magic) != 0 || head.version != PLAN_VERSION ||
+        head.file_bytes != byte_count || head.hash != XXH3_64bits(bytes + begin, byte_count - begin)) {
+        return false;
+    }
+    remainder from = {bytes + sizeof head, byte_count - sizeof head};
+    parts->header = head.header;
+    parts->fields = head.fields;
+    parts->max_bytes = head.max_bytes;
+    parts->entries = take(&from, head.entry_count, sizeof *parts->entries);
+    parts->materials = take(&from, head.material_count, sizeof *parts->materials);
+    parts->entry_count = (size_t)head.entry_count;
+    parts->material_count = (size_t)head.material_count;
+    return parts->entries != NULL && parts->materials != NULL && take_textures(parts, &from, head.texture_count) &&
+           from.left == 0;
+}
+
+/* Reads a whole file into memory that the caller frees. */
+static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message)
+{
+    struct stat found;
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0 || fstat(file, &found) != 0) {
+        const int error = errno;
+        if (file >= 0) {
+            (void)close(file);
+        }
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s", path, strerror(error));
+    }
+    *byte_count = (size_t)found.st_size;
+    *bytes = svo_i_alloc(NULL, *byte_count + 1);
+    size_t there = 0;
+    ssize_t got = 1;
+    while (*bytes != NULL && there < *byte_count && (got > 0 || (got < 0 && errno == EINTR))) {
+        got = read(file, *bytes + there, *byte_count - there);
+        there += got > 0 ? (size_t)got : 0;
+    }
+    (void)close(file);
+    if (*bytes == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu bytes", path, *byte_count);
+    }
+    return there == *byte_count ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read", path);
+}
+
+static svo_status open_plan(svo_parts *parts, const char *path, svo_message *message)
+{
+    unsigned char *bytes = NULL;
+    size_t byte_count = 0;
+    svo_status status = read_plan(path, &bytes, &byte_count, message);
+    if (status == SVO_OK && (byte_count < sizeof(plan_head) || !take_plan(parts, bytes, byte_count))) {
+        status = svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
+    }
+    svo_i_free(bytes);
+    return status;
+}
+
+svo_status svo_parts_open(const char *folder, svo_parts **out, svo_message *message)
+{
+    if (folder == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_open: %s is NULL",
+                          folder == NULL ? "folder" : "out");
+    }
+    svo_parts *parts = svo_i_alloc_zeroed(NULL, 1, sizeof *parts);
+    char *path = NULL;
+    svo_status status = SVO_OK;
+    if (parts != NULL) {
+        parts->folder = svo_i_copy_text(NULL, folder);
+        path = parts->folder != NULL ? svo_i_folder_path(parts, PLAN_NAME) : NULL;
+    }
+    if (path == NULL) {
+        status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_parts_open: out of memory");
+        goto cleanup;
+    }
+    SVO_I_TRY_CLEANUP(open_plan(parts, path, message));
+    *out = parts;
+    parts = NULL;
+cleanup:
+    svo_i_free(path);
+    if (parts != NULL) {
+        svo_i_folder_free(parts);
+    }
+    return status;
+}
+
+void svo_parts_close(svo_parts **parts)
+{
+    if (parts != NULL && *parts != NULL) {
+        svo_i_folder_free(*parts);
+        *parts = NULL;
+    }
+}
+
+size_t svo_parts_count(const svo_parts *parts)
+{
+    return parts->entry_count;
+}
+
+svo_status svo_parts_get_header(const svo_parts *parts, svo_part_header *header, svo_message *message)
+{
+    return svo_i_struct_write(message, "svo_parts_get_header", "header", &parts->header, header,
+                              SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes));
+}
+
+/* ---- removing ---- */
+
+svo_status svo_parts_remove(const char *folder, svo_message *message)
+{
+    if (folder == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_remove: folder is NULL");
+    }
+    const int error = remove_files(folder, is_ours);
+    (void)rmdir(folder); /* where nothing else is in it */
+    return error == 0 ? SVO_OK
+                      : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be emptied: %s", folder, strerror(error));
+}

@@ -1,0 +1,366 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Builds the parts of a folder. What is done shows in the folder alone, so any process can go on: a part has a .part
+ * file, or a .split file and then its children are built in its place, those that have triangles.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "parts/job.h"
+
+#include <string.h>
+
+#include "core/device.h"
+#include "core/struct_size.h"
+#include "output/output.h"
+
+/* Host bytes of a plan per triangle with corners of its own: snapped vertices, indices, names twice, draw items, the
+   estimate, classes, flags, records, and a sorted copy of the items. */
+#define PLAN_BYTES (36u + 12u + 8u + 8u + 4u + 4u + 16u + 12u)
+
+uint64_t svo_i_part_host_bytes(const svo_parts *parts, uint64_t triangles)
+{
+    return triangles * (svo_i_triangle_bytes(parts->fields) + PLAN_BYTES);
+}
+
+/* A failure of the device with its message. */
+static svo_status fail_device(const svo_device *device, svo_status status, svo_message *message)
+{
+    return svo_i_fail(message, status, "%s", svo_device_message(device));
+}
+
+/* ---- planning ---- */
+
+static svo_status plan_soup(const svo_parts *parts, svo_device *device, uint32_t level, uint64_t code, svo_i_soup *soup,
+                            svo_plan **plan)
+{
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    options.part_header = &parts->header;
+    options.part_level = level;
+    options.part_code = code;
+    options.part_triangles = soup->names;
+    soup->mesh.materials = parts->material_count > 0 ? parts->materials : NULL;
+    soup->mesh.material_count = parts->material_count;
+    soup->mesh.textures = parts->texture_count > 0 ? parts->textures : NULL;
+    soup->mesh.texture_count = parts->texture_count;
+    return svo_plan_create(device, &soup->mesh, parts->header.depth, &options, plan);
+}
+
+svo_status svo_i_part_plan(const svo_parts *parts, svo_device *device, uint32_t level, uint64_t code, svo_plan **plan,
+                           uint64_t *expected_bytes, svo_message *message)
+{
+    svo_i_soup soup = {.names = NULL};
+    svo_status status = SVO_OK;
+    char *path = svo_i_part_path(parts, level, code, "tri");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    SVO_I_TRY_CLEANUP(svo_i_triangles_load(path, parts->fields, &soup, message));
+    status = plan_soup(parts, device, level, code, &soup, plan);
+    if (status != SVO_OK) {
+        status = fail_device(device, status, message);
+        goto cleanup;
+    }
+    *expected_bytes = svo_plan_peak_bytes(*plan) + svo_i_part_host_bytes(parts, soup.mesh.triangle_count);
+cleanup:
+    svo_i_soup_free(&soup);
+    svo_i_free(path);
+    return status;
+}
+
+svo_status svo_i_part_divide(const svo_parts *parts, uint32_t level, uint64_t code, uint64_t counts[8],
+                             svo_message *message)
+{
+    char *paths[8] = {NULL};
+    char *path = svo_i_part_path(parts, level, code, "tri");
+    bool whole = path != NULL;
+    svo_status status = SVO_OK;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        paths[octant] = svo_i_part_path(parts, level + 1, code << 3 | octant, "tri");
+        whole = whole && paths[octant] != NULL;
+    }
+    status = whole ? svo_i_triangles_split(&parts->header, parts->fields, path, level, code, paths, counts, message)
+                   : svo_i_folder_no_memory(parts, message);
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        svo_i_free(paths[octant]);
+    }
+    svo_i_free(path);
+    return status;
+}
+
+/* ---- what is there ---- */
+
+/* How a part's file stands. */
+typedef enum standing { PART_MISSING, PART_WHOLE, PART_SPLIT, PART_WRONG } standing;
+
+static svo_status find_standing(const svo_parts *parts, uint32_t level, uint64_t code, standing *found,
+                                svo_message *message)
+{
+    char *split = svo_i_part_path(parts, level, code, "split");
+    char *path = svo_i_part_path(parts, level, code, "part");
+    svo_part_info info = SVO_PART_INFO_INIT;
+    svo_status status = SVO_OK;
+    *found = PART_MISSING;
+    if (split == NULL || path == NULL) {
+        status = svo_i_folder_no_memory(parts, message);
+    } else if (svo_i_file_exists(path)) {
+        const bool whole =
+            svo_part_check(&parts->header, path, &info, message) == SVO_OK && info.level == level && info.code == code;
+        *found = whole ? PART_WHOLE : PART_WRONG;
+    } else if (svo_i_file_exists(split)) {
+        *found = PART_SPLIT;
+    }
+    svo_i_free(split);
+    svo_i_free(path);
+    return status;
+}
+
+/* Whether triangles meet the part, as it has a file of them. */
+static svo_status has_triangles(const svo_parts *parts, uint32_t level, uint64_t code, bool *has, svo_message *message)
+{
+    char *path = svo_i_part_path(parts, level, code, "tri");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    *has = svo_i_file_exists(path);
+    svo_i_free(path);
+    return SVO_OK;
+}
+
+/* Called for the parts that stand for one of the list: itself, or those that it was split into. */
+typedef svo_status (*part_visitor)(void *user, uint32_t level, uint64_t code, standing found);
+
+static svo_status visit_part(const svo_parts *parts, uint32_t level, uint64_t code, part_visitor visit, void *user,
+                             svo_message *message)
+{
+    standing found = PART_MISSING;
+    SVO_I_TRY(find_standing(parts, level, code, &found, message));
+    if (found != PART_SPLIT) {
+        return visit(user, level, code, found);
+    }
+    for (uint64_t octant = 0; octant < 8; ++octant) {
+        bool has = false;
+        SVO_I_TRY(has_triangles(parts, level + 1, code << 3 | octant, &has, message));
+        if (has) {
+            SVO_I_TRY(visit_part(parts, level + 1, code << 3 | octant, visit, user, message));
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_index(const svo_parts *parts, const char *function, size_t index, svo_message *message)
+{
+    if (parts == NULL || index >= parts->entry_count) {
+        return parts == NULL ? svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: parts is NULL", function)
+                             : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: index %zu is not below %zu", function,
+                                          index, parts->entry_count);
+    }
+    return SVO_OK;
+}
+
+static svo_status note_missing(void *user, uint32_t level, uint64_t code, standing found)
+{
+    int *is_built = user;
+    (void)level;
+    (void)code;
+    *is_built = *is_built != 0 && found == PART_WHOLE ? 1 : 0;
+    return SVO_OK;
+}
+
+svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int *is_built, svo_message *message)
+{
+    static const char function[] = "svo_parts_is_built";
+    SVO_I_TRY(check_index(parts, function, index, message));
+    if (is_built == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: is_built is NULL", function);
+    }
+    *is_built = 1;
+    svo_i_message_set(message, "%s", "");
+    return visit_part(parts, parts->entries[index].level, parts->entries[index].code, note_missing, is_built, message);
+}
+
+svo_status svo_parts_get(const svo_parts *parts, size_t index, svo_parts_entry *entry, svo_message *message)
+{
+    static const char function[] = "svo_parts_get";
+    SVO_I_TRY(check_index(parts, function, index, message));
+    const svo_i_part_entry *from = &parts->entries[index];
+    const svo_parts_entry made = {
+        .level = from->level, .code = from->code, .triangles = from->triangles, .expected_bytes = from->expected_bytes};
+    return svo_i_struct_write(message, function, "entry", &made, entry,
+                              SVO_I_STRUCT_SIZES(svo_parts_entry, expected_bytes));
+}
+
+/* ---- building ---- */
+
+typedef struct builder {
+    const svo_parts *parts;
+    svo_device *device;
+    svo_frontend *frontend;
+    cl_command_queue queue;
+    svo_message *message;
+} builder;
+
+static svo_status save_tree(const builder *b, svo_tree *tree, uint32_t level, uint64_t code)
+{
+    svo_status status = svo_tree_download(tree, b->queue);
+    if (status != SVO_OK) {
+        return fail_device(b->device, status, b->message);
+    }
+    char *path = svo_i_part_path(b->parts, level, code, "part");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(b->parts, b->message);
+    }
+    status = svo_part_save(tree, path, b->message);
+    svo_i_free(path);
+    return status;
+}
+
+/* Whether a build failed for lack of memory, so that a smaller part may succeed. */
+static bool lacks_memory(svo_status status)
+{
+    return status == SVO_OUT_OF_DEVICE_MEMORY || status == SVO_OUT_OF_HOST_MEMORY;
+}
+
+/* Builds one part in one piece. *too_large: it is expected to take, or took, more memory than there is. */
+static svo_status build_one(const builder *b, uint32_t level, uint64_t code, bool *too_large)
+{
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    uint64_t expected_bytes = 0;
+    svo_status status = svo_i_part_plan(b->parts, b->device, level, code, &plan, &expected_bytes, b->message);
+    *too_large = lacks_memory(status) || (status == SVO_OK && expected_bytes > b->parts->max_bytes);
+    if (status != SVO_OK || *too_large) {
+        goto cleanup;
+    }
+    status = svo_build(plan, b->frontend, b->queue, &tree, NULL);
+    if (status != SVO_OK) {
+        *too_large = lacks_memory(status);
+        status = fail_device(b->device, status, b->message);
+        goto cleanup;
+    }
+    svo_plan_destroy(&plan);
+    status = save_tree(b, tree, level, code);
+cleanup:
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+    return status;
+}
+
+/* Divides a part and notes that its children stand for it. */
+static svo_status split_part(const builder *b, uint32_t level, uint64_t code)
+{
+    uint64_t counts[8];
+    SVO_I_TRY(svo_i_part_divide(b->parts, level, code, counts, b->message));
+    char *path = svo_i_part_path(b->parts, level, code, "split");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(b->parts, b->message);
+    }
+    svo_i_output output = {.descriptor = -1};
+    int error = svo_i_output_open(path, NULL, &output);
+    if (error == 0) {
+        error = svo_i_output_commit(&output);
+    }
+    svo_i_output_abandon(&output);
+    const svo_status status =
+        error == 0 ? SVO_OK
+                   : svo_i_fail(b->message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
+    svo_i_free(path);
+    return status;
+}
+
+static svo_status build_visited(void *user, uint32_t level, uint64_t code, standing found)
+{
+    const builder *b = user;
+    bool too_large = false;
+    if (found == PART_WHOLE) {
+        return SVO_OK;
+    }
+    const svo_status status = build_one(b, level, code, &too_large);
+    if (!too_large) {
+        return status;
+    }
+    if (level + 1 >= b->parts->header.depth) {
+        return status != SVO_OK ? status
+                                : svo_i_fail(b->message, SVO_CAPACITY_EXCEEDED,
+                                             "svo_parts_build: max_bytes %llu is too small for the least part",
+                                             (unsigned long long)b->parts->max_bytes);
+    }
+    SVO_I_TRY(split_part(b, level, code));
+    return visit_part(b->parts, level, code, build_visited, user, b->message);
+}
+
+svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
+                           cl_command_queue queue, svo_message *message)
+{
+    static const char function[] = "svo_parts_build";
+    SVO_I_TRY(check_index(parts, function, index, message));
+    if (device == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: device is NULL", function);
+    }
+    builder b = {parts, device, frontend, queue, message};
+    return visit_part(parts, parts->entries[index].level, parts->entries[index].code, build_visited, &b, message);
+}
+
+/* ---- stitching ---- */
+
+typedef struct gathering {
+    const svo_parts *parts;
+    svo_message *message;
+    char **paths;
+    size_t count, capacity;
+} gathering;
+
+static svo_status gather_path(void *user, uint32_t level, uint64_t code, standing found)
+{
+    gathering *g = user;
+    if (found == PART_MISSING) {
+        return svo_i_fail(g->message, SVO_FILE_ERROR, "%s: the part %u-%llx is missing", g->parts->folder, level,
+                          (unsigned long long)code);
+    }
+    if (found == PART_WRONG) {
+        return SVO_FILE_DAMAGED; /* the message says why */
+    }
+    if (g->count == g->capacity) {
+        const size_t capacity = g->capacity * 2 + 64;
+        char **grown = svo_i_grow(NULL, g->paths, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return svo_i_folder_no_memory(g->parts, g->message);
+        }
+        g->paths = grown;
+        g->capacity = capacity;
+    }
+    char *path = svo_i_part_path(g->parts, level, code, "part");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(g->parts, g->message);
+    }
+    g->paths[g->count++] = path;
+    return SVO_OK;
+}
+
+svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_message *message)
+{
+    gathering g = {.parts = parts, .message = message};
+    char *mesh = NULL;
+    svo_status status = SVO_OK;
+    if (parts == NULL || path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_finish: %s is NULL",
+                          parts == NULL ? "parts" : "path");
+    }
+    for (size_t i = 0; i < parts->entry_count; ++i) {
+        const svo_i_part_entry *entry = &parts->entries[i];
+        SVO_I_TRY_CLEANUP(visit_part(parts, entry->level, entry->code, gather_path, &g, message));
+    }
+    if ((parts->header.need & SVO_NEED_RAYS) != 0) {
+        mesh = svo_i_folder_path(parts, "mesh");
+        if (mesh == NULL) {
+            status = svo_i_folder_no_memory(parts, message);
+            goto cleanup;
+        }
+    }
+    status = svo_parts_stitch(&parts->header, (const char *const *)g.paths, g.count, mesh, path, message);
+cleanup:
+    for (size_t i = 0; i < g.count; ++i) {
+        svo_i_free(g.paths[i]);
+    }
+    svo_i_free(g.paths);
+    svo_i_free(mesh);
+    return status;
+}

@@ -1,0 +1,483 @@
+/* SPDX-License-Identifier: MIT */
+/* Files of triangles: written from a mesh, divided among parts, loaded for a build; all but the last by blocks. */
+#define _POSIX_C_SOURCE 200809L
+#include "parts/triangles.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "output/output.h"
+#include "svocl/nodes.h"
+#include "svocl/plan.h"
+
+#define BLOCK_RECORDS 2048
+#define NAME_BYTES    8 /* name and material, 4 bytes each */
+
+uint32_t svo_i_triangle_fields(const svo_mesh *mesh)
+{
+    return (mesh->positions_double != NULL ? TRIANGLE_DOUBLES : 0u) | (mesh->normals != NULL ? TRIANGLE_NORMALS : 0u) |
+           (mesh->colors != NULL ? TRIANGLE_COLORS : 0u) | (mesh->uvs != NULL ? TRIANGLE_UVS : 0u);
+}
+
+/* Bytes of a field of a vertex; 0: records do not have it. */
+static size_t position_bytes(uint32_t fields)
+{
+    return (fields & TRIANGLE_DOUBLES) != 0 ? 3 * sizeof(double) : 3 * sizeof(float);
+}
+
+static size_t normal_bytes(uint32_t fields)
+{
+    return (fields & TRIANGLE_NORMALS) != 0 ? 3 * sizeof(float) : 0;
+}
+
+static size_t color_bytes(uint32_t fields)
+{
+    return (fields & TRIANGLE_COLORS) != 0 ? 4 : 0;
+}
+
+static size_t uv_bytes(uint32_t fields)
+{
+    return (fields & TRIANGLE_UVS) != 0 ? 2 * sizeof(float) : 0;
+}
+
+size_t svo_i_triangle_bytes(uint32_t fields)
+{
+    return NAME_BYTES + 3 * (position_bytes(fields) + normal_bytes(fields) + color_bytes(fields) + uv_bytes(fields));
+}
+
+/* ---- writing ---- */
+
+/* A file of triangles that is being written. */
+typedef struct triangle_file {
+    svo_i_output output;
+    const char *path;
+    svo_message *message;
+    XXH3_state_t *hash; /* the caller's, since memory of svo_i_alloc is not aligned enough for it */
+    unsigned char *block;
+    size_t filled, block_bytes;
+    uint64_t count;
+} triangle_file;
+
+static svo_status fail_errno(const triangle_file *file, int error)
+{
+    return svo_i_fail(file->message, SVO_FILE_ERROR, "%s: cannot be written: %s", file->path, strerror(error));
+}
+
+static svo_status begin_file(triangle_file *file, const char *path, size_t record_bytes, svo_message *message)
+{
+    file->path = path;
+    file->message = message;
+    file->output.descriptor = -1;
+    file->filled = 0;
+    file->count = 0;
+    file->block_bytes = BLOCK_RECORDS * record_bytes;
+    XXH3_INITSTATE(file->hash);
+    XXH3_64bits_reset(file->hash);
+    file->block = svo_i_alloc(NULL, file->block_bytes);
+    if (file->block == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
+    }
+    const int error = svo_i_output_open(path, NULL, &file->output);
+    return error == 0 ? SVO_OK : fail_errno(file, error);
+}
+
+static svo_status flush(triangle_file *file)
+{
+    const int error = svo_i_output_write(&file->output, file->block, file->filled);
+    XXH3_64bits_update(file->hash, file->block, file->filled);
+    file->filled = 0;
+    return error == 0 ? SVO_OK : fail_errno(file, error);
+}
+
+/* Room for one more record. */
+static svo_status next_record(triangle_file *file, size_t record_bytes, unsigned char **record)
+{
+    if (file->filled + record_bytes > file->block_bytes) {
+        SVO_I_TRY(flush(file));
+    }
+    *record = file->block + file->filled;
+    file->filled += record_bytes;
+    ++file->count;
+    return SVO_OK;
+}
+
+/* *hash: NULL allowed. */
+static svo_status finish_file(triangle_file *file, uint64_t *hash)
+{
+    SVO_I_TRY(flush(file));
+    const uint64_t sum = XXH3_64bits_digest(file->hash);
+    int error = svo_i_output_write(&file->output, &sum, sizeof sum);
+    if (error == 0) {
+        error = svo_i_output_commit(&file->output);
+    }
+    if (hash != NULL) {
+        *hash = sum;
+    }
+    return error == 0 ? SVO_OK : fail_errno(file, error);
+}
+
+static void end_file(triangle_file *file)
+{
+    if (file->block != NULL) {
+        svo_i_output_abandon(&file->output);
+        svo_i_free(file->block);
+        file->block = NULL;
+    }
+}
+
+/* Appends a field of three corners. */
+static unsigned char *put_field(unsigned char *to, const void *field, size_t vertex_bytes, const uint32_t corners[3])
+{
+    for (unsigned corner = 0; corner < 3 && vertex_bytes > 0; ++corner) {
+        memcpy(to, (const unsigned char *)field + corners[corner] * vertex_bytes, vertex_bytes);
+        to += vertex_bytes;
+    }
+    return to;
+}
+
+static void put_triangle(const svo_mesh *mesh, uint32_t fields, uint32_t triangle, uint32_t name, unsigned char *to)
+{
+    uint32_t corners[3];
+    for (uint32_t corner = 0; corner < 3; ++corner) {
+        const size_t index = (size_t)triangle * 3 + corner;
+        corners[corner] = mesh->indices != NULL ? mesh->indices[index] : (uint32_t)index;
+    }
+    const uint32_t words[2] = {name, mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0};
+    memcpy(to, words, NAME_BYTES);
+    to += NAME_BYTES;
+    const void *positions = mesh->positions != NULL ? (const void *)mesh->positions : mesh->positions_double;
+    to = put_field(to, positions, position_bytes(fields), corners);
+    to = put_field(to, mesh->normals, normal_bytes(fields), corners);
+    to = put_field(to, mesh->colors, color_bytes(fields), corners);
+    (void)put_field(to, mesh->uvs, uv_bytes(fields), corners);
+}
+
+svo_status svo_i_triangles_save(const svo_mesh *mesh, const uint32_t *ids, uint32_t count, const char *path,
+                                uint64_t *hash, svo_message *message)
+{
+    XXH3_state_t state;
+    triangle_file file = {.hash = &state};
+    const uint32_t fields = svo_i_triangle_fields(mesh);
+    const size_t record_bytes = svo_i_triangle_bytes(fields);
+    unsigned char *record = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(begin_file(&file, path, record_bytes, message));
+    for (uint32_t i = 0; i < count; ++i) {
+        SVO_I_TRY_CLEANUP(next_record(&file, record_bytes, &record));
+        put_triangle(mesh, fields, ids[i], i, record);
+    }
+    status = finish_file(&file, hash);
+cleanup:
+    end_file(&file);
+    return status;
+}
+
+/* ---- reading ---- */
+
+typedef struct triangle_source {
+    const char *path;
+    svo_message *message;
+    int file;
+    size_t record_bytes;
+    uint64_t count;
+    XXH3_state_t hash;
+    unsigned char *block;
+    uint64_t read; /* records */
+} triangle_source;
+
+static svo_status damaged(const triangle_source *source)
+{
+    return svo_i_fail(source->message, SVO_FILE_DAMAGED, "%s: not the triangles that were written", source->path);
+}
+
+static svo_status read_bytes(const triangle_source *source, void *out, size_t byte_count)
+{
+    char *to = out;
+    while (byte_count > 0) {
+        const ssize_t got = read(source->file, to, byte_count);
+        if (got < 0 && errno == EINTR) {
+            continue;
+        }
+        if (got < 0) {
+            return svo_i_fail(source->message, SVO_FILE_ERROR, "%s: cannot be read: %s", source->path, strerror(errno));
+        }
+        if (got == 0) {
+            return damaged(source);
+        }
+        to += got;
+        byte_count -= (size_t)got;
+    }
+    return SVO_OK;
+}
+
+/* Opens a file and finds the number of its records. To be closed also after a failure. */
+static svo_status open_source(triangle_source *source, const char *path, uint32_t fields, svo_message *message)
+{
+    struct stat found;
+    *source = (triangle_source){.path = path, .message = message, .record_bytes = svo_i_triangle_bytes(fields)};
+    source->file = open(path, O_RDONLY | O_CLOEXEC);
+    if (source->file < 0 || fstat(source->file, &found) != 0) {
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s", path, strerror(errno));
+    }
+    const uint64_t bytes = (uint64_t)found.st_size;
+    if (bytes < sizeof(uint64_t) || (bytes - sizeof(uint64_t)) % source->record_bytes != 0 ||
+        (bytes - sizeof(uint64_t)) / source->record_bytes >= UINT32_MAX) {
+        return damaged(source);
+    }
+    source->count = (bytes - sizeof(uint64_t)) / source->record_bytes;
+    XXH3_INITSTATE(&source->hash);
+    XXH3_64bits_reset(&source->hash);
+    source->block = svo_i_alloc(NULL, BLOCK_RECORDS * source->record_bytes);
+    return source->block != NULL ? SVO_OK
+                                 : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
+}
+
+static void close_source(triangle_source *source)
+{
+    if (source->file >= 0) {
+        (void)close(source->file);
+    }
+    svo_i_free(source->block);
+}
+
+/* Reads the next block; *count is 0 at the end, where the checksum is compared. */
+static svo_status next_block(triangle_source *source, size_t *count)
+{
+    const uint64_t left = source->count - source->read;
+    *count = left < BLOCK_RECORDS ? (size_t)left : BLOCK_RECORDS;
+    SVO_I_TRY(read_bytes(source, source->block, *count * source->record_bytes));
+    XXH3_64bits_update(&source->hash, source->block, *count * source->record_bytes);
+    source->read += *count;
+    if (*count > 0) {
+        return SVO_OK;
+    }
+    uint64_t sum = 0;
+    SVO_I_TRY(read_bytes(source, &sum, sizeof sum));
+    return sum == XXH3_64bits_digest(&source->hash) ? SVO_OK : damaged(source);
+}
+
+svo_status svo_i_triangles_count(const char *path, uint32_t fields, uint64_t *count, svo_message *message)
+{
+    triangle_source source;
+    const svo_status status = open_source(&source, path, fields, message);
+    *count = source.count;
+    close_source(&source);
+    return status;
+}
+
+/* ---- loading ---- */
+
+void svo_i_soup_free(svo_i_soup *soup)
+{
+    svo_i_free(soup->names);
+    svo_i_free(soup->positions);
+    svo_i_free(soup->normals);
+    svo_i_free(soup->colors);
+    svo_i_free(soup->uvs);
+    svo_i_free(soup->materials);
+    *soup = (svo_i_soup){.names = NULL};
+}
+
+static bool alloc_soup(svo_i_soup *soup, uint32_t fields, size_t count)
+{
+    const size_t vertices = 3 * count + 1;
+    soup->names = svo_i_alloc(NULL, (count + 1) * sizeof *soup->names);
+    soup->materials = svo_i_alloc(NULL, (count + 1) * sizeof *soup->materials);
+    soup->positions = svo_i_alloc(NULL, vertices * position_bytes(fields));
+    bool whole = soup->names != NULL && soup->materials != NULL && soup->positions != NULL;
+    if ((fields & TRIANGLE_NORMALS) != 0) {
+        soup->normals = svo_i_alloc(NULL, vertices * normal_bytes(fields));
+        whole = whole && soup->normals != NULL;
+    }
+    if ((fields & TRIANGLE_COLORS) != 0) {
+        soup->colors = svo_i_alloc(NULL, vertices * color_bytes(fields));
+        whole = whole && soup->colors != NULL;
+    }
+    if ((fields & TRIANGLE_UVS) != 0) {
+        soup->uvs = svo_i_alloc(NULL, vertices * uv_bytes(fields));
+        whole = whole && soup->uvs != NULL;
+    }
+    return whole;
+}
+
+/* Takes a field of three corners. */
+static const unsigned char *take_field(const unsigned char *from, void *field, size_t vertex_bytes, size_t triangle)
+{
+    if (vertex_bytes > 0) {
+        memcpy((unsigned char *)field + 3 * triangle * vertex_bytes, from, 3 * vertex_bytes);
+    }
+    return from + 3 * vertex_bytes;
+}
+
+static void take_triangle(svo_i_soup *soup, uint32_t fields, const unsigned char *from, size_t triangle)
+{
+    uint32_t words[2];
+    memcpy(words, from, NAME_BYTES);
+    from += NAME_BYTES;
+    soup->names[triangle] = words[0];
+    soup->materials[triangle] = (uint16_t)words[1];
+    from = take_field(from, soup->positions, position_bytes(fields), triangle);
+    from = take_field(from, soup->normals, normal_bytes(fields), triangle);
+    from = take_field(from, soup->colors, color_bytes(fields), triangle);
+    (void)take_field(from, soup->uvs, uv_bytes(fields), triangle);
+}
+
+static void make_mesh(svo_i_soup *soup, uint32_t fields, size_t count)
+{
+    const bool is_double = (fields & TRIANGLE_DOUBLES) != 0;
+    soup->mesh = (svo_mesh){.struct_size = sizeof soup->mesh,
+                            .positions = is_double ? NULL : soup->positions,
+                            .positions_double = is_double ? soup->positions : NULL,
+                            .vertex_count = 3 * count,
+                            .triangle_count = count,
+                            .normals = soup->normals,
+                            .colors = soup->colors,
+                            .uvs = soup->uvs,
+                            .triangle_materials = soup->materials};
+}
+
+svo_status svo_i_triangles_load(const char *path, uint32_t fields, svo_i_soup *soup, svo_message *message)
+{
+    triangle_source source;
+    svo_status status = SVO_OK;
+    *soup = (svo_i_soup){.names = NULL};
+    SVO_I_TRY_CLEANUP(open_source(&source, path, fields, message));
+    if (!alloc_soup(soup, fields, (size_t)source.count)) {
+        status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", path,
+                            (unsigned long long)source.count);
+        goto cleanup;
+    }
+    size_t count = 0;
+    size_t first = 0;
+    do {
+        SVO_I_TRY_CLEANUP(next_block(&source, &count));
+        for (size_t i = 0; i < count; ++i) {
+            take_triangle(soup, fields, source.block + i * source.record_bytes, first + i);
+        }
+        first += count;
+    } while (count > 0);
+    make_mesh(soup, fields, first);
+cleanup:
+    close_source(&source);
+    if (status != SVO_OK) {
+        svo_i_soup_free(soup);
+    }
+    return status;
+}
+
+/* ---- dividing ---- */
+
+typedef struct divider {
+    const svo_part_header *header;
+    uint32_t fields;
+    double middle[3]; /* of the parent, in units of the whole grid */
+    triangle_file files[8];
+} divider;
+
+/* A corner's coordinate in units of the whole grid, as plan/grid.c snaps it. */
+static double snapped(const divider *d, const unsigned char *record, unsigned corner, unsigned axis)
+{
+    const unsigned char *at = record + NAME_BYTES + corner * position_bytes(d->fields);
+    double wide[3];
+    float narrow[3];
+    if ((d->fields & TRIANGLE_DOUBLES) != 0) {
+        memcpy(wide, at, sizeof wide);
+    } else {
+        memcpy(narrow, at, sizeof narrow);
+        wide[axis] = (double)narrow[axis];
+    }
+    return rint((wide[axis] - d->header->origin[axis]) * d->header->scale);
+}
+
+/* The halves of the parent along each axis that a triangle's bounds meet: bit 0 the lower, bit 1 the upper one. Closed
+   voxels also contain what lies on their upper faces. */
+static void find_halves(const divider *d, const unsigned char *record, unsigned halves[3])
+{
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        double low = INFINITY;
+        double high = -INFINITY;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const double q = snapped(d, record, corner, axis);
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        const bool lower =
+            low < d->middle[axis] || (d->header->coverage == SVO_COVERAGE_CLOSED && low <= d->middle[axis]);
+        halves[axis] = (lower ? 1u : 0u) | (high >= d->middle[axis] ? 2u : 0u);
+    }
+}
+
+static svo_status divide_record(divider *d, const unsigned char *record, size_t record_bytes)
+{
+    unsigned halves[3];
+    find_halves(d, record, halves);
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        bool meets = true;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            meets = meets && (halves[axis] >> (octant >> axis & 1u) & 1u) != 0;
+        }
+        if (meets) {
+            unsigned char *to = NULL;
+            SVO_I_TRY(next_record(&d->files[octant], record_bytes, &to));
+            memcpy(to, record, record_bytes);
+        }
+    }
+    return SVO_OK;
+}
+
+static void find_middle(divider *d, uint32_t level, uint64_t code)
+{
+    uint32_t cell[3];
+    const double width = ldexp(1.0, (int)(d->header->snap_bits - level));
+    svo_code_to_cell(code, cell);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        d->middle[axis] = ((double)cell[axis] + 0.5) * width;
+    }
+}
+
+svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields, const char *path, uint32_t level,
+                                 uint64_t code, char *const paths[8], uint64_t counts[8], svo_message *message)
+{
+    XXH3_state_t states[8];
+    triangle_source source = {.file = -1};
+    svo_status status = SVO_OK;
+    divider *d = svo_i_alloc_zeroed(NULL, 1, sizeof *d);
+    if (d == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to divide triangles", path);
+    }
+    d->header = header;
+    d->fields = fields;
+    find_middle(d, level, code);
+    SVO_I_TRY_CLEANUP(open_source(&source, path, fields, message));
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        d->files[octant].hash = &states[octant];
+        SVO_I_TRY_CLEANUP(begin_file(&d->files[octant], paths[octant], source.record_bytes, message));
+    }
+    size_t count = 0;
+    do {
+        SVO_I_TRY_CLEANUP(next_block(&source, &count));
+        for (size_t i = 0; i < count; ++i) {
+            SVO_I_TRY_CLEANUP(divide_record(d, source.block + i * source.record_bytes, source.record_bytes));
+        }
+    } while (count > 0);
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        counts[octant] = d->files[octant].count;
+        if (counts[octant] > 0) {
+            SVO_I_TRY_CLEANUP(finish_file(&d->files[octant], NULL));
+        }
+    }
+cleanup:
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        end_file(&d->files[octant]);
+    }
+    close_source(&source);
+    svo_i_free(d);
+    return status;
+}

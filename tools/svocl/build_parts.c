@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/* build --max-memory: plans parts, builds one after the other, stitches them. What is done stays for --resume. */
+#include "svocl/build_parts.h"
+
+#include <stdlib.h>
+
+#include "support/json.h"
+#include "support/output.h"
+#include "support/parts_job.h"
+#include "support/table.h"
+
+/* A build in parts and what it took. */
+typedef struct parts_run {
+    char *folder;
+    session opened;
+    svo_parts *parts;
+    uint64_t mesh_bytes;
+    double plan_ms, build_ms, stitch_ms;
+} parts_run;
+
+static int check_options(program *state)
+{
+    const options *given = &state->options;
+    const char *other = given->plan_only || given->plan ? "plan"
+                        : given->repeat > 1             ? "repeat"
+                        : given->compress               ? "compress"
+                        : given->solid != 0             ? "solid"
+                        : given->count_first            ? "count-first"
+                                                        : NULL;
+    if (other != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s does not apply with --max-memory", other);
+    }
+    if (given->builder == OPTION_BUILDER_GL_COMPUTE) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--builder gl-compute makes no parts of trees");
+    }
+    if (given->max_memory == 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--resume requires --max-memory");
+    }
+    if (given->output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--max-memory needs -o FILE");
+    }
+    return output_check(state, given->output_path);
+}
+
+static int check_folder(program *state, const parts_run *run)
+{
+    return !parts_folder_exists(run->folder) || state->options.resume
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_FAILED,
+                              "%s exists: --resume goes on from there, svocl parts remove "
+                              "removes it",
+                              run->folder);
+}
+
+static int build_all(program *state, parts_run *run)
+{
+    const size_t count = svo_parts_count(run->parts);
+    const double start_ms = input_now_ms();
+    int exit_code = PROGRAM_DONE;
+    progress_step(state->progress, "building parts");
+    for (size_t i = 0; i < count && exit_code == PROGRAM_DONE; ++i) {
+        progress_part(state->progress, "parts", (double)i / (double)count);
+        exit_code = parts_build(state, &run->opened, run->parts, i);
+    }
+    run->build_ms = input_now_ms() - start_ms;
+    return exit_code;
+}
+
+/* Plans the parts and opens their folder. */
+static int plan_all(program *state, parts_run *run)
+{
+    const double start_ms = input_now_ms();
+    int exit_code = parts_plan(state, &run->opened, run->folder, &run->mesh_bytes);
+    run->plan_ms = input_now_ms() - start_ms;
+    return exit_code == PROGRAM_DONE ? parts_open(state, run->folder, &run->parts) : exit_code;
+}
+
+static int stitch_all(program *state, parts_run *run)
+{
+    const double start_ms = input_now_ms();
+    svo_message message;
+    progress_step(state->progress, "stitching");
+    const int exit_code = parts_finish(state, run->parts, state->options.output_path);
+    run->stitch_ms = input_now_ms() - start_ms;
+    if (exit_code == PROGRAM_DONE && svo_parts_remove(run->folder, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    return exit_code;
+}
+
+static int report_json(program *state, const parts_run *run)
+{
+    cJSON *document = json_document();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "output", state->options.output_path);
+    json_add_count(document, "depth", state->options.depth);
+    json_add_count(document, "parts", svo_parts_count(run->parts));
+    json_add_count(document, "max_memory_bytes", state->options.max_memory);
+    json_add_count(document, "mesh_bytes", run->mesh_bytes);
+    json_add_count(document, "peak_resident_bytes", parts_peak_bytes());
+    cJSON_AddNumberToObject(document, "plan_ms", run->plan_ms);
+    cJSON_AddNumberToObject(document, "build_ms", run->build_ms);
+    cJSON_AddNumberToObject(document, "stitch_ms", run->stitch_ms);
+    return json_print(state, document);
+}
+
+static void report_table(const program *state, const parts_run *run)
+{
+    table *rows = table_create("lr");
+    table_heading("%s", state->options.input);
+    table_cell(rows, "parts");
+    table_cell(rows, "%s", figure_count(svo_parts_count(run->parts)).text);
+    table_cell(rows, "import and plan");
+    table_cell(rows, "%s", figure_ms(run->plan_ms).text);
+    table_cell(rows, "build");
+    table_cell(rows, "%s", figure_ms(run->build_ms).text);
+    table_cell(rows, "stitch");
+    table_cell(rows, "%s", figure_ms(run->stitch_ms).text);
+    table_cell(rows, "limit of a part");
+    table_cell(rows, "%s", figure_bytes(state->options.max_memory).text);
+    table_cell(rows, "mesh");
+    table_cell(rows, "%s", figure_bytes(run->mesh_bytes).text);
+    table_cell(rows, "peak resident");
+    table_cell(rows, "%s", figure_bytes(parts_peak_bytes()).text);
+    table_print(rows);
+    table_line("The mesh was read whole; the limit counts what parts take beside it.");
+}
+
+static int run_all(program *state, parts_run *run)
+{
+    int exit_code = check_folder(state, run);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open(state, &run->opened);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = plan_all(state, run);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = build_all(state, run);
+    }
+    return exit_code == PROGRAM_DONE ? stitch_all(state, run) : exit_code;
+}
+
+int build_parts(program *state)
+{
+    parts_run run = {0};
+    int exit_code = check_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    run.folder = parts_folder_of(state->options.output_path);
+    if (run.folder == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    program_begin_progress(state, 4);
+    exit_code = run_all(state, &run);
+    progress_destroy(&state->progress);
+    if (exit_code == PROGRAM_DONE && state->options.json) {
+        exit_code = report_json(state, &run);
+    } else if (exit_code == PROGRAM_DONE && !state->options.quiet) {
+        report_table(state, &run);
+    }
+    svo_parts_close(&run.parts);
+    session_close(&run.opened);
+    free(run.folder);
+    return exit_code;
+}

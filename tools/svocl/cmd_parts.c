@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svocl parts: the steps of building in parts, one a command, for engines that run many. Each may be run again, and
+ * twice at once: files appear whole or not at all. Exit code 75 says that another try may succeed.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/json.h"
+#include "support/output.h"
+#include "support/parts_job.h"
+#include "support/table.h"
+#include "svocl/commands.h"
+
+#define SUFFIX ".parts"
+
+static int plan(program *state)
+{
+    session opened = {0};
+    svo_parts *parts = NULL;
+    if (state->options.output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "parts plan needs -o FILE");
+    }
+    char *folder = parts_folder_of(state->options.output_path);
+    if (folder == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    program_begin_progress(state, 2);
+    int exit_code = session_open(state, &opened);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_plan(state, &opened, folder, NULL);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_open(state, folder, &parts);
+    }
+    progress_destroy(&state->progress);
+    if (exit_code == PROGRAM_DONE && state->options.json) {
+        cJSON *document = json_document();
+        json_add_text(document, "folder", folder);
+        json_add_count(document, "count", svo_parts_count(parts));
+        exit_code = json_print(state, document);
+    } else if (exit_code == PROGRAM_DONE && !state->options.quiet) {
+        printf("%s: %zu parts\n", folder, svo_parts_count(parts));
+    }
+    svo_parts_close(&parts);
+    session_close(&opened);
+    free(folder);
+    return exit_code;
+}
+
+/* The index of the part that --part names. */
+static int find_part(program *state, const svo_parts *parts, size_t *index)
+{
+    const char *asked = state->options.part;
+    char *end = NULL;
+    const size_t count = svo_parts_count(parts);
+    const unsigned long long number = strtoull(asked, &end, 10);
+    if (asked[0] >= '0' && asked[0] <= '9' && *end == '\0' && number < count) {
+        *index = (size_t)number;
+        return PROGRAM_DONE;
+    }
+    for (*index = 0; *index < count; ++*index) {
+        svo_message message;
+        svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+        char name[48];
+        if (svo_parts_get(parts, *index, &entry, &message) != SVO_OK) {
+            return program_fail_library(state, message.text);
+        }
+        (void)snprintf(name, sizeof name, "%" PRIu32 "-%" PRIx64, entry.level, entry.code);
+        if (strcmp(name, asked) == 0) {
+            return PROGRAM_DONE;
+        }
+    }
+    return program_fail(state, PROGRAM_WRONG_USAGE, "--part '%s' is neither below %zu nor the name of a part", asked,
+                        count);
+}
+
+static int build_parts_of(program *state, const svo_parts *parts)
+{
+    session opened = {0};
+    size_t first = 0;
+    size_t end = svo_parts_count(parts);
+    int exit_code = PROGRAM_DONE;
+    if (state->options.part != NULL) {
+        exit_code = find_part(state, parts, &first);
+        end = first + 1;
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open(state, &opened);
+    }
+    for (size_t i = first; i < end && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = parts_build(state, &opened, parts, i);
+    }
+    session_close(&opened);
+    return exit_code;
+}
+
+/* One part of the array `parts`. */
+static void add_entry(cJSON *array, size_t index, const svo_parts_entry *entry, int is_built)
+{
+    cJSON *object = cJSON_CreateObject();
+    char name[48];
+    (void)snprintf(name, sizeof name, "%" PRIu32 "-%" PRIx64, entry->level, entry->code);
+    json_add_count(object, "index", index);
+    json_add_text(object, "part", name);
+    json_add_count(object, "triangles", entry->triangles);
+    json_add_count(object, "expected_bytes", entry->expected_bytes);
+    cJSON_AddBoolToObject(object, "built", is_built);
+    cJSON_AddItemToArray(array, object);
+}
+
+static int status(program *state, const svo_parts *parts)
+{
+    cJSON *document = state->options.json ? json_document() : NULL;
+    cJSON *array = document != NULL ? cJSON_AddArrayToObject(document, "parts") : NULL;
+    size_t built = 0;
+    for (size_t i = 0; i < svo_parts_count(parts); ++i) {
+        svo_message message;
+        svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+        int is_built = 0;
+        if (svo_parts_get(parts, i, &entry, &message) != SVO_OK ||
+            svo_parts_is_built(parts, i, &is_built, &message) != SVO_OK) {
+            cJSON_Delete(document);
+            return program_fail_library(state, message.text);
+        }
+        built += is_built != 0 ? 1u : 0u;
+        if (array != NULL) {
+            add_entry(array, i, &entry, is_built);
+        } else if (message.text[0] != '\0' && is_built == 0) {
+            printf("%s\n", message.text);
+        }
+    }
+    if (document != NULL) {
+        json_add_count(document, "built", built);
+        return json_print(state, document);
+    }
+    printf("%zu of %zu parts are built\n", built, svo_parts_count(parts));
+    return PROGRAM_DONE;
+}
+
+/* -o, or the folder's name without its suffix. */
+static int stitch(program *state, const svo_parts *parts)
+{
+    const char *folder = state->options.input;
+    const size_t length = strlen(folder);
+    if (state->options.output_path != NULL) {
+        return parts_finish(state, parts, state->options.output_path);
+    }
+    if (length < sizeof SUFFIX || strcmp(folder + length - (sizeof SUFFIX - 1), SUFFIX) != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not end in " SUFFIX ": parts stitch needs -o FILE",
+                            folder);
+    }
+    char *path = calloc(length + 1, 1);
+    if (path == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    memcpy(path, folder, length - (sizeof SUFFIX - 1));
+    const int exit_code = parts_finish(state, parts, path);
+    free(path);
+    return exit_code;
+}
+
+static int remove_folder(program *state)
+{
+    svo_message message;
+    return svo_parts_remove(state->options.input, &message) == SVO_OK ? PROGRAM_DONE
+                                                                      : program_fail_library(state, message.text);
+}
+
+/* The actions on a folder that is open. */
+static const struct {
+    const char *name;
+    int (*run)(program *state, const svo_parts *parts);
+} actions[] = {{"build", build_parts_of}, {"status", status}, {"stitch", stitch}};
+
+int command_parts(program *state)
+{
+    const char *action = state->options.subject != NULL ? state->options.subject : "";
+    if (state->options.input == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "parts needs an ACTION and an INPUT, see svocl parts --help");
+    }
+    if (strcmp(action, "plan") == 0) {
+        return plan(state);
+    }
+    if (strcmp(action, "remove") == 0) {
+        return remove_folder(state);
+    }
+    for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) {
+        if (strcmp(action, actions[i].name) == 0) {
+            svo_parts *parts = NULL;
+            int exit_code = parts_open(state, state->options.input, &parts);
+            if (exit_code == PROGRAM_DONE) {
+                exit_code = actions[i].run(state, parts);
+            }
+            svo_parts_close(&parts);
+            return exit_code;
+        }
+    }
+    return program_fail(state, PROGRAM_WRONG_USAGE, "ACTION '%s' is none of plan, build, status, stitch, remove",
+                        action);
+}
