@@ -64,6 +64,14 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
     return SVO_OK;
 }
 
+void svo_i_buffer_release(cl_mem *buffer)
+{
+    if (*buffer != NULL) {
+        clReleaseMemObject(*buffer);
+        *buffer = NULL;
+    }
+}
+
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
 {
     const char *wrong = svo_i_wrong_queue(device->context, device->device, queue);
