@@ -179,24 +179,24 @@ static const struct {
 } places[] = {{"at the origin", -0.5, 1.0}, {"shifted", 3.1, 0.7},     {"far away", 1000.0, 1.0},
               {"tiny", 0x1p-62, 0x1p-60},   {"huge", -0x1p59, 0x1p60}, {"millimeters", -0.0031, 0.001}};
 
-static void hits_are_those_of_the_input(void **state)
+static void check_places(const fixture *opened, bool in_doubles, uint32_t positions)
 {
     for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
         input made;
-        make_input(i, places[i].shift, places[i].scale, false, &made);
-        check_rays(fixture_of_group(state), places[i].name, &made, SVO_POSITIONS_FLOAT);
+        make_input(i, places[i].shift, places[i].scale, in_doubles, &made);
+        check_rays(opened, places[i].name, &made, positions);
         free_input(&made);
     }
 }
 
+static void hits_are_those_of_the_input(void **state)
+{
+    check_places(fixture_of_group(state), false, SVO_POSITIONS_FLOAT);
+}
+
 static void doubles_stay_doubles(void **state)
 {
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-        input made;
-        make_input(i, places[i].shift, places[i].scale, true, &made);
-        check_rays(fixture_of_group(state), places[i].name, &made, SVO_POSITIONS_DOUBLE);
-        free_input(&made);
-    }
+    check_places(fixture_of_group(state), true, SVO_POSITIONS_DOUBLE);
 }
 
 /* ---- nearest points ---- */

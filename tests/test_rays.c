@@ -22,6 +22,14 @@
 
 /* ---- any hit, counts, depths ---- */
 
+/* A procedural scene by its name, for rays. */
+static void build_scene(const fixture *opened, const char *name, unsigned depth, built *out)
+{
+    scene *made = make_scene(name);
+    build_for_rays(opened, scene_mesh(made), depth, NULL, 0, out);
+    scene_destroy(&made);
+}
+
 static void any_hit_and_count_agree_with_the_reference(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -145,11 +153,10 @@ static void hits_do_not_depend_on_neighboring_rays(void **state)
     static svo_hit together[RAYS];
     static svo_hit alone[RAYS];
     static svo_hit any[RAYS];
-    scene *made = make_scene("knot:20000");
     built tree;
     size_t met = 0;
     uint64_t random = 5;
-    build_for_rays(opened, scene_mesh(made), 7, NULL, 0, &tree);
+    build_scene(opened, "knot:20000", 7, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         const size_t row = i / EDGE;
         const double across[3] = {(double)(i % EDGE) / EDGE - 0.5, (double)row / EDGE - 0.5, 1.0};
@@ -173,7 +180,6 @@ static void hits_do_not_depend_on_neighboring_rays(void **state)
     }
     assert_true(met > RAYS / 20 && met < RAYS - RAYS / 20);
     built_destroy(&tree);
-    scene_destroy(&made);
 }
 
 /* Incoherent rays, in batches of sizes around those that are traced as a stream. */
@@ -185,11 +191,10 @@ static void hits_do_not_depend_on_the_batch_size(void **state)
     svo_ray rays[RAYS];
     svo_hit alone[RAYS];
     svo_hit batch[RAYS];
-    scene *made = make_scene("knot:3000");
     built tree;
     size_t met = 0;
     uint64_t random = 11;
-    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    build_scene(opened, "knot:3000", 6, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         rays[i] = random_ray_near(&tree, &random, 1.5);
         rays[i].t_max = i % 13 == 5 ? -1.0f : rays[i].t_max; /* ends before it begins */
@@ -203,7 +208,6 @@ static void hits_do_not_depend_on_the_batch_size(void **state)
         assert_same_hits(batch, alone, sizes[k], 6);
     }
     built_destroy(&tree);
-    scene_destroy(&made);
 }
 
 /* A stack of sheets in descending order: rays up and down that begin between two of them hit the next one, with
@@ -317,9 +321,8 @@ static void hits_do_not_depend_on_the_quality(void **state)
     static svo_hit hits[RAYS];
     uint64_t random = 5;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        scene *made = make_scene(names[i]);
         built tree;
-        build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+        build_scene(opened, names[i], 6, &tree);
         for (size_t k = 0; k < RAYS; ++k) {
             rays[k] = random_ray_near(&tree, &random, 3.0);
         }
@@ -334,7 +337,6 @@ static void hits_do_not_depend_on_the_quality(void **state)
         assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_BEST, opened->queue), SVO_OK);
         assert_int_equal(svo_tree_ray_bytes(tree.tree), bytes);
         built_destroy(&tree);
-        scene_destroy(&made);
     }
 }
 
@@ -366,9 +368,8 @@ static void hits_after_a_refit_are_those_of_a_new_bvh(void **state)
     static svo_hit refit[RAYS];
     static svo_hit anew[RAYS];
     uint64_t random = 17;
-    scene *made = make_scene("knot:9000");
     built tree;
-    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    build_scene(opened, "knot:9000", 6, &tree);
     const size_t count = (size_t)tree.info.vertex_count * 3;
     int32_t *moved = malloc(count * sizeof *moved);
     assert_non_null(moved);
@@ -398,7 +399,6 @@ static void hits_after_a_refit_are_those_of_a_new_bvh(void **state)
     }
     free(moved);
     built_destroy(&tree);
-    scene_destroy(&made);
 }
 
 static void the_bvh_is_refused_for_trees_without_lists(void **state)
@@ -582,9 +582,8 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
     static svo_hit expected[RAYS];
     static svo_hit hits[RAYS];
     uint64_t random = 21;
-    scene *made = make_scene("knot:3000");
     built tree;
-    build_for_rays(opened, scene_mesh(made), 6, NULL, 0, &tree);
+    build_scene(opened, "knot:3000", 6, &tree);
     for (size_t i = 0; i < RAYS; ++i) {
         rays[i] = random_ray(&random, 1.0);
         for (int axis = 0; axis < 3; ++axis) {
@@ -621,7 +620,6 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
         }
     }
     built_destroy(&tree);
-    scene_destroy(&made);
 }
 
 /* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
@@ -700,9 +698,8 @@ static void invalid_calls_are_refused(void **state)
 static void events_order_an_out_of_order_queue(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    scene *made = make_scene("cube");
     built tree;
-    build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &tree);
+    build_scene(opened, "cube", 4, &tree);
     cl_int error = CL_SUCCESS;
     cl_context context = svo_device_cl_context(opened->device);
     cl_command_queue queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device),
@@ -732,7 +729,6 @@ static void events_order_an_out_of_order_queue(void **state)
     clReleaseMemObject(hits);
     clReleaseCommandQueue(queue);
     built_destroy(&tree);
-    scene_destroy(&made);
 }
 
 int main(void)

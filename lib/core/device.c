@@ -79,6 +79,14 @@ svo_status svo_i_device_constants(svo_device *device, const char *function, cons
     return make_buffer(device, function, name, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, copied, bytes, out);
 }
 
+void svo_i_buffer_release(cl_mem *buffer)
+{
+    if (*buffer != NULL) {
+        clReleaseMemObject(*buffer);
+        *buffer = NULL;
+    }
+}
+
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
 {
     const char *wrong = svo_i_wrong_queue(device->context, device->device, queue);

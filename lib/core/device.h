@@ -42,6 +42,8 @@ svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const 
 /* Makes a buffer of at least one byte. SVO_OUT_OF_DEVICE_MEMORY names buffer, bytes and limit. */
 svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
                                size_t bytes, cl_mem *out);
+/* Releases a buffer, which becomes NULL; NULL allowed. */
+void svo_i_buffer_release(cl_mem *buffer);
 
 /* The device's message; NULL without a device (a tree from a file has none). */
 svo_message *svo_i_device_message(svo_device *device);

@@ -2,6 +2,8 @@
 /* Scratch buffers, copies and launches; scans by kernels/stages/scan.cl. */
 #include "core/work.h"
 
+#include <string.h>
+
 #include "shared/layout.h"
 
 svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_device_work *out)
@@ -146,12 +148,12 @@ static svo_status follow(svo_i_device_work *work, const char *call, cl_int error
 
 static cl_uint wait_count(const svo_i_device_work *work)
 {
-    return work->last != NULL ? 1 : 0;
+    return work->last != NULL ? 1 : work->wait_count;
 }
 
 static const cl_event *wait_list(const svo_i_device_work *work)
 {
-    return work->last != NULL ? &work->last : NULL;
+    return work->last != NULL ? &work->last : work->wait;
 }
 
 svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes)
@@ -161,6 +163,25 @@ svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *
                                                           wait_count(work), wait_list(work), &event)
                                    : CL_SUCCESS;
     return bytes > 0 ? follow(work, "clEnqueueWriteBuffer", error, event) : SVO_OK;
+}
+
+/* The host's memory as a buffer, without a copy. */
+static svo_status borrow(svo_i_device_work *work, const void *data, uint64_t bytes, cl_mem *out)
+{
+    cl_int error = CL_SUCCESS;
+    void *memory = NULL;
+    memcpy(&memory, &data, sizeof memory); /* clCreateBuffer takes no pointer to const */
+    *out = clCreateBuffer(work->device->context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, (size_t)bytes, memory, &error);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(work->device, work->function, "clCreateBuffer", error);
+}
+
+svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const void *data, uint64_t bytes, cl_mem *out)
+{
+    if (work->device->cpu_path && bytes > 0) {
+        return borrow(work, data, bytes, out);
+    }
+    SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
+    return svo_i_work_write(work, *out, data, bytes);
 }
 
 /* Fills with a pattern of pattern_bytes. */

@@ -16,6 +16,8 @@ typedef struct svo_i_device_work {
     const char *function; /* for messages */
     cl_command_queue queue;
     cl_program program; /* of svo_i_work_launch */
+    cl_uint wait_count; /* events that the first command waits for; the caller may set both */
+    const cl_event *wait;
     cl_event last; /* the newest command; NULL at first */
     cl_mem partials; /* of scans; NULL before the first */
     cl_mem buffers[SVO_I_WORK_BUFFERS_MAX]; /* scratch, owned */
@@ -50,6 +52,8 @@ svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const
 void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
 /* A buffer that the caller owns. */
 svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
+/* The same, with bytes from the host, for kernels to read. A CPU uses the host's memory, which has to outlive it. */
+svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const void *data, uint64_t bytes, cl_mem *out);
 
 svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes);
 svo_status svo_i_work_fill_zero(svo_i_device_work *work, cl_mem buffer, uint64_t bytes);

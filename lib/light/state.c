@@ -30,10 +30,7 @@ svo_status svo_i_light_buffer(svo_i_device_work *work, svo_light *light, svo_lig
 
 void svo_i_light_release(svo_light *light, svo_light_buffer buffer)
 {
-    if (light->buffers[buffer] != NULL) {
-        clReleaseMemObject(light->buffers[buffer]);
-        light->buffers[buffer] = NULL;
-    }
+    svo_i_buffer_release(&light->buffers[buffer]);
     light->info.total_bytes -= light->info.bytes[buffer];
     light->info.bytes[buffer] = 0;
 }

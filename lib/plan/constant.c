@@ -21,10 +21,7 @@ static uint32_t modulate(uint32_t a, uint32_t b)
 static void drop(void *host, cl_mem *memory)
 {
     svo_i_free(host);
-    if (*memory != NULL) {
-        clReleaseMemObject(*memory);
-        *memory = NULL;
-    }
+    svo_i_buffer_release(memory);
 }
 
 static void fold_colors(svo_plan *plan, const svo_i_findings *found)

@@ -15,13 +15,13 @@
 
 typedef struct attributes_run {
     svo_plan *plan;
-    svo_i_launcher *launcher;
+    svo_i_device_work *work;
     const svo_i_plan_input *input;
     const svo_i_device_mesh *mesh;
     bool has_colors, has_normals, has_uvs; /* in the mesh */
     svo_i_findings found;
     uint8_t *is_textured; /* one byte per material */
-    cl_mem textured, materials, partials;
+    cl_mem textured, materials, partials; /* scratch */
 } attributes_run;
 
 /* Vertex colors and normals, in buffers of the plan's own. */
@@ -30,16 +30,16 @@ static svo_status fill_vertices(attributes_run *r)
     const cl_uint vertices = r->plan->vertex_count;
     svo_i_plan_memory *memory = &r->plan->memory;
     if (r->mesh->colors != NULL) {
-        SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_colors", (uint64_t)vertices * 4, &memory->colors));
-        SVO_I_TRY(svo_i_launcher_copy(r->launcher, r->mesh->colors, memory->colors, (uint64_t)vertices * 4));
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_colors", (uint64_t)vertices * 4, &memory->colors));
+        SVO_I_TRY(svo_i_work_copy(r->work, r->mesh->colors, 0, memory->colors, 0, (uint64_t)vertices * 4));
     }
     if (r->mesh->normals == NULL) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_normals", (uint64_t)vertices * 8, &memory->normals));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_normals", (uint64_t)vertices * 8, &memory->normals));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->normals), SVO_I_ARGUMENT(memory->normals),
                                         SVO_I_ARGUMENT(vertices)};
-    return svo_i_launcher_run(r->launcher, "svo_k_plan_normals", SVO_I_ARGUMENTS(arguments), vertices);
+    return svo_i_work_launch(r->work, "svo_k_plan_normals", SVO_I_ARGUMENTS(arguments), vertices);
 }
 
 /* Which materials have a texture, for the kernel. */
@@ -49,9 +49,10 @@ static svo_status mark_textured(attributes_run *r)
     for (uint32_t i = 0; i < r->plan->material_count; ++i) {
         r->is_textured[i] = wanted && svo_i_material_is_textured(&r->input->mesh, r->has_uvs, i) ? 1 : 0;
     }
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_materials", r->plan->material_count, &r->materials));
-    SVO_I_TRY(svo_i_launcher_zero(r->launcher, r->materials, r->plan->material_count));
-    return svo_i_launcher_input(r->launcher, "plan_textured", r->is_textured, r->plan->material_count, &r->textured);
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_materials", r->plan->material_count, &r->materials));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->materials, r->plan->material_count));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_textured", r->plan->material_count, &r->textured));
+    return svo_i_work_write(r->work, r->textured, r->is_textured, r->plan->material_count);
 }
 
 static void take_totals(svo_i_findings *found, const uint64_t totals[COLUMNS])
@@ -72,11 +73,11 @@ static svo_status make_records(attributes_run *r)
                                     .flags = SVO_PLAN_TEXTURED,
                                     .material_count = plan->material_count};
     SVO_I_TRY(mark_textured(r));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
-                                    &memory->records));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials",
-                                    (uint64_t)svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong),
-                                    &r->partials));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
+                                &memory->records));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_partials",
+                               (uint64_t)svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong),
+                               &r->partials));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(memory->indices),
                                         SVO_I_ARGUMENT(memory->triangle_ids),
@@ -89,13 +90,13 @@ static svo_status make_records(attributes_run *r)
                                         SVO_I_ARGUMENT(r->partials),
                                         SVO_I_ARGUMENT(params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments),
-                                 svo_i_run_items(plan->triangle_count)));
-    SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, plan->triangle_count, COLUMNS, true, totals));
+    SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments),
+                                svo_i_run_items(plan->triangle_count)));
+    SVO_I_TRY(svo_i_run_totals(r->work, r->partials, plan->triangle_count, COLUMNS, true, totals));
     if (plan->triangle_count > 0) {
         take_totals(&r->found, totals);
     }
-    return svo_i_launcher_read(r->launcher, r->materials, 0, r->found.material_used, plan->material_count);
+    return svo_i_work_read(r->work, r->materials, 0, r->found.material_used, plan->material_count);
 }
 
 /* The first triangle's record, and the attributes of its first corner. */
@@ -106,14 +107,13 @@ static svo_status read_first(attributes_run *r)
     if (r->plan->triangle_count == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(
-        svo_i_launcher_read(r->launcher, memory->records, 0, &r->found.first_record, sizeof r->found.first_record));
-    SVO_I_TRY(svo_i_launcher_read(r->launcher, memory->indices, 0, &vertex, sizeof vertex));
+    SVO_I_TRY(svo_i_work_read(r->work, memory->records, 0, &r->found.first_record, sizeof r->found.first_record));
+    SVO_I_TRY(svo_i_work_read(r->work, memory->indices, 0, &vertex, sizeof vertex));
     if (memory->colors != NULL) {
-        SVO_I_TRY(svo_i_launcher_read(r->launcher, memory->colors, (uint64_t)vertex * 4, &r->found.first_color, 4));
+        SVO_I_TRY(svo_i_work_read(r->work, memory->colors, (uint64_t)vertex * 4, &r->found.first_color, 4));
     }
     if (memory->normals != NULL) {
-        SVO_I_TRY(svo_i_launcher_read(r->launcher, memory->normals, (uint64_t)vertex * 8, r->found.first_normal, 8));
+        SVO_I_TRY(svo_i_work_read(r->work, memory->normals, (uint64_t)vertex * 8, r->found.first_normal, 8));
     }
     return SVO_OK;
 }
@@ -126,10 +126,10 @@ static svo_status fill_colors(attributes_run *r)
     if (plan->textures_used == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_uvs", numbers * 4, &plan->memory.uvs));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_uvs", numbers * 4, &plan->memory.uvs));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->uvs), SVO_I_ARGUMENT(plan->memory.uvs),
                                         SVO_I_ARGUMENT(numbers)};
-    return svo_i_launcher_run(r->launcher, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
+    return svo_i_work_launch(r->work, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
 }
 
 static svo_status run_steps(attributes_run *r, svo_i_device_mesh *mesh)
@@ -137,9 +137,9 @@ static svo_status run_steps(attributes_run *r, svo_i_device_mesh *mesh)
     svo_plan *plan = r->plan;
     if (r->found.material_used == NULL || r->is_textured == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u materials",
-                                 r->launcher->function, plan->material_count);
+                                 r->work->function, plan->material_count);
     }
-    SVO_I_TRY(svo_i_device_mesh_attributes(r->launcher, r->input, plan->info.need, mesh));
+    SVO_I_TRY(svo_i_device_mesh_attributes(r->work, r->input, plan->info.need, mesh));
     SVO_I_TRY(fill_vertices(r));
     SVO_I_TRY(make_records(r));
     SVO_I_TRY(read_first(r));
@@ -150,13 +150,13 @@ static svo_status run_steps(attributes_run *r, svo_i_device_mesh *mesh)
     return SVO_OK;
 }
 
-svo_status svo_i_device_attributes(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,
+svo_status svo_i_device_attributes(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                                    svo_i_device_mesh *mesh)
 {
     const svo_mesh *given = &input->mesh;
     const svo_mesh_buffers *b = input->buffers;
     attributes_run r = {.plan = plan,
-                        .launcher = launcher,
+                        .work = work,
                         .input = input,
                         .mesh = mesh,
                         .has_colors = b != NULL ? b->colors.memory != NULL : given->colors != NULL,
@@ -169,10 +169,6 @@ svo_status svo_i_device_attributes(svo_plan *plan, svo_i_launcher *launcher, con
     r.found.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     r.is_textured = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     const svo_status status = run_steps(&r, mesh);
-    svo_i_launcher_end(launcher);
-    svo_i_launcher_free(&r.textured);
-    svo_i_launcher_free(&r.materials);
-    svo_i_launcher_free(&r.partials);
     svo_i_free(r.found.material_used);
     svo_i_free(r.is_textured);
     return status;

@@ -7,7 +7,7 @@
 
 /* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload. mesh receives the arrays that are
    read; the caller frees it. */
-svo_status svo_i_device_attributes(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,
+svo_status svo_i_device_attributes(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                                    svo_i_device_mesh *mesh);
 
 #endif

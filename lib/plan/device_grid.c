@@ -19,7 +19,7 @@
 /* What the steps share besides the plan's buffers. */
 typedef struct grid_run {
     svo_plan *plan;
-    svo_i_launcher *launcher;
+    svo_i_device_work *work;
     const svo_i_device_mesh *mesh;
     svo_plan_params params;
     cl_mem used; /* per vertex: whether an accepted triangle uses it */
@@ -41,8 +41,8 @@ uint64_t svo_i_run_items(uint64_t elements)
     return (elements + RUN - 1) / RUN;
 }
 
-svo_status svo_i_run_totals(svo_i_launcher *launcher, cl_mem partials, uint64_t elements, uint32_t columns,
-                            bool largest, uint64_t *out)
+svo_status svo_i_run_totals(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns, bool largest,
+                            uint64_t *out)
 {
     cl_mem totals = NULL;
     const svo_plan_total_params params = {svo_i_run_groups(elements), columns, largest ? 1u : 0u, 0};
@@ -50,14 +50,14 @@ svo_status svo_i_run_totals(svo_i_launcher *launcher, cl_mem partials, uint64_t 
     if (params.groups == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_launcher_buffer(launcher, "totals", columns * sizeof(cl_ulong), &totals));
+    SVO_I_TRY(svo_i_work_alloc(work, "totals", columns * sizeof(cl_ulong), &totals));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
-    svo_status status = svo_i_launcher_run(launcher, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+    svo_status status = svo_i_work_launch(work, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
     if (status == SVO_OK) {
-        status = svo_i_launcher_read(launcher, totals, 0, out, columns * sizeof *out);
+        status = svo_i_work_read(work, totals, 0, out, columns * sizeof *out);
     }
-    svo_i_launcher_free(&totals);
+    svo_i_work_free(work, &totals);
     return status;
 }
 
@@ -88,21 +88,21 @@ static svo_status alloc(grid_run *r)
     const uint64_t vertices = r->params.vertex_count;
     const uint64_t triangles = r->params.triangle_count;
     const uint32_t groups = svo_i_run_groups(vertices > triangles ? vertices : triangles);
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_used", vertices, &r->used));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fates", triangles, &r->fates));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_fragments", triangles * 4, &r->fragments));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong),
-                                    &r->partials));
-    return svo_i_launcher_buffer(r->launcher, "plan_vertices", vertices * 12, &r->plan->memory.vertices);
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_used", vertices, &r->used));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_fates", triangles, &r->fates));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_fragments", triangles * 4, &r->fragments));
+    SVO_I_TRY(
+        svo_i_work_alloc(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
+    return svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices);
 }
 
 static svo_status accept(grid_run *r)
 {
-    SVO_I_TRY(svo_i_launcher_zero(r->launcher, r->used, r->params.vertex_count));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->used, r->params.vertex_count));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->used), SVO_I_ARGUMENT(r->params)};
-    return svo_i_launcher_run(r->launcher, "svo_k_plan_accept", SVO_I_ARGUMENTS(arguments),
-                              svo_i_run_items(r->params.triangle_count));
+    return svo_i_work_launch(r->work, "svo_k_plan_accept", SVO_I_ARGUMENTS(arguments),
+                             svo_i_run_items(r->params.triangle_count));
 }
 
 /* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
@@ -114,9 +114,9 @@ static svo_status fit(grid_run *r)
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),
                                             SVO_I_ARGUMENT(r->partials), SVO_I_ARGUMENT(r->params),
                                             SVO_I_LOCAL(SCRATCH_BYTES)};
-        SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_bounds", SVO_I_ARGUMENTS(arguments),
-                                     svo_i_run_items(r->params.vertex_count)));
-        SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, r->params.vertex_count, 6, true, keys));
+        SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_bounds", SVO_I_ARGUMENTS(arguments),
+                                    svo_i_run_items(r->params.vertex_count)));
+        SVO_I_TRY(svo_i_run_totals(r->work, r->partials, r->params.vertex_count, 6, true, keys));
     }
     bounds.any = keys[0] != 0;
     for (unsigned axis = 0; axis < 3 && bounds.any; ++axis) {
@@ -137,9 +137,9 @@ static svo_status snap(grid_run *r)
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),   SVO_I_ARGUMENT(r->plan->memory.vertices),
         SVO_I_ARGUMENT(r->partials),        SVO_I_ARGUMENT(r->params), SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments),
-                                 svo_i_run_items(r->params.vertex_count)));
-    SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, r->params.vertex_count, 1, true, &largest));
+    SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments),
+                                svo_i_run_items(r->params.vertex_count)));
+    SVO_I_TRY(svo_i_run_totals(r->work, r->partials, r->params.vertex_count, 1, true, &largest));
     r->plan->info.snap_error = double_of(largest);
     return SVO_OK;
 }
@@ -175,8 +175,8 @@ static svo_status classify(grid_run *r)
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
     SVO_I_TRY(
-        svo_i_launcher_run(r->launcher, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles)));
-    SVO_I_TRY(svo_i_run_totals(r->launcher, r->partials, triangles, SVO_PLAN_SUMS, false, r->totals));
+        svo_i_work_launch(r->work, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles)));
+    SVO_I_TRY(svo_i_run_totals(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, r->totals));
     take_totals(r);
     return SVO_OK;
 }
@@ -187,8 +187,8 @@ static svo_status find_closed(grid_run *r)
     uint64_t sums[2] = {0};
     cl_mem partials = NULL; /* the rows of classification are still needed */
     const uint64_t triangles = r->params.triangle_count;
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_partials",
-                                    (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong), &partials));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_partials", (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
+                               &partials));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->fates),
@@ -196,11 +196,11 @@ static svo_status find_closed(grid_run *r)
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
     svo_status status =
-        svo_i_launcher_run(r->launcher, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles));
+        svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles));
     if (status == SVO_OK) {
-        status = svo_i_run_totals(r->launcher, partials, triangles, 2, false, sums);
+        status = svo_i_run_totals(r->work, partials, triangles, 2, false, sums);
     }
-    svo_i_launcher_free(&partials);
+    svo_i_work_free(r->work, &partials);
     r->plan->work.both_sides = (sums[0] | sums[1]) != 0;
     return status;
 }
@@ -210,16 +210,15 @@ static svo_status alloc_kept(grid_run *r)
     svo_i_plan_memory *memory = &r->plan->memory;
     const uint64_t count = r->plan->triangle_count;
     const cl_uint kept_bytes = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->params.vertex_count : 0;
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_indices", count * 12, &memory->indices));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_triangle_ids", count * 4, &memory->triangle_ids));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_items", count * sizeof(svo_draw_item), &memory->items));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_item_fragments", count * 4, &memory->item_fragments));
-    SVO_I_TRY(
-        svo_i_launcher_buffer(r->launcher, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_large_count", sizeof(cl_uint), &r->large_count));
-    SVO_I_TRY(svo_i_launcher_zero(r->launcher, r->large_count, sizeof(cl_uint)));
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_kept", kept_bytes, &r->kept));
-    return svo_i_launcher_zero(r->launcher, r->kept, kept_bytes);
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_indices", count * 12, &memory->indices));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_triangle_ids", count * 4, &memory->triangle_ids));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_items", count * sizeof(svo_draw_item), &memory->items));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_item_fragments", count * 4, &memory->item_fragments));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_large_count", sizeof(cl_uint), &r->large_count));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->large_count, sizeof(cl_uint)));
+    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_kept", kept_bytes, &r->kept));
+    return svo_i_work_fill_zero(r->work, r->kept, kept_bytes);
 }
 
 static svo_status keep(grid_run *r)
@@ -240,14 +239,14 @@ static svo_status keep(grid_run *r)
                                         SVO_I_ARGUMENT(r->kept),
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(svo_i_launcher_run(r->launcher, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
-                                 svo_i_run_items(r->params.triangle_count)));
+    SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
+                                svo_i_run_items(r->params.triangle_count)));
     if ((r->params.flags & SVO_PLAN_SOME) == 0) {
         return SVO_OK;
     }
     const svo_i_argument clear[] = {SVO_I_ARGUMENT(r->kept), SVO_I_ARGUMENT(memory->vertices),
                                     SVO_I_ARGUMENT(r->params)};
-    return svo_i_launcher_run(r->launcher, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
+    return svo_i_work_launch(r->work, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
 }
 
 /* The mesh's own positions of the vertices that kept triangles use, for rays; positions.c has it for the host. */
@@ -260,11 +259,11 @@ static svo_status keep_positions(grid_run *r)
     if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_launcher_buffer(r->launcher, "plan_positions",
-                                    (uint64_t)r->params.vertex_count * (is_double ? 24 : 12), positions));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_positions", (uint64_t)r->params.vertex_count * (is_double ? 24 : 12),
+                                positions));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(marks),
                                         SVO_I_ARGUMENT(*positions), SVO_I_ARGUMENT(r->params)};
-    return svo_i_launcher_run(r->launcher, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
+    return svo_i_work_launch(r->work, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
 }
 
 static int compare_items(const void *a, const void *b)
@@ -282,9 +281,9 @@ static svo_status read_large(grid_run *r)
     plan->large = svo_i_alloc(&plan->device->memory, bytes + sizeof *plan->large);
     if (plan->large == NULL) {
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u triangles",
-                                 r->launcher->function, plan->large_count);
+                                 r->work->function, plan->large_count);
     }
-    SVO_I_TRY(svo_i_launcher_read(r->launcher, r->large, 0, plan->large, bytes));
+    SVO_I_TRY(svo_i_work_read(r->work, r->large, 0, plan->large, bytes));
     qsort(plan->large, plan->large_count, sizeof *plan->large, compare_items);
     return SVO_OK;
 }
@@ -309,11 +308,11 @@ static svo_status run_steps(grid_run *r)
     return svo_i_progress_tell(plan, SVO_STAGE_GRID);
 }
 
-svo_status svo_i_device_grid(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,
+svo_status svo_i_device_grid(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                              const svo_i_device_mesh *mesh)
 {
     const svo_mesh *given = &input->mesh;
-    grid_run r = {.plan = plan, .launcher = launcher, .mesh = mesh};
+    grid_run r = {.plan = plan, .work = work, .mesh = mesh};
     plan->vertex_count = (uint32_t)given->vertex_count;
     plan->info.triangles = given->triangle_count;
     r.params = (svo_plan_params){.vertex_count = plan->vertex_count,
@@ -325,10 +324,9 @@ svo_status svo_i_device_grid(svo_plan *plan, svo_i_launcher *launcher, const svo
                      (plan->info.coverage == SVO_COVERAGE_CLOSED ? SVO_PLAN_CLOSED : 0u) |
                      (plan->info.coverage == SVO_COVERAGE_THIN ? SVO_PLAN_THIN : 0u);
     const svo_status status = run_steps(&r);
-    svo_i_launcher_end(launcher);
     cl_mem *buffers[] = {&r.used, &r.kept, &r.fates, &r.fragments, &r.partials, &r.large, &r.large_count};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_launcher_free(buffers[i]);
+        svo_i_work_free(work, buffers[i]);
     }
     return status;
 }

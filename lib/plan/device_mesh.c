@@ -21,51 +21,51 @@ static void words_of(uint64_t number, cl_uint words[2])
 }
 
 /* Packs a view's elements into a new buffer. */
-static svo_status pack(svo_i_launcher *launcher, const array *from, uint64_t stride_bytes, cl_mem *out)
+static svo_status pack(svo_i_device_work *work, const array *from, uint64_t stride_bytes, cl_mem *out)
 {
     svo_plan_view view = {.element_bytes = from->element_bytes};
     words_of(from->count, view.count);
     words_of(from->view->offset_bytes, view.offset);
     words_of(stride_bytes, view.stride);
-    SVO_I_TRY(svo_i_launcher_buffer(launcher, from->name, from->count * from->element_bytes, out));
+    SVO_I_TRY(svo_i_work_result(work, from->name, from->count * from->element_bytes, out));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from->view->memory), SVO_I_ARGUMENT(*out), SVO_I_ARGUMENT(view)};
-    return svo_i_launcher_run(launcher, "svo_k_plan_pack", SVO_I_ARGUMENTS(arguments), from->count);
+    return svo_i_work_launch(work, "svo_k_plan_pack", SVO_I_ARGUMENTS(arguments), from->count);
 }
 
 /* Gets an array. *out stays NULL for one that is empty or absent. */
-static svo_status get_array(svo_i_launcher *launcher, const array *from, cl_mem *out)
+static svo_status get_array(svo_i_device_work *work, const array *from, cl_mem *out)
 {
     if (from->count == 0 || (from->view != NULL ? from->view->memory == NULL : from->host == NULL)) {
         return SVO_OK;
     }
     if (from->view == NULL) {
-        return svo_i_launcher_input(launcher, from->name, from->host, from->count * from->element_bytes, out);
+        return svo_i_work_input(work, from->name, from->host, from->count * from->element_bytes, out);
     }
     const uint64_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
     if (from->view->offset_bytes != 0 || stride_bytes != from->element_bytes) {
-        return pack(launcher, from, stride_bytes, out);
+        return pack(work, from, stride_bytes, out);
     }
     const cl_int error = clRetainMemObject(from->view->memory);
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(launcher->device, launcher->function, "clRetainMemObject", error);
+        return svo_i_device_fail_cl(work->device, work->function, "clRetainMemObject", error);
     }
     *out = from->view->memory;
     return SVO_OK;
 }
 
 /* Replaces indices of 16 bits by indices of 32 bits. */
-static svo_status widen(svo_i_launcher *launcher, cl_ulong count, cl_mem *indices)
+static svo_status widen(svo_i_device_work *work, cl_ulong count, cl_mem *indices)
 {
     cl_mem wide = NULL;
-    SVO_I_TRY(svo_i_launcher_buffer(launcher, "indices", count * 4, &wide));
+    SVO_I_TRY(svo_i_work_result(work, "indices", count * 4, &wide));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(*indices), SVO_I_ARGUMENT(wide), SVO_I_ARGUMENT(count)};
-    const svo_status status = svo_i_launcher_run(launcher, "svo_k_plan_widen", SVO_I_ARGUMENTS(arguments), count);
-    svo_i_launcher_free(status == SVO_OK ? indices : &wide);
+    const svo_status status = svo_i_work_launch(work, "svo_k_plan_widen", SVO_I_ARGUMENTS(arguments), count);
+    svo_i_buffer_release(status == SVO_OK ? indices : &wide);
     *indices = status == SVO_OK ? wide : *indices;
     return status;
 }
 
-svo_status svo_i_device_mesh_geometry(svo_i_launcher *launcher, const svo_i_plan_input *input, svo_i_device_mesh *out)
+svo_status svo_i_device_mesh_geometry(svo_i_device_work *work, const svo_i_plan_input *input, svo_i_device_mesh *out)
 {
     const svo_mesh *mesh = &input->mesh;
     const svo_mesh_buffers *buffers = input->buffers;
@@ -75,12 +75,12 @@ svo_status svo_i_device_mesh_geometry(svo_i_launcher *launcher, const svo_i_plan
                              buffers != NULL ? &buffers->positions : NULL, mesh->vertex_count, is_double ? 24 : 12};
     const array indices = {"indices", mesh->indices, buffers != NULL ? &buffers->indices : NULL,
                            (uint64_t)mesh->triangle_count * 3, is_narrow ? 2 : 4};
-    SVO_I_TRY(get_array(launcher, &positions, &out->positions));
-    SVO_I_TRY(get_array(launcher, &indices, &out->indices));
-    return is_narrow && out->indices != NULL ? widen(launcher, indices.count, &out->indices) : SVO_OK;
+    SVO_I_TRY(get_array(work, &positions, &out->positions));
+    SVO_I_TRY(get_array(work, &indices, &out->indices));
+    return is_narrow && out->indices != NULL ? widen(work, indices.count, &out->indices) : SVO_OK;
 }
 
-svo_status svo_i_device_mesh_attributes(svo_i_launcher *launcher, const svo_i_plan_input *input, uint32_t need,
+svo_status svo_i_device_mesh_attributes(svo_i_device_work *work, const svo_i_plan_input *input, uint32_t need,
                                         svo_i_device_mesh *out)
 {
     const svo_mesh *mesh = &input->mesh;
@@ -92,21 +92,21 @@ svo_status svo_i_device_mesh_attributes(svo_i_launcher *launcher, const svo_i_pl
     const array materials = {"triangle_materials", mesh->triangle_materials, b != NULL ? &b->triangle_materials : NULL,
                              mesh->triangle_count, 2};
     if ((need & SVO_NEED_NORMAL) != 0) {
-        SVO_I_TRY(get_array(launcher, &normals, &out->normals));
+        SVO_I_TRY(get_array(work, &normals, &out->normals));
     }
     if ((need & SVO_NEED_COLOR) != 0) {
-        SVO_I_TRY(get_array(launcher, &colors, &out->colors));
-        SVO_I_TRY(get_array(launcher, &uvs, &out->uvs));
+        SVO_I_TRY(get_array(work, &colors, &out->colors));
+        SVO_I_TRY(get_array(work, &uvs, &out->uvs));
     }
-    return get_array(launcher, &materials, &out->triangle_materials);
+    return get_array(work, &materials, &out->triangle_materials);
 }
 
 void svo_i_device_mesh_free(svo_i_device_mesh *mesh)
 {
-    svo_i_launcher_free(&mesh->positions);
-    svo_i_launcher_free(&mesh->indices);
-    svo_i_launcher_free(&mesh->normals);
-    svo_i_launcher_free(&mesh->colors);
-    svo_i_launcher_free(&mesh->uvs);
-    svo_i_launcher_free(&mesh->triangle_materials);
+    svo_i_buffer_release(&mesh->positions);
+    svo_i_buffer_release(&mesh->indices);
+    svo_i_buffer_release(&mesh->normals);
+    svo_i_buffer_release(&mesh->colors);
+    svo_i_buffer_release(&mesh->uvs);
+    svo_i_buffer_release(&mesh->triangle_materials);
 }

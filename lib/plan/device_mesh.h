@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_PLAN_DEVICE_MESH_H
 #define SVO_LIB_PLAN_DEVICE_MESH_H
 
-#include "plan/launch.h"
+#include "core/work.h"
 #include "plan/plan_data.h"
 
 /* Packed arrays; NULL where the mesh has none. */
@@ -24,8 +24,8 @@ typedef struct svo_i_plan_input {
 } svo_i_plan_input;
 
 /* Gets the arrays that the request reads. Positions and indices: always. need: resolved svo_need bits. */
-svo_status svo_i_device_mesh_geometry(svo_i_launcher *launcher, const svo_i_plan_input *input, svo_i_device_mesh *out);
-svo_status svo_i_device_mesh_attributes(svo_i_launcher *launcher, const svo_i_plan_input *input, uint32_t need,
+svo_status svo_i_device_mesh_geometry(svo_i_device_work *work, const svo_i_plan_input *input, svo_i_device_mesh *out);
+svo_status svo_i_device_mesh_attributes(svo_i_device_work *work, const svo_i_plan_input *input, uint32_t need,
                                         svo_i_device_mesh *out);
 void svo_i_device_mesh_free(svo_i_device_mesh *mesh);
 

@@ -2,6 +2,9 @@
 /* Reads the arrays of plans that kernels made. Builds by OpenCL need none of it. */
 #include "plan/host_copy.h"
 
+#include <stddef.h>
+#include <string.h>
+
 bool svo_i_plan_has(const void *host, cl_mem memory)
 {
     return host != NULL || memory != NULL;
@@ -26,64 +29,50 @@ svo_status svo_i_plan_read(const svo_plan *plan, cl_mem memory, uint64_t bytes, 
     return SVO_OK;
 }
 
-/* Reads an array that is on the device alone. */
-static svo_status bring(const svo_plan *plan, cl_mem memory, uint64_t bytes, void **host)
-{
-    return *host == NULL && memory != NULL ? svo_i_plan_read(plan, memory, bytes, host) : SVO_OK;
-}
+/* The arrays of a plan, each by its pointer on the host, its buffer, and its bytes per vertex or per triangle. */
+#define PLACES(name) offsetof(svo_plan, name), offsetof(svo_i_plan_memory, name)
+static const struct {
+    size_t host_offset, memory_offset;
+    uint64_t vertex_bytes, triangle_bytes;
+} arrays[] = {
+    {PLACES(vertices), 12, 0},
+    {PLACES(positions), 12, 0},
+    {PLACES(positions_double), 24, 0},
+    {PLACES(colors), 4, 0},
+    {PLACES(normals), 8, 0},
+    {PLACES(uvs), 8, 0},
+    {PLACES(indices), 0, 12},
+    {PLACES(triangle_ids), 0, 4},
+    {PLACES(items), 0, sizeof(svo_draw_item)},
+    {PLACES(item_fragments), 0, 4},
+    {PLACES(records), 0, sizeof(svo_triangle_record)},
+};
+#define ARRAY_COUNT (sizeof arrays / sizeof arrays[0])
 
 svo_status svo_i_plan_copy_to_host(svo_plan *plan)
 {
-    const svo_i_plan_memory *memory = &plan->memory;
-    const uint64_t vertices = plan->vertex_count;
-    const uint64_t triangles = plan->triangle_count;
-    void *host = NULL;
-    host = plan->vertices;
-    SVO_I_TRY(bring(plan, memory->vertices, vertices * 12, &host));
-    plan->vertices = host;
-    host = plan->indices;
-    SVO_I_TRY(bring(plan, memory->indices, triangles * 12, &host));
-    plan->indices = host;
-    host = plan->triangle_ids;
-    SVO_I_TRY(bring(plan, memory->triangle_ids, triangles * 4, &host));
-    plan->triangle_ids = host;
-    host = plan->positions;
-    SVO_I_TRY(bring(plan, memory->positions, vertices * 12, &host));
-    plan->positions = host;
-    host = plan->positions_double;
-    SVO_I_TRY(bring(plan, memory->positions_double, vertices * 24, &host));
-    plan->positions_double = host;
-    host = plan->items;
-    SVO_I_TRY(bring(plan, memory->items, triangles * sizeof(svo_draw_item), &host));
-    plan->items = host;
-    host = plan->item_fragments;
-    SVO_I_TRY(bring(plan, memory->item_fragments, triangles * 4, &host));
-    plan->item_fragments = host;
-    host = plan->records;
-    SVO_I_TRY(bring(plan, memory->records, triangles * sizeof(svo_triangle_record), &host));
-    plan->records = host;
-    host = plan->colors;
-    SVO_I_TRY(bring(plan, memory->colors, vertices * 4, &host));
-    plan->colors = host;
-    host = plan->normals;
-    SVO_I_TRY(bring(plan, memory->normals, vertices * 8, &host));
-    plan->normals = host;
-    host = plan->uvs;
-    SVO_I_TRY(bring(plan, memory->uvs, vertices * 8, &host));
-    plan->uvs = host;
+    for (size_t i = 0; i < ARRAY_COUNT; ++i) {
+        char *at = (char *)plan + arrays[i].host_offset;
+        cl_mem memory = NULL;
+        void *host = NULL;
+        memcpy(&memory, (const char *)&plan->memory + arrays[i].memory_offset, sizeof memory);
+        memcpy(&host, at, sizeof host);
+        if (host == NULL && memory != NULL) {
+            const uint64_t bytes =
+                plan->vertex_count * arrays[i].vertex_bytes + plan->triangle_count * arrays[i].triangle_bytes;
+            SVO_I_TRY(svo_i_plan_read(plan, memory, bytes, &host));
+            memcpy(at, &host, sizeof host);
+        }
+    }
     return SVO_OK;
 }
 
 void svo_i_plan_memory_free(svo_i_plan_memory *memory)
 {
-    const cl_mem buffers[] = {memory->vertices,  memory->indices,         memory->triangle_ids,
-                              memory->items,     memory->item_fragments,  memory->records,
-                              memory->colors,    memory->normals,         memory->uvs,
-                              memory->positions, memory->positions_double};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        if (buffers[i] != NULL) {
-            clReleaseMemObject(buffers[i]);
-        }
+    for (size_t i = 0; i < ARRAY_COUNT; ++i) {
+        cl_mem buffer = NULL;
+        memcpy(&buffer, (const char *)memory + arrays[i].memory_offset, sizeof buffer);
+        svo_i_buffer_release(&buffer);
     }
     *memory = (svo_i_plan_memory){0};
 }

@@ -39,7 +39,7 @@ static bool prefers_kernels(svo_device *device, const char *function, uint64_t t
         return false;
     }
     device->planned_triangles += triangles;
-    return (svo_i_launcher_is_ready(device) || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+    return (svo_i_program_known(device, SVO_I_PROGRAM_PLAN, "") || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
            find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
 }
 
@@ -52,18 +52,18 @@ static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
     return svo_i_plan_positions(plan, &input->mesh);
 }
 
-static svo_status run_kernels(svo_plan *plan, svo_i_launcher *launcher, const svo_i_plan_input *input,
+static svo_status run_kernels(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                               svo_i_device_mesh *mesh)
 {
-    SVO_I_TRY(svo_i_launcher_begin(launcher, plan->device, plan->progress.function));
-    SVO_I_TRY(svo_i_device_mesh_geometry(launcher, input, mesh));
-    SVO_I_TRY(svo_i_device_grid(plan, launcher, input, mesh));
-    return svo_i_device_attributes(plan, launcher, input, mesh);
+    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
+    SVO_I_TRY(svo_i_device_grid(plan, work, input, mesh));
+    return svo_i_device_attributes(plan, work, input, mesh);
 }
 
 static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
 {
-    svo_i_launcher launcher = {.wait_count = input->wait_count, .wait = input->wait};
+    svo_i_device_work work;
     svo_i_device_mesh mesh = {0};
     bool has_doubles = false;
     plan->info.place = SVO_PLACE_DEVICE;
@@ -73,9 +73,11 @@ static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
                                  "%s: %s has no doubles with denormals, which a plan's kernels need",
                                  plan->progress.function, plan->device->name);
     }
-    SVO_I_TRY(svo_i_device_queue(plan->device, plan->progress.function, input->queue, &launcher.queue));
-    const svo_status status = run_kernels(plan, &launcher, input, &mesh);
-    svo_i_launcher_end(&launcher);
+    SVO_I_TRY(svo_i_work_begin(plan->device, plan->progress.function, input->queue, &work));
+    work.wait_count = input->wait_count;
+    work.wait = input->wait;
+    const svo_status status = run_kernels(plan, &work, input, &mesh);
+    svo_i_work_end(&work);
     svo_i_device_mesh_free(&mesh);
     return status;
 }

@@ -54,14 +54,6 @@ typedef struct maker {
 
 /* ---- buffers ---- */
 
-static void free_buffer(cl_mem *buffer)
-{
-    if (*buffer != NULL) {
-        clReleaseMemObject(*buffer);
-        *buffer = NULL;
-    }
-}
-
 /* Makes those of the temporary buffers that have bytes. */
 static svo_status make_works(maker *m, const uint64_t bytes[WORK_BUFFERS])
 {
@@ -428,9 +420,9 @@ static svo_status write_records(maker *m)
 
 static void release_refit(svo_i_device_bvh *bvh)
 {
-    free_buffer(&bvh->children);
-    free_buffer(&bvh->order);
-    free_buffer(&bvh->item_counts);
+    svo_i_buffer_release(&bvh->children);
+    svo_i_buffer_release(&bvh->order);
+    svo_i_buffer_release(&bvh->item_counts);
 }
 
 static svo_status begin(maker *m, svo_device *device, const char *function, cl_command_queue queue,
@@ -448,8 +440,8 @@ static svo_status begin(maker *m, svo_device *device, const char *function, cl_c
 static void end(maker *m)
 {
     svo_i_work_end(&m->work);
-    free_buffer(&m->nodes);
-    free_buffer(&m->leaves);
+    svo_i_buffer_release(&m->nodes);
+    svo_i_buffer_release(&m->leaves);
 }
 
 static svo_status make(maker *m)
@@ -514,6 +506,6 @@ cleanup:
 void svo_i_bvh_release(svo_i_device_bvh *bvh)
 {
     release_refit(bvh);
-    free_buffer(&bvh->nodes);
-    free_buffer(&bvh->leaves);
+    svo_i_buffer_release(&bvh->nodes);
+    svo_i_buffer_release(&bvh->leaves);
 }

@@ -16,6 +16,17 @@
 #define QUICK_RAYS 30000u
 #define FULL_RAYS  200000u
 
+/* The columns that both tables begin with. */
+static void add_first_columns(result_table *table)
+{
+    result_add_column(table, "triangles", "");
+    result_add_column(table, "rays", "");
+    result_add_column(table, "method", "");
+    result_add_column(table, "time", "ns/ray");
+    result_add_column(table, "missed", "");
+    result_add_column(table, "wrong", "");
+}
+
 static result_table *begin_table(error_run *run, size_t ray_count)
 {
     result_table *table = result_add_table(run->results, "e2-rays", "E2: rays", "");
@@ -29,12 +40,7 @@ static result_table *begin_table(error_run *run, size_t ray_count)
         "\"Voxels alone\" stops at the first leaf of depth 6, 8 or 10 and reports no triangle. %s; methods run "
         "interleaved.",
         ray_count, run->threads, run->rounds_note);
-    result_add_column(table, "triangles", "");
-    result_add_column(table, "rays", "");
-    result_add_column(table, "method", "");
-    result_add_column(table, "time", "ns/ray");
-    result_add_column(table, "missed", "");
-    result_add_column(table, "wrong", "");
+    add_first_columns(table);
     result_add_column(table, "error", "%");
     result_add_column(table, "error of t, mean", "");
     result_add_column(table, "error of t, largest", "");
@@ -47,21 +53,25 @@ static result_table *begin_input_table(error_run *run, size_t ray_count)
     result_set_note(
         table,
         "%zu rays of each kind against the mesh as it was given, floats of 24 bits, by long double. Missed and wrong: "
-        "as "
-        "in the table above. Beyond: hits whose triangle the ray meets more than an ulp of float beyond the nearest "
+        "as in the table above. Beyond: hits whose triangle the ray meets more than an ulp of float beyond the nearest "
         "one. Rounded: hits whose t is the exact one of their triangle, correctly rounded; error of t: the largest "
         "against it. %s; methods run interleaved.",
         ray_count, run->rounds_note);
-    result_add_column(table, "triangles", "");
-    result_add_column(table, "rays", "");
-    result_add_column(table, "method", "");
-    result_add_column(table, "time", "ns/ray");
-    result_add_column(table, "missed", "");
-    result_add_column(table, "wrong", "");
+    add_first_columns(table);
     result_add_column(table, "beyond", "");
     result_add_column(table, "rounded", "%");
     result_add_column(table, "error of t", "ulp");
     return table;
+}
+
+static void add_first_cells(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
+{
+    result_add_number(table, (double)triangle_count);
+    result_add_text(table, "%s", ray_target_name(target));
+    result_add_text(table, "%s", one->method);
+    result_add_number(table, one->ms * 1e6 / (double)one->rays);
+    result_add_number(table, (double)one->missed);
+    result_add_number(table, (double)one->wrong);
 }
 
 static void add_input_row(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
@@ -69,12 +79,7 @@ static void add_input_row(result_table *table, size_t triangle_count, ray_target
     if (one->named == 0) { /* voxels alone */
         return;
     }
-    result_add_number(table, (double)triangle_count);
-    result_add_text(table, "%s", ray_target_name(target));
-    result_add_text(table, "%s", one->method);
-    result_add_number(table, one->ms * 1e6 / (double)one->rays);
-    result_add_number(table, (double)one->missed);
-    result_add_number(table, (double)one->wrong);
+    add_first_cells(table, triangle_count, target, one);
     result_add_number(table, (double)one->beyond);
     result_add_number(table, 100.0 * (double)one->rounded / (double)one->named);
     result_add_number(table, one->ulps_max);
@@ -82,12 +87,7 @@ static void add_input_row(result_table *table, size_t triangle_count, ray_target
 
 static void add_row(result_table *table, size_t triangle_count, ray_target target, const ray_method_result *one)
 {
-    result_add_number(table, (double)triangle_count);
-    result_add_text(table, "%s", ray_target_name(target));
-    result_add_text(table, "%s", one->method);
-    result_add_number(table, one->ms * 1e6 / (double)one->rays);
-    result_add_number(table, (double)one->missed);
-    result_add_number(table, (double)one->wrong);
+    add_first_cells(table, triangle_count, target, one);
     result_add_number(table, 100.0 * ray_method_error(one));
     result_add_number(table, one->t_error_mean);
     result_add_number(table, one->t_error_max);
