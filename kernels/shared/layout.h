@@ -239,7 +239,8 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
     SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
     SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
-    SVO_U32 reserved[2]; /* 72 */
+    SVO_U32 grouped; /* 72: not 0: fragments are gathered in the order of their leaves */
+    SVO_U32 reserved; /* 76 */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */

@@ -3,10 +3,11 @@
  * The payload, from the leaves up: mean color, mean normal and fill of every node, and the leaves' projected areas, in
  * integers.
  *
- *   svo_k_gather_level  per node of the deepest inner level: traverses its leaves' linked lists, sums each triangle's
- *                       contribution to the voxel, writes the leaves' payload and the node's sums. For lists of one
- *                       chunk
- *   svo_k_gather        per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
+ *   svo_k_gather_level  on CPUs, per node of the deepest inner level: traverses its leaves' linked lists, sums each
+ *                       triangle's contribution to the voxel, writes the leaves' payload and the node's sums. For lists
+ *                       of one chunk
+ *   svo_k_gather        on CPUs, per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
+ *   pairs.cl            elsewhere, per fragment: the leaves' sums
  *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
  *                       sums
  *   svo_k_round_areas   per leaf, after all chunks: writes the leaf's projected areas from their sums
@@ -15,15 +16,14 @@
  * on the order of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a
  * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
- * Launch: one work-item per node or leaf, or in the first two kernels with -DSVO_PAIR_LANES, for CPUs with fp64, one
- * per SVO_GATHER_NODES of them; rounded up to whole groups. There a work-item evaluates its pairs eight at a time
- * (pair_lanes.clh). No atomics: one work-item writes a node's sums.
+ * Launch: one work-item per node or leaf, rounded up to whole groups. The first two kernels, with -DSVO_PAIR_LANES for
+ * CPUs with fp64, have one per SVO_GATHER_NODES of them, which evaluates its pairs eight at a time (pair_lanes.clh). No
+ * atomics: one work-item writes a node's sums.
  * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node); of the leaves, for
  * lists of several chunks: areas (6 ulong a leaf).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
-#include "stages/leaf_lists.clh"
 #include "stages/leaf_windows.clh"
 #include "stages/sums.clh"
 
@@ -67,6 +67,8 @@ static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint f
         svo_store_payload(sums, 0u, payload, fill_shift + 2u);
     }
 }
+
+#ifdef SVO_PAIR_LANES
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_gather(__global const uint *fragments, __global const uint *links, __global const uint *heads,
@@ -139,6 +141,8 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
         }
     }
 }
+
+#endif
 
 #ifdef SVO_AREAS
 

@@ -4,7 +4,8 @@
  *
  *   svo_k_count       per fragment: the lengths
  *   scan.cl           per leaf: where its range begins
- *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0)
+ *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0); where pairs.cl
+ *                     sums up the leaves also, or only, the fragment itself, which gives the order of leaves
  *   svo_k_sort_short  per leaf: Shell sort of up to SVO_SHORT_LIST_MAX entries, with the gaps of Ciura, "Best
  *                     Increments for the Average Case of Shellsort", 2001; longer leaves are appended to long_leaves
  *   svo_k_sort_long   per long leaf, one work-group: stable radix sort, four bits a pass, between list and spare
@@ -32,20 +33,33 @@ svo_k_count(__global const uint *cursors, volatile __global uint *counts, __glob
 
 #endif
 
-#ifdef SVO_LISTS
+#if defined(SVO_LISTS) || defined(SVO_ORDER)
 
+/* order: NULL where the list has several chunks. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
-              __global const uint *list_begin, __global uint *list, __global const svo_build_state *state,
-              svo_filter_params params)
+              __global const uint *list_begin, __global uint *list, __global uint *order,
+              __global const svo_build_state *state, svo_filter_params params)
 {
     svo_make_current(&params, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         const uint leaf = cursors[index] - params.leaf_begin;
-        list[list_begin[leaf] + atomic_dec(counts + leaf) - 1u] = svo_fragment_triangle(fragments, index);
+        const uint slot = list_begin[leaf] + atomic_dec(counts + leaf) - 1u;
+#ifdef SVO_LISTS
+        list[slot] = svo_fragment_triangle(fragments, index);
+#endif
+#ifdef SVO_ORDER
+        if (order != 0) {
+            order[slot] = (uint)index;
+        }
+#endif
     }
 }
+
+#endif
+
+#ifdef SVO_LISTS
 
 #define SVO_SORT_GAPS 6
 __constant uint svo_gaps[SVO_SORT_GAPS] = {132, 57, 23, 10, 4, 1};

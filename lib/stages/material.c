@@ -121,10 +121,10 @@ static svo_status run(sorter *s)
     return SVO_OK;
 }
 
-/* Releases the ranges of entries if only the materials needed them. */
+/* Releases the ranges of entries if nothing else needs them. */
 static void free_ranges(svo_i_build *build)
 {
-    if (!build->commands.plan->work.lists) {
+    if (!build->commands.plan->work.lists && !build->commands.plan->work.order) {
         svo_i_commands_free(&build->commands, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
     }
 }
