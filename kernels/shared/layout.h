@@ -35,6 +35,8 @@
 #define SVO_FRAGMENT_WORDS_48 3
 /* Leaf lists up to this length are sorted by one work-item, longer ones by a work-group. */
 #define SVO_SHORT_LIST_MAX 256
+/* The most triangles of a leaf that one work-item sorts or sums up where drivers stop long launches: on GPUs. */
+#define SVO_LONG_LEAF 4096
 /* Long lists are sorted by digits of this many bits. */
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)

@@ -14,11 +14,12 @@
  * Buffers: sums of the leaves, which start at zero: weights (ulong), color (4 ulong a leaf), normal (3 long a leaf),
  * areas (6 ulong a leaf). Local memory: SVO_PAIR_WORDS * SVO_GROUP_ITEMS ulong and SVO_GROUP_ITEMS uint, arguments (see
  * group.clh).
- * Atomics: a run that is all of its leaf is stored. Runs of a leaf that other groups share are added by 32-bit atomics,
- * the low word first, then the high word with the carry.
+ * Atomics: a run that is all of its leaf is stored. Runs of a leaf that groups share are added by atomics
+ * (shared_sum.clh).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
+#include "stages/shared_sum.clh"
 #include "stages/sums.clh"
 
 #if defined(SVO_GATHERED) && !defined(SVO_PAIR_LANES)
@@ -70,18 +71,6 @@ static void svo_put_pair(__local ulong *at, svo_surface surface, uint triangle, 
         at[(SVO_AREA_WORD + i) * SVO_GROUP_ITEMS] = areas.of[i];
     }
 #endif
-}
-
-/* Adds to a sum that other groups add to as well. */
-static void svo_add_shared(__global ulong *sum, ulong value)
-{
-    volatile __global uint *words = (volatile __global uint *)sum;
-    const uint low = (uint)value;
-    const uint carry = atomic_add(words, low) > ~low ? 1u : 0u;
-    const uint high = (uint)(value >> 32) + carry;
-    if (high != 0u) {
-        atomic_add(words + 1, high);
-    }
 }
 
 /* A run of pairs of one leaf, in local memory: the first, and how many. */

@@ -148,8 +148,7 @@ static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void material_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)plan;
-    (void)snprintf(text, bytes, " -DSVO_MATERIAL");
+    (void)snprintf(text, bytes, " -DSVO_MATERIAL%s", plan->device->cpu_path ? "" : " -DSVO_LONG_LEAVES");
 }
 
 static void filter_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -284,9 +283,9 @@ static const svo_i_stage rows[] = {
      .item_ns = 60.0,
      .program = SVO_I_PROGRAM_FILTER,
      .defines = material_defines,
-     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_merge"},
+     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_long", "svo_k_material_merge"},
      .buffers = {TREE("materials", NODES), SCRATCH("entry_counts", NODES), SCRATCH("entry_begins", NODES),
-                 SCRATCH("entries", FRAGMENTS)}},
+                 SCRATCH("entries", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS)}},
     {.name = "link", /* filter launches it, chunk by chunk */
      .stage = SVO_STAGE_LINK,
      .runs = link_runs,
