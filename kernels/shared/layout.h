@@ -45,6 +45,10 @@
    SVO_TILE_EDGE x SVO_TILE_EDGE columns. */
 #define SVO_TILE_EDGE    8
 #define SVO_TILE_COLUMNS (SVO_TILE_EDGE * SVO_TILE_EDGE)
+/* Words of local memory of a group of it: on CPUs, where one work-item stages its group's fragments, and elsewhere,
+   where each notes its own columns, in 16 bits each. */
+#define SVO_VOXELIZE_STAGE_WORDS (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+#define SVO_VOXELIZE_NOTE_WORDS  (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS / 2 + 1))
 
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
